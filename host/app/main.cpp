@@ -1,0 +1,5 @@
+#include "core/log.hpp"
+
+int main() {
+  hybrid::log::info("hybrid");
+}

@@ -1,0 +1,32 @@
+#pragma once
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+
+namespace hybrid::log {
+
+enum class Level { debug, info, warning, error, off };
+
+// All log lines go to stderr; stdout is for results. `level` is one of debug, info, warning, error, off.
+void set_level(const std::string& level);
+void write(Level level, const std::string& line);
+
+template <typename... Args>
+void debug(fmt::format_string<Args...> format, Args&&... args) {
+  write(Level::debug, fmt::format(format, std::forward<Args>(args)...));
+}
+template <typename... Args>
+void info(fmt::format_string<Args...> format, Args&&... args) {
+  write(Level::info, fmt::format(format, std::forward<Args>(args)...));
+}
+template <typename... Args>
+void warning(fmt::format_string<Args...> format, Args&&... args) {
+  write(Level::warning, fmt::format(format, std::forward<Args>(args)...));
+}
+template <typename... Args>
+void error(fmt::format_string<Args...> format, Args&&... args) {
+  write(Level::error, fmt::format(format, std::forward<Args>(args)...));
+}
+
+}  // namespace hybrid::log

@@ -1,0 +1,27 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/pose.hpp"
+
+namespace hybrid {
+
+// A scan as its file gave it: samples in file order, in the scan frame (origin at the mirror). Sample i is
+// what `source` indices refer to. Non-finite points and points at the origin are no-returns.
+struct Scan {
+  std::string name;
+  std::vector<std::array<float, 3>> points;  // metres, relative to `origin`
+  Vec3 origin = Vec3::Zero();    // added to every point: keeps georeferenced input precise in float
+  std::vector<float> intensity;  // one per point, or empty
+  std::vector<std::array<std::uint8_t, 3>> rgb;  // one per point, or empty
+  int grid_rows = 0, grid_cols = 0;  // organised input: points[col * grid_rows + row], column-major, rows
+                                     // by ascending elevation as scanned or descending: not yet ordered
+  bool organised() const { return grid_rows > 1 && grid_cols > 1; }
+  std::optional<Pose> world_from_scan;  // as recorded in the file, if it was
+  std::vector<std::string> notes;       // oddities worth telling the user (dropped fields, ...)
+};
+
+}  // namespace hybrid

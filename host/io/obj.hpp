@@ -1,0 +1,15 @@
+#pragma once
+#include <filesystem>
+
+#include "geometry/polygon_model.hpp"
+
+namespace hybrid::io {
+
+// Wavefront OBJ polygons of any size; negative indices, groups/objects/materials name faces (the last of g,
+// o, usemtl; repeated names get -2, -3 ...), CR/LF. `scale` multiplies coordinates (unit = "mm": 0.001); y_up
+// turns the model so that Z is up. Throws ErrorKind::input naming file and line: a face index out of range,
+// fewer than 3 vertices, a non-finite vertex, no face at all.
+PolygonModel read_obj(const std::filesystem::path& file, double scale = 1, bool y_up = false);
+void write_obj(const std::filesystem::path& file, const PolygonModel& model);
+
+}  // namespace hybrid::io

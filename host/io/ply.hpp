@@ -1,0 +1,27 @@
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "geometry/scan.hpp"
+
+namespace hybrid::io {
+
+// PLY 1.0 vertices: ascii and both endians, any property order and types, other elements and lists skipped.
+Scan read_ply(const std::filesystem::path& file);
+
+// A point of detail.ply.
+struct PlyPoint {
+  std::array<double, 3> position{};
+  float intensity = 0;
+  std::array<std::uint8_t, 3> rgb{};
+};
+struct PlyContent {
+  bool intensity = false, colour = false;
+  bool double_precision = false;  // georeferenced
+};
+
+// Binary little-endian PLY, written by rename when complete.
+void write_ply(const std::filesystem::path& file, const std::vector<PlyPoint>& points,
+               const PlyContent& content);
+
+}  // namespace hybrid::io

@@ -1,0 +1,83 @@
+#pragma once
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/option_table.hpp"
+#include "geometry/vectors.hpp"
+
+namespace hybrid::io {
+
+// The scene file as written (SCENE.md), checked for unknown keys, types and ranges; paths resolved against
+// the file's folder, with ${NAME} and ${NAME:-default} taken from the environment. Errors name file, line,
+// key, expectation.
+struct SceneLandmark {
+  int line = 0;
+  std::optional<Vec3> scan;                 // metres, scan frame ...
+  std::optional<std::array<int, 2>> pixel;  // ... or row, column of range.exr
+  std::optional<Vec3> model;                // metres, model frame ...
+  std::optional<int> vertex;                // ... or vertex index of the model file
+  bool snap = true;
+};
+
+struct SceneScan {
+  int line = 0;
+  std::string id;  // as written, or "" (then from the file name)
+  std::filesystem::path file;
+  std::optional<int> index;
+  std::vector<SceneLandmark> landmarks;
+  std::optional<std::array<double, 16>> pose;
+  bool fixed = false;
+};
+
+struct SceneView {
+  int line = 0;
+  std::string name;
+  std::string photograph;  // or eye/target/up/fov_deg/size:
+  Vec3 eye = Vec3::Zero(), target = Vec3::UnitY(), up = Vec3::UnitZ();
+  double fov_deg = 60;
+  std::array<int, 2> size{1920, 1080};
+  std::string show = "both";
+  bool texture = true, cameras = false;
+  std::vector<std::string> leave_out;
+};
+
+// The value of an option key of [planes], [register], [edit] or [render]: the stage that owns the key checks
+// it against its option table.
+struct SceneOption {
+  int line = 0;
+  OptionValue value;
+};
+using SceneOptions = std::map<std::string, SceneOption>;
+
+struct SceneFile {
+  std::filesystem::path path;
+  std::string name;
+  bool levelled = false;
+  std::string crs;
+  Vec3 shift = Vec3::Zero();
+  std::optional<std::filesystem::path>
+      truth;  // truth.json of a synthetic scene: scores only, never read by a stage
+
+  std::vector<SceneScan> scans;
+  struct Model {
+    std::filesystem::path file;
+    std::string unit = "m", up = "z";
+  };
+  std::optional<Model> model;
+  struct Photographs {
+    std::filesystem::path colmap;
+    std::filesystem::path images;
+    std::optional<std::array<double, 16>> world_from_photographs;
+  };
+  std::optional<Photographs> photographs;
+  SceneOptions planes, registration, edit, render;
+  std::vector<SceneView> views;
+};
+
+SceneFile read_scene_file(const std::filesystem::path& file);
+
+}  // namespace hybrid::io

@@ -1,0 +1,101 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/option_table.hpp"
+#include "device/queue.hpp"
+#include "geometry/camera.hpp"
+#include "geometry/image.hpp"
+#include "geometry/polygon_model.hpp"
+#include "geometry/range_image.hpp"
+#include "geometry/superclusters.hpp"
+
+namespace hybrid::stages {
+
+struct RenderOptions {
+  std::string blend = "dual";     // "nearest" | "linear" | "dual"
+  std::string weights = "angle";  // "angle" (Facade); "ulr" comes in part 7
+  double sigma_px = 4;            // Gaussian that splits photographs into low and high frequencies
+  double feather_px = 32;         // weights fall to 0 over this distance to a photograph's border
+  double surface_tolerance_m =
+      0.02;                  // within this of a proxy face the sample wins; shadow rays ignore hits this near
+  int samples_per_axis = 1;  // primary rays per pixel = n^2
+};
+const std::vector<OptionRow<RenderOptions>>& render_option_table();
+
+// A retained sample as a tiny sphere (paper 2.4), world frame.
+struct Splat {
+  std::array<float, 3> centre_m;
+  float radius_m;
+  std::array<float, 3> normal;  // towards the scanner, unit; zero when unknown
+  std::uint32_t scan;           // index of the scan, for plain colouring
+};
+
+// Everything a view is made of, world frame.
+struct RenderScene {
+  PolygonModel proxy;
+  std::vector<Splat> splats;
+  std::vector<Photograph> photographs;
+  std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph
+};
+
+struct ViewRequest {
+  Photograph camera;          // full camera, distortion included
+  std::string show = "both";  // "proxy" | "scan" | "both"
+  bool texture = true;
+  bool cameras = false;  // draw the photographs' positions
+  std::vector<std::string> leave_out;
+};
+
+// One rendered view; all images have the camera's extent.
+struct RenderedView {
+  ImageF colour;  // linear RGB; red (1,0,0) where no photograph sees the surface; background black
+  std::vector<float> depth_m;           // along the viewing axis (Z); +inf where nothing is hit
+  ImageF normal;                        // world, unit, towards the viewer
+  std::vector<std::uint32_t> id;        // 0 nothing, 1 + face index, 0x80000000 + splat index
+  std::vector<std::uint32_t> coverage;  // number of photographs that see the pixel's surface point
+  std::vector<std::int32_t> best;       // index of the heaviest photograph, -1 none
+};
+
+// Keeps what does not change between views: the photographs and their low band on the device, the BVH.
+class Renderer {
+ public:
+  Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options = {});
+  ~Renderer();
+  // METHOD 10. Kernels: ray_cast, blend_photos, blur_photo. Throws ErrorKind::input: a leave_out that names
+  // no photograph.
+  RenderedView render(const ViewRequest& request);
+  // Projects the photographs onto a scan's own range-image tiles: linear RGB and coverage per node (NaN, 0
+  // where empty).
+  struct ColouredRange {
+    ImageF colour;                        // cols x rows, linear RGB; red where unseen
+    std::vector<std::uint32_t> coverage;  // photographs that see the sample
+  };
+  ColouredRange colour_range_image(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                   const Pose& world_from_scan, int tile = 1024);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Sphere radius per node from the local sample spacing (r x angular step / cos incidence, clamped), metres;
+// the measured nodes marked in `keep` become splats in the world frame. scan_index colours plain views.
+std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation& segmentation,
+                               const std::vector<std::uint8_t>& keep, const Pose& world_from_scan,
+                               std::uint32_t scan_index);
+
+// Image quality against a reference photograph (METHOD, how results are scored).
+struct ImageQuality {
+  double psnr_db =
+      0;            // sRGB-encoded 8-bit scale, R, G and B pooled, one gain per channel fitted, on the mask
+  double ssim = 0;  // mean over the mask, luma, 11x11 Gaussian window
+  double share_seen = 0;  // share of pixels in the mask
+};
+ImageQuality compare_images(const ImageF& linear, const Image8& reference,
+                            const std::vector<std::uint8_t>& mask);
+
+}  // namespace hybrid::stages

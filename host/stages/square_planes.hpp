@@ -1,0 +1,38 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "core/option_table.hpp"
+#include "device/queue.hpp"
+#include "geometry/range_image.hpp"
+#include "shared/records.h"
+
+namespace hybrid::stages {
+
+struct SquarePlaneOptions {
+  int square = 5;                 // side n in samples, 3..16
+  int hypotheses = 32;            // K test planes per square
+  double sigma_m = 0;             // range noise along the ray; 0 = estimated from the scan
+  double threshold_sigmas = 3;    // k of t(r) = k sigma_range(r) + threshold_m
+  double threshold_m = 0.002;     // constant part of the inlier threshold
+  double min_valid_share = 0.7;   // below: undersampled
+  double min_inlier_share = 0.8;  // below: non-planar
+  std::string score = "msac";     // "paper" | "msac"
+  std::string fit = "ransac";     // "ransac" | "eigen", the paper's rejected baseline
+  int seed = 1;
+  int tile = 1024;
+};
+const std::vector<OptionRow<SquarePlaneOptions>>& square_plane_option_table();
+
+struct SquarePlanes {
+  int square = 5;
+  int rows = 0, cols = 0;  // in squares: whole squares and the partial ones at the right and bottom edge
+  double sigma_m = 0;      // used
+  std::vector<SquareRecord> squares;  // rows x cols
+};
+
+// METHOD 2 (paper 2.1): RANSAC per square on the device, refit on the inliers. Kernel: square_planes.
+SquarePlanes fit_square_planes(device::Queue& queue, const RangeImage& image,
+                               const SquarePlaneOptions& options = {});
+
+}  // namespace hybrid::stages

@@ -1,0 +1,39 @@
+// Records that arrays on the device hold. Floats are metres relative to the scene's or scan's local origin.
+#ifndef HYBRID_SHARED_RECORDS_H
+#define HYBRID_SHARED_RECORDS_H
+#include "shared/layout.h"
+
+// A photograph's or view's camera; model and frames as in host/geometry/camera.hpp.
+typedef struct CameraRecord {
+  float rotation[9];     // cam_from_world, row-major
+  float translation[3];  // cam_from_world
+  float centre[3];       // in the world
+  float fx, fy, cx, cy;
+  float k1, k2, p1, p2;
+  float max_radius2;  // r2 up to which the distortion is monotonic
+  HYBRID_UINT width, height;
+  HYBRID_UINT first_pixel;  // of this photograph in the array of all photographs' pixels
+  float pad[5];
+} CameraRecord;
+LAYOUT_CHECK(CameraRecord, 128);
+
+// What became of one square of n x n samples (METHOD 2).
+#define SQUARE_UNDERSAMPLED 0u
+#define SQUARE_NON_PLANAR 1u
+#define SQUARE_PLANAR 2u
+
+typedef struct SquareRecord {
+  float normal[3];  // unit, towards the scanner; plane: normal . x = offset, scan frame, metres
+  float offset;
+  float centroid[3];   // mean of the inliers
+  float rms;           // of the inliers' orthogonal distances to the plane
+  float scatter[6];    // sum over the inliers of (p - centroid)(p - centroid)^T: xx xy xz yy yz zz, m2
+  float sigma_normal;  // standard deviation of the normal's direction, rad
+  HYBRID_UINT valid;   // samples with a return or interpolated
+  HYBRID_UINT inliers;
+  HYBRID_UINT state;  // SQUARE_...; all floats are 0 unless SQUARE_PLANAR
+  float pad[2];
+} SquareRecord;
+LAYOUT_CHECK(SquareRecord, 80);
+
+#endif

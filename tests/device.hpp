@@ -1,0 +1,32 @@
+#pragma once
+#include <cstring>
+#include <vector>
+
+#include "device/queue.hpp"
+
+namespace hybrid::testing {
+
+// The queue all tests of one process share: kernels build once.
+device::Queue& queue();
+
+// Sizes every kernel is tried at (STYLE.md): none, one, a work-group +-1, a prime, large.
+inline const std::vector<std::size_t> kSizes = {0, 1, 127, 128, 129, 1009, 100003};
+
+// Bit-for-bit equality, so that NaN equals NaN and -0 differs from 0.
+template <typename T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// Runs `body` at work-group sizes 16 and 64 and returns both results.
+template <typename Body>
+auto at_two_work_group_sizes(const Body& body) {
+  queue().set_work_group_size(16);
+  auto first = body();
+  queue().set_work_group_size(64);
+  auto second = body();
+  queue().set_work_group_size(0);
+  return std::pair(std::move(first), std::move(second));
+}
+
+}  // namespace hybrid::testing
