@@ -19,6 +19,7 @@ struct Scan {
   std::vector<std::array<std::uint8_t, 3>> rgb;  // one per point, or empty
   int grid_rows = 0, grid_cols = 0;  // organised input: points[col * grid_rows + row], column-major, rows
                                      // by ascending elevation as scanned or descending: not yet ordered
+  Vec3 point(std::size_t i) const { return origin + Vec3(points[i][0], points[i][1], points[i][2]); }
   bool organised() const { return grid_rows > 1 && grid_cols > 1; }
   std::optional<Pose> world_from_scan;  // as recorded in the file, if it was
   std::vector<std::string> notes;       // oddities worth telling the user (dropped fields, ...)

@@ -1,0 +1,36 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "core/option_table.hpp"
+
+namespace hybrid::app {
+
+// Options every command has.
+struct CommonOptions {
+  std::string device;
+  int threads = 0;
+  std::optional<int> seed;
+  bool json = false, quiet = false, dry_run = false, force = false;
+  std::string log_level = "info";
+  int tile = 1024;
+};
+
+// Adds the common options to a command and keeps them alive with it.
+void add_common_options(CLI::App& command, CommonOptions& options);
+// Applies log level and thread count; call first in every command.
+void apply(const CommonOptions& options);
+
+// "auto" or a number, as --square takes it.
+OptionValue parse_square(const std::string& text);
+
+// Each adds its subcommand to the program; the callback returns the exit code through `exit_code`.
+void add_run(CLI::App& program, int& exit_code);
+void add_planes(CLI::App& program, int& exit_code);
+void add_register(CLI::App& program, int& exit_code);
+void add_render(CLI::App& program, int& exit_code);
+void add_info(CLI::App& program, int& exit_code);
+void add_devices(CLI::App& program, int& exit_code);
+
+}  // namespace hybrid::app

@@ -1,0 +1,35 @@
+#include <charconv>
+
+#include "app/commands.hpp"
+#include "core/log.hpp"
+#include "core/parallel.hpp"
+
+namespace hybrid::app {
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_option("--device", options.device, "cpu, gpu or an index of `hybrid devices`");
+  command.add_option("--threads", options.threads, "host and CPU device threads, 0 = all cores");
+  command.add_option("--seed", options.seed, "seed of all random choices (default: the scene file's, else 1)");
+  command.add_option("--tile", options.tile, "samples per tile side on the device; changes no result")
+      ->check(CLI::Range(16, 65536));
+  command.add_flag("--json", options.json, "print one JSON document on stdout");
+  command.add_flag("--quiet", options.quiet, "no progress; warnings and errors only");
+  command.add_flag("--dry-run", options.dry_run, "check the inputs, say what would be done, write nothing");
+  command.add_flag("--force", options.force, "write into the output folder of another scene");
+  command.add_option("--log-level", options.log_level, "debug, info, warning, error or off");
+}
+
+void apply(const CommonOptions& options) {
+  log::set_level(options.quiet && options.log_level == "info" ? "warning" : options.log_level);
+  set_thread_count(options.threads);
+}
+
+OptionValue parse_square(const std::string& text) {
+  std::int64_t side = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), side);
+  if (parsed.ec == std::errc() && parsed.ptr == text.data() + text.size()) return side;
+  if (text == "auto") return text;
+  fail(ErrorKind::usage, "--square {}: expected auto or a number from 3 to 16", text);
+}
+
+}  // namespace hybrid::app

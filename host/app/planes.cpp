@@ -1,0 +1,40 @@
+#include <filesystem>
+#include <iostream>
+#include <set>
+
+#include "app/commands.hpp"
+#include "batch/planes_run.hpp"
+#include "core/log.hpp"
+
+namespace hybrid::app {
+
+void add_planes(CLI::App& program, int& exit_code) {
+  auto* command = program.add_subcommand("planes", "plane extraction, contours and decimation of single scans");
+  auto common = std::make_shared<CommonOptions>();
+  auto request = std::make_shared<batch::PlanesRequest>();
+  auto square = std::make_shared<std::string>("auto");
+  command->add_option("scans", request->files, "scan files (.pcd .ply .ptx)")->required();
+  command->add_option("--out", request->out, "output folder")->required();
+  command->add_option("--square", *square, "side of the squares in samples: auto or 3..16");
+  add_common_options(*command, *common);
+  command->callback([=, &exit_code] {
+    apply(*common);
+    request->options.set_square(parse_square(*square));
+    request->options.set_tile(common->tile);
+    request->options.set_seed(common->seed.value_or(1));
+    request->quiet = common->quiet;
+    if (common->dry_run) {
+      for (const auto& file : request->files) std::cout << "would extract the planes of " << file.string() << "\n";
+      return;
+    }
+    device::Queue queue(common->device);
+    const auto run = batch::run_planes(queue, *request);
+    if (common->json)
+      std::cout << run.summary.dump(1) << "\n";
+    else
+      std::cout << batch::text_of(run);
+    exit_code = run.exit_code;
+  });
+}
+
+}  // namespace hybrid::app

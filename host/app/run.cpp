@@ -1,0 +1,30 @@
+#include <fmt/ranges.h>
+
+#include "app/scene_command.hpp"
+
+namespace hybrid::app {
+namespace {
+
+std::set<std::string> parse_stages(const std::vector<std::string>& names) {
+  if (names.empty()) return batch::kAllStages;
+  for (const auto& name : names)
+    if (batch::kAllStages.count(name) == 0)
+      fail(ErrorKind::usage, "--only {}: expected stages among {}", name, fmt::join(batch::kAllStages, ", "));
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
+void add_run(CLI::App& program, int& exit_code) {
+  const auto scene = make_scene_command(program, "run", "one scene, all its stages");
+  auto only = std::make_shared<std::vector<std::string>>();
+  scene.command
+      ->add_option("--only", *only, "stages whose outputs are written, among planes,register,render,report")
+      ->delimiter(',');
+  scene.command->callback([=, &exit_code] {
+    scene.request->stages = parse_stages(*only);
+    exit_code = run_scene_command(scene);
+  });
+}
+
+}  // namespace hybrid::app

@@ -1,0 +1,41 @@
+#include "app/scene_command.hpp"
+
+#include <iostream>
+
+#include "core/log.hpp"
+#include "report/report.hpp"
+
+namespace hybrid::app {
+
+SceneCommand make_scene_command(CLI::App& program, const std::string& name, const std::string& help) {
+  SceneCommand made;
+  made.command = program.add_subcommand(name, help);
+  made.command->add_option("scene", made.request->scene_file, "the scene file (TOML)")->required();
+  made.command->add_option("--out", made.request->out, "output folder")->required();
+  add_common_options(*made.command, *made.common);
+  return made;
+}
+
+int run_scene_command(const SceneCommand& command) {
+  const auto& common = *command.common;
+  auto& request = *command.request;
+  apply(common);
+  request.tile = common.tile;
+  request.seed = common.seed;
+  request.force = common.force;
+  request.quiet = common.quiet;
+  if (common.dry_run) {
+    std::cout << batch::describe_run(request) << "\n";
+    return 0;
+  }
+  device::Queue queue(common.device);
+  const auto run = batch::run_scene(queue, request);
+  if (request.stages.count("report")) report::write_report(queue, run, request.out);
+  if (common.json)
+    std::cout << run.summary.dump(1) << "\n";
+  else
+    std::cout << report::text_summary(run, request.out);
+  return batch::exit_code(run);
+}
+
+}  // namespace hybrid::app

@@ -1,0 +1,80 @@
+#include "batch/planes_json.hpp"
+
+#include <algorithm>
+
+namespace hybrid::batch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json json_of(const ContourRing& ring) {
+  Json points = Json::array();
+  for (const auto& point : ring.points) points.push_back(json_of(point));
+  return {{"ring", ring.outer ? "outer" : "inner"}, {"points_m", points}};
+}
+
+}  // namespace
+
+Json planes_json(const ScanProduct& product) {
+  Json list = Json::array();
+  for (const auto& supercluster : product.segmentation.superclusters) {
+    Json contours = Json::array();
+    for (const auto& ring : supercluster.contours) contours.push_back(json_of(ring));
+    list.push_back({{"id", supercluster.id},
+                    {"normal", json_of(supercluster.plane.normal)},
+                    {"offset_m", supercluster.plane.offset_m},
+                    {"centroid_m", json_of(supercluster.centroid_m)},
+                    {"rms_m", supercluster.rms_m},
+                    {"area_m2", supercluster.area_m2},
+                    {"squares", supercluster.squares},
+                    {"samples", supercluster.samples},
+                    {"contours", contours}});
+  }
+  return {{"scan", product.id},
+          {"frame", "scan"},
+          {"square", product.segmentation.square},
+          {"sigma_m", product.sigma_m},
+          {"superclusters", list}};
+}
+
+Json scan_figures(const ScanProduct& product) {
+  const auto& image = product.image;
+  const auto& fate = product.decimation.fate;
+  const auto& classes = product.segmentation.square_class;
+  const auto masked = [&](SampleMask mask) { return std::count(image.mask.begin(), image.mask.end(), mask); };
+  const auto classed = [&](SquareClass kind) { return std::count(classes.begin(), classes.end(), kind); };
+  const auto fated = [&](stages::SampleFate kind) { return std::count(fate.begin(), fate.end(), kind); };
+  const auto extra = static_cast<std::int64_t>(image.extra.size());
+  return {{"id", product.id},
+          {"input_samples", product.input_samples},
+          {"input_returns", product.input_returns},
+          {"grid", {{"rows", image.rows}, {"cols", image.cols}, {"full_turn", image.wraps}}},
+          {"nodes",
+           {{"measured", masked(kMeasured)}, {"interpolated", masked(kInterpolated)}, {"empty", masked(kEmpty)}}},
+          {"extra_samples", extra},
+          {"sigma_m", product.sigma_m},
+          {"square", product.segmentation.square},
+          {"squares",
+           {{"undersampled", classed(kUndersampled)},
+            {"non_planar", classed(kNonPlanar)},
+            {"planar_too_small", classed(kPlanarTooSmall)},
+            {"in_superclusters", classed(kSuperclusterMember)}}},
+          {"superclusters", product.segmentation.superclusters.size()},
+          {"decimation",
+           {{"measured", product.decimation.measured},
+            {"discarded", product.decimation.discarded},
+            {"discarded_share", product.decimation.discarded_share()},
+            {"kept",
+             {{"boundary", fated(stages::kBoundary)},
+              {"non_planar_squares", fated(stages::kNonPlanarSquare)},
+              {"small_planar_squares", fated(stages::kSmallPlanarSquare)},
+              {"outliers", fated(stages::kOutlier)},
+              {"undersampled_squares", fated(stages::kUndersampledSquare)},
+              {"unexplained", fated(stages::kUnexplained)},
+              {"extra", extra}}}}},
+          {"notes", product.notes}};
+}
+
+}  // namespace hybrid::batch

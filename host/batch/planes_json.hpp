@@ -1,0 +1,14 @@
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "batch/scan_unit.hpp"
+
+namespace hybrid::batch {
+
+// planes.json of SCENE.md.
+nlohmann::ordered_json planes_json(const ScanProduct& product);
+
+// The figures of one scan for summary.json: samples, grid, squares by class, superclusters, decimation.
+nlohmann::ordered_json scan_figures(const ScanProduct& product);
+
+}  // namespace hybrid::batch

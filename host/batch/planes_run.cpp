@@ -1,0 +1,98 @@
+#include "batch/planes_run.hpp"
+
+#include <set>
+
+#include "batch/planes_json.hpp"
+#include "core/log.hpp"
+#include "io/output.hpp"
+#include "io/read_scan.hpp"
+#include "io/scene_file.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// "name", then "name-2", "name-3" for files of the same name in different folders.
+std::string unique_id(const std::string& wanted, std::set<std::string>& taken) {
+  std::string id = wanted;
+  for (int copy = 2; !taken.insert(id).second; ++copy) id = fmt::format("{}-{}", wanted, copy);
+  return id;
+}
+
+Json process_one(device::Queue& queue, const PlanesRequest& request, const std::string& id,
+                 const std::filesystem::path& file, const io::FileFingerprint& print, const Scan& scan,
+                 Progress& progress) {
+  const auto product = process_scan(queue, id, scan, request.options, progress);
+  progress.step("write", "scan " + id);
+  const auto folder = request.out / "scans" / id;
+  write_plane_outputs(folder, product, {{"source", file.filename().string()}, {"hash", print.xxh3}});
+  write_detail(folder, product, scan, nullptr);
+  Json figures = scan_figures(product);
+  figures["file"] = file.filename().string();
+  figures["xxh3"] = print.xxh3;
+  return figures;
+}
+
+}  // namespace
+
+PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
+  PlanesRun run;
+  Progress progress(request.quiet);
+  progress.expect(static_cast<int>(request.files.size()) * 7);
+  Json scans = Json::array(), failures = Json::array();
+  std::set<std::string> ids;
+  ErrorKind last_failure = ErrorKind::failed;
+  const auto guarded = [&](const std::string& unit, const auto& body) {
+    try {
+      with_context(unit, body);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::interrupted || error.kind() == ErrorKind::device) throw;
+      log::error("{}", error.what());
+      failures.push_back({{"unit", unit}, {"error", error.what()}});
+      last_failure = error.kind();
+    }
+  };
+  for (const auto& file : request.files) {
+    guarded("scan " + file.string(), [&] {
+      progress.step("read", file.filename().string());
+      const auto read = io::read_scans(file);
+      const auto print = io::fingerprint(file);
+      for (std::size_t i = 0; i < read.size(); ++i) {
+        const std::string stem = io::default_scan_id(file);
+        const std::string id = unique_id(read.size() == 1 ? stem : fmt::format("{}-{}", stem, i), ids);
+        guarded("scan " + id, [&] {
+          scans.push_back(process_one(queue, request, id, file, print, read[i], progress));
+        });
+      }
+    });
+  }
+  progress.finish();
+  run.summary = {{"program", {{"name", "hybrid"}, {"version", HYBRID_VERSION}}},
+                 {"options", describe(request.options)["planes"]},
+                 {"scans", scans},
+                 {"failures", failures}};
+  io::write_text(request.out / "summary.json", run.summary.dump(1) + "\n");
+  Json kernels = Json::object();
+  for (const auto& [label, row] : queue.profile())
+    kernels[label] = {{"launches", row.launches}, {"seconds", row.seconds}};
+  io::write_text(request.out / "timing.json",
+                 Json{{"seconds_by_stage", progress.seconds_by_stage()}, {"kernels", kernels}}.dump(1) + "\n");
+  if (!failures.empty()) run.exit_code = scans.empty() ? hybrid::exit_code(last_failure) : 3;
+  return run;
+}
+
+std::string text_of(const PlanesRun& run) {
+  std::string text = fmt::format("{:<24} {:>10} {:>11} {:>13} {:>10}\n", "scan", "measured", "grid", "superclusters",
+                                 "discarded");
+  for (const auto& scan : run.summary["scans"])
+    text += fmt::format("{:<24} {:>10} {:>11} {:>13} {:>9.1f}%\n", scan["id"].get<std::string>(),
+                        scan["decimation"]["measured"].get<std::int64_t>(),
+                        fmt::format("{}x{}", scan["grid"]["rows"].get<int>(), scan["grid"]["cols"].get<int>()),
+                        scan["superclusters"].get<std::int64_t>(),
+                        100 * scan["decimation"]["discarded_share"].get<double>());
+  for (const auto& failure : run.summary["failures"]) text += "failed: " + failure["error"].get<std::string>() + "\n";
+  return text;
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,30 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "batch/scan_unit.hpp"
+
+namespace hybrid::batch {
+
+struct PlanesRequest {
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path out;
+  StageOptions options;
+  bool quiet = false;
+};
+
+struct PlanesRun {
+  nlohmann::ordered_json summary;  // also written to out/summary.json
+  int exit_code = 0;               // 0, 3 when some scans failed, the failure's own code when all did
+};
+
+// Planes, contours and decimation of every scan in the files, each written to out/scans/<id>/ as soon as it is done; one
+// scan is in memory at a time, and one that fails does not stop the others.
+PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request);
+
+// A table for a person.
+std::string text_of(const PlanesRun& run);
+
+}  // namespace hybrid::batch

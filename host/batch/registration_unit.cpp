@@ -1,0 +1,162 @@
+#include "batch/registration_unit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/log.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Normals of a scan plane and a face that may be one surface differ by at most this.
+constexpr double kCompatibleDeg = 30;
+
+Vec3 picked_point(const io::SceneLandmark& landmark, const RangeImage& image) {
+  if (landmark.scan) return *landmark.scan;
+  const auto [row, col] = *landmark.pixel;
+  if (row < 0 || col < 0 || row >= image.rows || col >= image.cols)
+    fail_input("pixel [{}, {}]: outside the range image of {} rows x {} columns", row, col, image.rows, image.cols);
+  const std::size_t i = image.index(row, col);
+  if (image.mask[i] != kMeasured)
+    fail_input("pixel [{}, {}]: no measured sample there; pick a pixel with a return", row, col);
+  return image.point(i);
+}
+
+Vec3 model_point(const io::SceneLandmark& landmark, const PolygonModel& model) {
+  if (landmark.model) return *landmark.model;
+  const int vertex = *landmark.vertex;
+  if (vertex < 0 || static_cast<std::size_t>(vertex) >= model.vertices.size())
+    fail_input("vertex {}: the model has {} vertices (0-based, in file order)", vertex, model.vertices.size());
+  return model.vertices[static_cast<std::size_t>(vertex)];
+}
+
+stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& model, const ScanProduct& product,
+                              const StageOptions& options) {
+  std::vector<stages::LandmarkPair> pairs;
+  for (std::size_t i = 0; i < entry.landmarks.size(); ++i) {
+    const auto& landmark = entry.landmarks[i];
+    const std::string name = fmt::format("landmark {} (line {})", i + 1, landmark.line);
+    pairs.push_back(with_context(name, [&] {
+      return stages::LandmarkPair{name, picked_point(landmark, product.image), model_point(landmark, model),
+                                  landmark.snap};
+    }));
+  }
+  return stages::fit_landmarks(model, pairs, options.landmarks);
+}
+
+WallShare wall_share(const ScanProduct& product, const Pose& world_from_scan, const std::vector<float>& distance_m) {
+  std::vector<bool> wall(product.segmentation.superclusters.size() + 1, false);
+  for (const auto& supercluster : product.segmentation.superclusters)
+    wall[supercluster.id] = std::abs(world_from_scan.rotate(supercluster.plane.normal).z()) < std::sin(M_PI / 6);
+  WallShare share;
+  std::int64_t near = 0, nearer = 0;
+  for (std::size_t i = 0; i < product.image.count(); ++i) {
+    if (product.image.mask[i] != kMeasured || !wall[product.segmentation.sample_label[i]]) continue;
+    ++share.samples;
+    near += distance_m[i] <= 0.10f;  // false for NaN: no compatible face
+    nearer += distance_m[i] <= 0.05f;
+  }
+  if (share.samples > 0) {
+    share.within_10cm = static_cast<double>(near) / static_cast<double>(share.samples);
+    share.within_5cm = static_cast<double>(nearer) / static_cast<double>(share.samples);
+  }
+  return share;
+}
+
+void give_back_unexplained(const ScanRegistration& registration, double explain_m, ScanProduct& product) {
+  std::vector<std::uint8_t> explained(product.image.count());
+  std::transform(registration.distance_m.begin(), registration.distance_m.end(), explained.begin(),
+                 [&](float distance) { return static_cast<std::uint8_t>(distance <= explain_m); });
+  stages::keep_unexplained(explained, product.decimation);
+}
+
+Json share_json(const WallShare& share) {
+  return {{"samples", share.samples}, {"within_5cm", share.within_5cm}, {"within_10cm", share.within_10cm}};
+}
+
+}  // namespace
+
+ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
+                               const StageOptions& options, ScanProduct& product, Progress& progress) {
+  const std::string unit = "scan " + product.id;
+  ScanRegistration result;
+  progress.step("landmarks", unit);
+  if (entry.pose) {
+    result.how = "given";
+    result.fixed = entry.fixed;
+    result.start = pose_from_row_major(*entry.pose);
+  } else if (!entry.landmarks.empty()) {
+    result.how = "landmarks";
+    result.landmarks = fit_start(entry, model, product, options);
+    result.start = result.landmarks->world_from_scan;
+  } else {
+    fail_input("no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
+  }
+
+  progress.step("ICP", unit);
+  result.icp.world_from_scan = result.start;
+  if (!result.fixed) {
+    const auto samples = stages::choose_planar_samples(product.image, product.segmentation, options.icp.max_samples,
+                                                       options.icp.seed);
+    result.icp = stages::register_to_model(queue, samples, model, result.start, options.icp);
+    if (!result.icp.converged)
+      log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
+  }
+
+  progress.step("residuals", unit);
+  const auto distances = [&](const Pose& pose) {
+    return stages::distance_to_model(queue, product.image, product.segmentation, model, pose, kCompatibleDeg,
+                                     options.decimate.tile);
+  };
+  result.wall_before = wall_share(product, result.start, distances(result.start));
+  result.distance_m = distances(result.world_from_scan());
+  result.wall_after = wall_share(product, result.world_from_scan(), result.distance_m);
+  give_back_unexplained(result, options.explain_m, product);
+  return result;
+}
+
+Json pose_json(const ScanProduct& product, const ScanRegistration& registration) {
+  const auto& icp = registration.icp;
+  Json json = {{"scan", product.id},
+               {"world_from_scan", row_major(registration.world_from_scan())},
+               {"scale", registration.world_from_scan().scale},
+               {"how", registration.how},
+               {"status", "accepted"},
+               {"start_world_from_scan", row_major(registration.start)}};
+  if (!registration.fixed) {
+    json["rms_m"] = icp.rms_m;
+    json["overlap"] = icp.overlap;
+    json["iterations"] = icp.iterations;
+    json["converged"] = icp.converged;
+    json["covariance"] = icp.covariance;
+    json["degenerate"] = icp.degenerate;
+  }
+  if (registration.landmarks) {
+    json["landmarks"] = {{"rms_m", registration.landmarks->rms_m},
+                         {"residual_m", registration.landmarks->residual_m},
+                         {"leave_one_out_m", registration.landmarks->leave_one_out_m}};
+  }
+  return json;
+}
+
+Json registration_figures(const ScanRegistration& registration) {
+  const auto moved = difference(registration.start, registration.world_from_scan());
+  Json json = {{"how", registration.how},
+               {"status", "accepted"},
+               {"moved_by_icp", {{"deg", moved.angle_rad * 180 / M_PI}, {"m", moved.distance_m}}},
+               {"wall_before_icp", share_json(registration.wall_before)},
+               {"wall_after_icp", share_json(registration.wall_after)}};
+  if (registration.landmarks) json["landmark_rms_m"] = registration.landmarks->rms_m;
+  if (!registration.fixed) {
+    json["icp_rms_m"] = registration.icp.rms_m;
+    json["icp_iterations"] = registration.icp.iterations;
+    json["icp_converged"] = registration.icp.converged;
+    json["overlap"] = registration.icp.overlap;
+    json["degenerate"] = registration.icp.degenerate;
+  }
+  return json;
+}
+
+}  // namespace hybrid::batch

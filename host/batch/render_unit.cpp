@@ -1,0 +1,164 @@
+#include "batch/render_unit.hpp"
+
+#include <algorithm>
+
+#include "geometry/srgb.hpp"
+#include "io/colmap.hpp"
+#include "io/exr.hpp"
+#include "io/picture.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's centre
+// moves with the world's scale, its image does not change.
+Pose camera_in_world(const Pose& cam_from_photographs, const Pose& world_from_photographs) {
+  Pose world_from_cam = world_from_photographs * cam_from_photographs.inverse();
+  world_from_cam.scale = 1;
+  return world_from_cam.inverse();
+}
+
+int photograph_index(const PhotographSet& photographs, const std::string& name) {
+  for (std::size_t i = 0; i < photographs.cameras.size(); ++i)
+    if (photographs.cameras[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+std::vector<std::uint8_t> seen_mask(const stages::RenderedView& view) {
+  std::vector<std::uint8_t> mask(view.coverage.size());
+  std::transform(view.coverage.begin(), view.coverage.end(), mask.begin(),
+                 [](std::uint32_t photographs) { return static_cast<std::uint8_t>(photographs > 0); });
+  return mask;
+}
+
+Image8 side_by_side(const Image8& left, const Image8& right) {
+  Image8 pair(left.width + right.width, left.height, 3);
+  for (int y = 0; y < pair.height; ++y) {
+    std::copy_n(left.at(0, y), 3 * left.width, pair.at(0, y));
+    std::copy_n(right.at(0, y), 3 * right.width, pair.at(left.width, y));
+  }
+  return pair;
+}
+
+void write_view(const std::filesystem::path& stem, const stages::RenderedView& view) {
+  std::vector<std::uint32_t> best(view.best.size());  // -1 (no photograph) is stored as 2^32 - 1
+  std::transform(view.best.begin(), view.best.end(), best.begin(),
+                 [](std::int32_t index) { return static_cast<std::uint32_t>(index); });
+  const float* rgb = view.colour.pixels.data();
+  const float* normal = view.normal.pixels.data();
+  io::write_exr(stem.string() + ".exr", view.colour.width, view.colour.height,
+                {{"R", rgb, nullptr, 3},
+                 {"G", rgb + 1, nullptr, 3},
+                 {"B", rgb + 2, nullptr, 3},
+                 {"Z", view.depth_m.data(), nullptr, 1},
+                 {"N.x", normal, nullptr, 3},
+                 {"N.y", normal + 1, nullptr, 3},
+                 {"N.z", normal + 2, nullptr, 3},
+                 {"id", nullptr, view.id.data(), 1},
+                 {"coverage", nullptr, view.coverage.data(), 1},
+                 {"best", nullptr, best.data(), 1}});
+  io::write_png(stem.string() + ".png", to_picture(view.colour));
+}
+
+}  // namespace
+
+PhotographSet read_photographs(const io::SceneFile::Photographs& section) {
+  PhotographSet set;
+  set.cameras = io::read_colmap(section.colmap);
+  const Pose world_from_photographs =
+      section.world_from_photographs ? pose_from_row_major(*section.world_from_photographs) : Pose();
+  for (auto& photograph : set.cameras) {
+    photograph.cam_from_world = camera_in_world(photograph.cam_from_world, world_from_photographs);
+    set.files.push_back(section.images / photograph.name);
+    set.pixels.push_back(
+        io::read_photograph(set.files.back(), photograph.camera.width, photograph.camera.height));
+  }
+  return set;
+}
+
+stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
+                                       const std::vector<std::optional<ScanRegistration>>& registrations,
+                                       const PhotographSet& photographs) {
+  stages::RenderScene scene;
+  scene.proxy = model;
+  scene.photographs = photographs.cameras;
+  scene.photograph_pixels = photographs.pixels;
+  for (std::size_t i = 0; i < products.size(); ++i) {
+    if (!registrations[i]) continue;
+    const auto& product = products[i];
+    std::vector<std::uint8_t> keep(product.image.count());
+    std::transform(product.decimation.fate.begin(), product.decimation.fate.end(), keep.begin(),
+                   [](std::uint8_t fate) { return static_cast<std::uint8_t>(fate > stages::kDiscarded); });
+    const auto splats = stages::make_splats(product.image, product.segmentation, keep,
+                                            registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i));
+    scene.splats.insert(scene.splats.end(), splats.begin(), splats.end());
+  }
+  return scene;
+}
+
+stages::ViewRequest view_request(const io::SceneView& view, const PhotographSet& photographs) {
+  stages::ViewRequest request;
+  if (view.photograph.empty()) {
+    request.camera = look_at(view.eye, view.target, view.up, view.fov_deg, view.size[0], view.size[1]);
+  } else {
+    const int index = photograph_index(photographs, view.photograph);
+    if (index < 0) fail_input("photograph '{}': no camera of that name in the camera model", view.photograph);
+    request.camera = photographs.cameras[static_cast<std::size_t>(index)];
+  }
+  request.show = view.show;
+  request.texture = view.texture;
+  request.cameras = view.cameras;
+  request.leave_out = view.leave_out;
+  return request;
+}
+
+std::vector<io::SceneView> leave_one_out_views(const PhotographSet& photographs) {
+  std::vector<io::SceneView> views;
+  for (const auto& photograph : photographs.cameras) {
+    io::SceneView view;
+    view.name = "leave-one-out/" + std::filesystem::path(photograph.name).stem().string();
+    view.photograph = photograph.name;
+    view.leave_out = {photograph.name};
+    views.push_back(view);
+  }
+  return views;
+}
+
+Json render_view(stages::Renderer& renderer, const io::SceneView& view, const PhotographSet& photographs,
+                 const std::filesystem::path& out) {
+  const auto request = view_request(view, photographs);
+  const auto rendered = renderer.render(request);
+  write_view(out / "views" / view.name, rendered);
+
+  const auto hit = std::count_if(rendered.id.begin(), rendered.id.end(), [](std::uint32_t id) { return id != 0; });
+  const auto seen = std::count_if(rendered.coverage.begin(), rendered.coverage.end(), [](auto n) { return n > 0; });
+  const double pixels = static_cast<double>(rendered.id.size());
+  Json figures = {{"name", view.name},
+                  {"size", {rendered.colour.width, rendered.colour.height}},
+                  {"surface_share", static_cast<double>(hit) / pixels}};
+  if (view.texture) figures["red_share"] = static_cast<double>(hit - seen) / pixels;
+
+  const bool left_out = std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
+  if (view.texture && !view.photograph.empty() && left_out) {
+    const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
+    const auto quality = stages::compare_images(rendered.colour, photographs.pixels[index], seen_mask(rendered));
+    figures["left_out"] = {{"photograph", view.photograph},
+                           {"psnr_db", quality.psnr_db},
+                           {"ssim", quality.ssim},
+                           {"share_seen", quality.share_seen}};
+    io::write_png((out / "views" / view.name).string() + "-pair.png",
+                  side_by_side(photographs.pixels[index], to_picture(rendered.colour)));
+  }
+  return figures;
+}
+
+Image8 to_picture(const ImageF& linear) {
+  Image8 picture(linear.width, linear.height, linear.channels);
+  std::transform(linear.pixels.begin(), linear.pixels.end(), picture.pixels.begin(),
+                 [](float value) { return srgb_from_linear(value); });
+  return picture;
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,39 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "batch/registration_unit.hpp"
+#include "io/scene_file.hpp"
+
+namespace hybrid::batch {
+
+// The photographs of a scene: cameras in the model's frame, pixels decoded and checked against their cameras' sizes.
+struct PhotographSet {
+  std::vector<Photograph> cameras;
+  std::vector<Image8> pixels;
+  std::vector<std::filesystem::path> files;
+};
+PhotographSet read_photographs(const io::SceneFile::Photographs& section);
+
+// Proxy, retained samples of all registered scans as splats, photographs (METHOD 10).
+stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
+                                       const std::vector<std::optional<ScanRegistration>>& registrations,
+                                       const PhotographSet& photographs);
+
+// The view's camera and what it shows. Throws ErrorKind::input when it names a photograph that does not exist.
+stages::ViewRequest view_request(const io::SceneView& view, const PhotographSet& photographs);
+
+// One view per photograph, seen through its own camera, made from all the others.
+std::vector<io::SceneView> leave_one_out_views(const PhotographSet& photographs);
+
+// Renders, writes views/<name>.exr and .png and returns the view's figures; a view through a photograph's camera that
+// leaves that photograph out is compared with it (PSNR, SSIM on the pixels seen) and written beside it as
+// views/<name>-pair.png.
+nlohmann::ordered_json render_view(stages::Renderer& renderer, const io::SceneView& view,
+                                   const PhotographSet& photographs, const std::filesystem::path& out);
+
+// Linear RGB to an 8-bit sRGB picture.
+Image8 to_picture(const ImageF& linear);
+
+}  // namespace hybrid::batch

@@ -1,0 +1,129 @@
+#include "batch/scan_unit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "batch/planes_json.hpp"
+#include "core/log.hpp"
+#include "geometry/srgb.hpp"
+#include "io/exr.hpp"
+#include "io/output.hpp"
+#include "io/picture.hpp"
+#include "io/ply.hpp"
+#include "io/range_exr.hpp"
+#include "stages/class_picture.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+// Median of the planar squares' direction uncertainty; 0 when there are none.
+double median_sigma_normal(const stages::SquarePlanes& squares) {
+  std::vector<float> sigmas;
+  for (const auto& square : squares.squares)
+    if (square.state == SQUARE_PLANAR) sigmas.push_back(square.sigma_normal);
+  if (sigmas.empty()) return 0;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return *middle;
+}
+
+// square = "auto": the paper's 5 x 5 where its normals are good to about a degree, else the side at which they are
+// (the uncertainty falls with the square of the side: extent times the root of the count), at most 16.
+stages::SquarePlanes fit_squares(device::Queue& queue, const RangeImage& image, const StageOptions& options) {
+  auto squares = stages::fit_square_planes(queue, image, options.squares);
+  if (!options.auto_square) return squares;
+  const double wanted_rad = 0.017;
+  const double ratio = median_sigma_normal(squares) / wanted_rad;
+  auto larger = options.squares;
+  larger.square = std::clamp(static_cast<int>(std::ceil(larger.square * std::sqrt(ratio))), larger.square, 16);
+  larger.sigma_m = squares.sigma_m;
+  return larger.square == squares.square ? squares : stages::fit_square_planes(queue, image, larger);
+}
+
+std::int64_t count_returns(const Scan& scan) {
+  return std::count_if(scan.points.begin(), scan.points.end(), [](const auto& p) {
+    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+  });
+}
+
+io::PlyPoint detail_point(const Vec3& position) {
+  io::PlyPoint point;
+  for (int axis = 0; axis < 3; ++axis) point.position[static_cast<std::size_t>(axis)] = position[axis];
+  return point;
+}
+
+}  // namespace
+
+ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan, const StageOptions& options,
+                         Progress& progress) {
+  ScanProduct product;
+  product.id = id;
+  product.input_samples = static_cast<std::int64_t>(scan.points.size());
+  product.input_returns = count_returns(scan);
+  product.recorded_pose = scan.world_from_scan;
+  product.notes = scan.notes;
+  const std::string unit = "scan " + id;
+
+  progress.step("resample", unit);
+  product.image = stages::resample_scan(queue, scan, options.resample);
+  progress.step("square planes", unit);
+  const auto squares = fit_squares(queue, product.image, options);
+  product.sigma_m = squares.sigma_m;
+  progress.step("superclusters", unit);
+  product.segmentation = stages::grow_superclusters(queue, product.image, squares, options.superclusters);
+  progress.step("contours", unit);
+  product.boundary = stages::trace_contours(queue, product.image, product.segmentation, options.contours);
+  progress.step("decimate", unit);
+  product.decimation =
+      stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
+  return product;
+}
+
+void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
+                         const std::map<std::string, std::string>& attributes) {
+  const auto& image = product.image;
+  io::write_range_exr(folder / "range.exr", image, attributes);
+  io::write_png(folder / "range.png", stages::range_picture(image));
+  io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));
+  io::write_exr(folder / "labels.exr", image.cols, image.rows,
+                {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
+  io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n");
+}
+
+void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
+                  const NodeColours* colours) {
+  const auto& image = product.image;
+  io::PlyContent content;
+  content.intensity = !scan.intensity.empty();
+  content.colour = colours != nullptr || !scan.rgb.empty();
+  content.double_precision = !scan.origin.isZero();
+  std::vector<io::PlyPoint> points;
+  const auto add = [&](std::uint32_t source, io::PlyPoint point) {
+    if (!scan.intensity.empty()) point.intensity = scan.intensity[source];
+    if (!colours && !scan.rgb.empty()) point.rgb = scan.rgb[source];
+    points.push_back(point);
+  };
+  for (std::size_t i = 0; i < image.count(); ++i) {
+    if (product.decimation.fate[i] <= stages::kDiscarded) continue;
+    const std::uint32_t source = image.source[i];
+    auto point = detail_point(scan.point(source));
+    if (colours)
+      for (std::size_t channel = 0; channel < 3; ++channel)
+        point.rgb[channel] = srgb_from_linear(colours->colour.pixels[3 * i + channel]);
+    add(source, point);
+  }
+  // Samples that no grid node took are data too: they stay, without a colour from photographs (black).
+  for (std::uint32_t source : image.extra) add(source, detail_point(scan.point(source)));
+  io::write_ply(folder / "detail.ply", points, content);
+}
+
+void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product, const NodeColours& colours) {
+  const float* rgb = colours.colour.pixels.data();
+  io::write_exr(folder / "colour.exr", product.image.cols, product.image.rows,
+                {{"R", rgb, nullptr, 3},
+                 {"G", rgb + 1, nullptr, 3},
+                 {"B", rgb + 2, nullptr, 3},
+                 {"coverage", nullptr, colours.coverage.data(), 1}});
+}
+
+}  // namespace hybrid::batch

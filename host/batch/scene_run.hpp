@@ -1,0 +1,60 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "batch/registration_unit.hpp"
+#include "batch/render_unit.hpp"
+#include "device/queue.hpp"
+
+namespace hybrid::batch {
+
+inline const std::set<std::string> kAllStages = {"planes", "register", "edit", "render", "export", "report"};
+
+struct RunRequest {
+  std::filesystem::path scene_file;
+  std::filesystem::path out;
+  std::set<std::string> stages = kAllStages;  // whose outputs are written; what they need is computed anyway
+  std::string only_view;                      // render: this view alone
+  bool leave_one_out = false;                 // render: every photograph from the others
+  std::optional<OptionValue> square;          // overrides the scene file
+  int tile = 1024;
+  std::optional<int> seed;                    // overrides the scene file
+  bool force = false;                         // write into the output folder of another scene
+  bool quiet = false;
+};
+
+// A unit that failed while the others went on.
+struct UnitFailure {
+  std::string unit;
+  std::string error;
+  ErrorKind kind;
+  std::string command;  // runs it again
+};
+
+// All products of a run, in memory, for the report.
+struct SceneRun {
+  io::SceneFile scene;
+  std::optional<PolygonModel> model;
+  PhotographSet photographs;
+  std::vector<ScanProduct> products;
+  std::vector<std::optional<ScanRegistration>> registrations;  // one per product; nothing when it failed or was not asked
+  std::vector<UnitFailure> failures;
+  nlohmann::ordered_json summary;
+  nlohmann::ordered_json timing;
+};
+
+// Runs a scene's stages and writes DIR's files, all but the report's. Inputs that concern the whole scene (scene file,
+// model, cameras) throw; a scan or view that fails is recorded in `failures` and the others go on.
+SceneRun run_scene(device::Queue& queue, const RunRequest& request);
+
+// --dry-run: reads the scene file and checks that every input exists; says what would be done.
+std::string describe_run(const RunRequest& request);
+
+// 0, or 3 when some units failed, or the failures' own code when nothing succeeded.
+int exit_code(const SceneRun& run);
+
+}  // namespace hybrid::batch

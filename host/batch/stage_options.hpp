@@ -1,0 +1,43 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "io/scene_file.hpp"
+#include "stages/contours.hpp"
+#include "stages/decimate.hpp"
+#include "stages/icp.hpp"
+#include "stages/landmarks.hpp"
+#include "stages/render.hpp"
+#include "stages/resample.hpp"
+#include "stages/square_planes.hpp"
+#include "stages/superclusters.hpp"
+
+namespace hybrid::batch {
+
+// The options of one run: defaults, then the scene file's sections, then the command line (tile, seed, square).
+struct StageOptions {
+  bool auto_square = true;  // square = "auto": the side follows from noise and sample spacing
+  stages::ResampleOptions resample;
+  stages::SquarePlaneOptions squares;
+  stages::SuperclusterOptions superclusters;
+  stages::ContourOptions contours;
+  stages::DecimateOptions decimate;
+  stages::LandmarkOptions landmarks;
+  stages::IcpOptions icp;
+  double explain_m = 0.05;  // a planar sample within this of a compatible face is explained by it
+  stages::RenderOptions render;
+
+  void set_tile(int tile);
+  void set_seed(int seed);
+  // "auto" or 3..16. Throws ErrorKind::input.
+  void set_square(const OptionValue& value);
+};
+
+// Applies [planes], [register] and [render]. Unknown keys, wrong types and values out of range throw ErrorKind::input
+// naming file, line and key.
+StageOptions read_stage_options(const io::SceneFile& scene);
+
+// All options as they were used, for summary.json.
+nlohmann::ordered_json describe(const StageOptions& options);
+
+}  // namespace hybrid::batch
