@@ -9,7 +9,8 @@ namespace hybrid::app {
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--device", options.device, "cpu, gpu or an index of `hybrid devices`");
   command.add_option("--threads", options.threads, "host and CPU device threads, 0 = all cores");
-  command.add_option("--seed", options.seed, "seed of all random choices (default: the scene file's, else 1)");
+  command.add_option("--seed", options.seed,
+                     "seed of all random choices (default: the scene file's, else 1)");
   command.add_option("--tile", options.tile, "samples per tile side on the device; changes no result")
       ->check(CLI::Range(16, 65536));
   command.add_flag("--json", options.json, "print one JSON document on stdout");

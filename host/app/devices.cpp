@@ -41,7 +41,8 @@ void add_devices(CLI::App& program, int& exit_code) {
     apply(*common);
     const auto devices = device::list_devices();
     if (devices.empty())
-      fail(ErrorKind::device, "no OpenCL device found; install a driver (Debian: apt-get install pocl-opencl-icd)");
+      fail(ErrorKind::device,
+           "no OpenCL device found; install a driver (Debian: apt-get install pocl-opencl-icd)");
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const auto& info : devices) {
       const std::string result = test_device(info.index);
@@ -53,12 +54,13 @@ void add_devices(CLI::App& program, int& exit_code) {
       return;
     }
     for (const auto& row : list)
-      std::cout << fmt::format("[{}] {} ({}, {}): {} compute units, {} float lanes, {:.1f} GiB ({:.1f} GiB at once), "
-                               "self test {}\n",
-                               row["index"].get<int>(), row["name"].get<std::string>(), row["type"].get<std::string>(),
-                               row["platform"].get<std::string>(), row["compute_units"].get<int>(),
-                               row["float_lanes"].get<int>(), row["memory_bytes"].get<double>() / (1 << 30),
-                               row["max_allocation_bytes"].get<double>() / (1 << 30), row["self_test"].get<std::string>());
+      std::cout << fmt::format(
+          "[{}] {} ({}, {}): {} compute units, {} float lanes, {:.1f} GiB ({:.1f} GiB at once), "
+          "self test {}\n",
+          row["index"].get<int>(), row["name"].get<std::string>(), row["type"].get<std::string>(),
+          row["platform"].get<std::string>(), row["compute_units"].get<int>(), row["float_lanes"].get<int>(),
+          row["memory_bytes"].get<double>() / (1 << 30),
+          row["max_allocation_bytes"].get<double>() / (1 << 30), row["self_test"].get<std::string>());
   });
 }
 

@@ -10,7 +10,8 @@ int main(int argc, char** argv) {
   using namespace hybrid;
   CLI::App program{
       "Turns laser scans and photographs of architecture into registered, decimated, photo-textured models.\n"
-      "Results go to stdout, everything else to stderr. Exit codes: 0 ok, 1 failed, 2 usage, 3 some units failed,\n"
+      "Results go to stdout, everything else to stderr. Exit codes: 0 ok, 1 failed, 2 usage, 3 some units "
+      "failed,\n"
       "4 bad input, 5 no device or out of memory, 75 temporary, 130 interrupted.",
       "hybrid"};
   program.set_version_flag("--version", std::string("hybrid ") + HYBRID_VERSION);

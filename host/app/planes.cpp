@@ -9,7 +9,8 @@
 namespace hybrid::app {
 
 void add_planes(CLI::App& program, int& exit_code) {
-  auto* command = program.add_subcommand("planes", "plane extraction, contours and decimation of single scans");
+  auto* command =
+      program.add_subcommand("planes", "plane extraction, contours and decimation of single scans");
   auto common = std::make_shared<CommonOptions>();
   auto request = std::make_shared<batch::PlanesRequest>();
   auto square = std::make_shared<std::string>("auto");
@@ -24,7 +25,8 @@ void add_planes(CLI::App& program, int& exit_code) {
     request->options.set_seed(common->seed.value_or(1));
     request->quiet = common->quiet;
     if (common->dry_run) {
-      for (const auto& file : request->files) std::cout << "would extract the planes of " << file.string() << "\n";
+      for (const auto& file : request->files)
+        std::cout << "would extract the planes of " << file.string() << "\n";
       return;
     }
     device::Queue queue(common->device);

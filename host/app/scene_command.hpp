@@ -6,7 +6,8 @@
 
 namespace hybrid::app {
 
-// What `run`, `register` and `render` share: they are one pipeline over a scene file that writes different outputs.
+// What `run`, `register` and `render` share: they are one pipeline over a scene file that writes different
+// outputs.
 struct SceneCommand {
   CLI::App* command = nullptr;
   std::shared_ptr<CommonOptions> common = std::make_shared<CommonOptions>();

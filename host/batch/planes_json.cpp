@@ -7,7 +7,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Json json_of(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 Json json_of(const ContourRing& ring) {
   Json points = Json::array();
@@ -47,34 +49,35 @@ Json scan_figures(const ScanProduct& product) {
   const auto classed = [&](SquareClass kind) { return std::count(classes.begin(), classes.end(), kind); };
   const auto fated = [&](stages::SampleFate kind) { return std::count(fate.begin(), fate.end(), kind); };
   const auto extra = static_cast<std::int64_t>(image.extra.size());
-  return {{"id", product.id},
-          {"input_samples", product.input_samples},
-          {"input_returns", product.input_returns},
-          {"grid", {{"rows", image.rows}, {"cols", image.cols}, {"full_turn", image.wraps}}},
-          {"nodes",
-           {{"measured", masked(kMeasured)}, {"interpolated", masked(kInterpolated)}, {"empty", masked(kEmpty)}}},
-          {"extra_samples", extra},
-          {"sigma_m", product.sigma_m},
-          {"square", product.segmentation.square},
-          {"squares",
-           {{"undersampled", classed(kUndersampled)},
-            {"non_planar", classed(kNonPlanar)},
-            {"planar_too_small", classed(kPlanarTooSmall)},
-            {"in_superclusters", classed(kSuperclusterMember)}}},
-          {"superclusters", product.segmentation.superclusters.size()},
-          {"decimation",
-           {{"measured", product.decimation.measured},
-            {"discarded", product.decimation.discarded},
-            {"discarded_share", product.decimation.discarded_share()},
-            {"kept",
-             {{"boundary", fated(stages::kBoundary)},
-              {"non_planar_squares", fated(stages::kNonPlanarSquare)},
-              {"small_planar_squares", fated(stages::kSmallPlanarSquare)},
-              {"outliers", fated(stages::kOutlier)},
-              {"undersampled_squares", fated(stages::kUndersampledSquare)},
-              {"unexplained", fated(stages::kUnexplained)},
-              {"extra", extra}}}}},
-          {"notes", product.notes}};
+  return {
+      {"id", product.id},
+      {"input_samples", product.input_samples},
+      {"input_returns", product.input_returns},
+      {"grid", {{"rows", image.rows}, {"cols", image.cols}, {"full_turn", image.wraps}}},
+      {"nodes",
+       {{"measured", masked(kMeasured)}, {"interpolated", masked(kInterpolated)}, {"empty", masked(kEmpty)}}},
+      {"extra_samples", extra},
+      {"sigma_m", product.sigma_m},
+      {"square", product.segmentation.square},
+      {"squares",
+       {{"undersampled", classed(kUndersampled)},
+        {"non_planar", classed(kNonPlanar)},
+        {"planar_too_small", classed(kPlanarTooSmall)},
+        {"in_superclusters", classed(kSuperclusterMember)}}},
+      {"superclusters", product.segmentation.superclusters.size()},
+      {"decimation",
+       {{"measured", product.decimation.measured},
+        {"discarded", product.decimation.discarded},
+        {"discarded_share", product.decimation.discarded_share()},
+        {"kept",
+         {{"boundary", fated(stages::kBoundary)},
+          {"non_planar_squares", fated(stages::kNonPlanarSquare)},
+          {"small_planar_squares", fated(stages::kSmallPlanarSquare)},
+          {"outliers", fated(stages::kOutlier)},
+          {"undersampled_squares", fated(stages::kUndersampledSquare)},
+          {"unexplained", fated(stages::kUnexplained)},
+          {"extra", extra}}}}},
+      {"notes", product.notes}};
 }
 
 }  // namespace hybrid::batch

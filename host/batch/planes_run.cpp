@@ -61,9 +61,8 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
       for (std::size_t i = 0; i < read.size(); ++i) {
         const std::string stem = io::default_scan_id(file);
         const std::string id = unique_id(read.size() == 1 ? stem : fmt::format("{}-{}", stem, i), ids);
-        guarded("scan " + id, [&] {
-          scans.push_back(process_one(queue, request, id, file, print, read[i], progress));
-        });
+        guarded("scan " + id,
+                [&] { scans.push_back(process_one(queue, request, id, file, print, read[i], progress)); });
       }
     });
   }
@@ -76,22 +75,24 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
   Json kernels = Json::object();
   for (const auto& [label, row] : queue.profile())
     kernels[label] = {{"launches", row.launches}, {"seconds", row.seconds}};
-  io::write_text(request.out / "timing.json",
-                 Json{{"seconds_by_stage", progress.seconds_by_stage()}, {"kernels", kernels}}.dump(1) + "\n");
+  io::write_text(
+      request.out / "timing.json",
+      Json{{"seconds_by_stage", progress.seconds_by_stage()}, {"kernels", kernels}}.dump(1) + "\n");
   if (!failures.empty()) run.exit_code = scans.empty() ? hybrid::exit_code(last_failure) : 3;
   return run;
 }
 
 std::string text_of(const PlanesRun& run) {
-  std::string text = fmt::format("{:<24} {:>10} {:>11} {:>13} {:>10}\n", "scan", "measured", "grid", "superclusters",
-                                 "discarded");
+  std::string text = fmt::format("{:<24} {:>10} {:>11} {:>13} {:>10}\n", "scan", "measured", "grid",
+                                 "superclusters", "discarded");
   for (const auto& scan : run.summary["scans"])
-    text += fmt::format("{:<24} {:>10} {:>11} {:>13} {:>9.1f}%\n", scan["id"].get<std::string>(),
-                        scan["decimation"]["measured"].get<std::int64_t>(),
-                        fmt::format("{}x{}", scan["grid"]["rows"].get<int>(), scan["grid"]["cols"].get<int>()),
-                        scan["superclusters"].get<std::int64_t>(),
-                        100 * scan["decimation"]["discarded_share"].get<double>());
-  for (const auto& failure : run.summary["failures"]) text += "failed: " + failure["error"].get<std::string>() + "\n";
+    text += fmt::format(
+        "{:<24} {:>10} {:>11} {:>13} {:>9.1f}%\n", scan["id"].get<std::string>(),
+        scan["decimation"]["measured"].get<std::int64_t>(),
+        fmt::format("{}x{}", scan["grid"]["rows"].get<int>(), scan["grid"]["cols"].get<int>()),
+        scan["superclusters"].get<std::int64_t>(), 100 * scan["decimation"]["discarded_share"].get<double>());
+  for (const auto& failure : run.summary["failures"])
+    text += "failed: " + failure["error"].get<std::string>() + "\n";
   return text;
 }
 

@@ -20,8 +20,8 @@ struct PlanesRun {
   int exit_code = 0;               // 0, 3 when some scans failed, the failure's own code when all did
 };
 
-// Planes, contours and decimation of every scan in the files, each written to out/scans/<id>/ as soon as it is done; one
-// scan is in memory at a time, and one that fails does not stop the others.
+// Planes, contours and decimation of every scan in the files, each written to out/scans/<id>/ as soon as it
+// is done; one scan is in memory at a time, and one that fails does not stop the others.
 PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request);
 
 // A table for a person.

@@ -11,7 +11,9 @@ namespace hybrid::batch {
 
 Progress::Progress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
 
-Progress::~Progress() { finish(); }
+Progress::~Progress() {
+  finish();
+}
 
 void Progress::step(const std::string& stage, const std::string& unit) {
   check_interrupted();

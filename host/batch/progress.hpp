@@ -6,8 +6,8 @@
 
 namespace hybrid::batch {
 
-// Says on stderr what is being done: one rewritten line on a terminal, one log line per step otherwise. Adds up seconds
-// per stage for timing.json. Every step is also a place where an interrupt ends the run cleanly.
+// Says on stderr what is being done: one rewritten line on a terminal, one log line per step otherwise. Adds
+// up seconds per stage for timing.json. Every step is also a place where an interrupt ends the run cleanly.
 class Progress {
  public:
   explicit Progress(bool quiet);

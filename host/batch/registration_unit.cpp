@@ -17,7 +17,8 @@ Vec3 picked_point(const io::SceneLandmark& landmark, const RangeImage& image) {
   if (landmark.scan) return *landmark.scan;
   const auto [row, col] = *landmark.pixel;
   if (row < 0 || col < 0 || row >= image.rows || col >= image.cols)
-    fail_input("pixel [{}, {}]: outside the range image of {} rows x {} columns", row, col, image.rows, image.cols);
+    fail_input("pixel [{}, {}]: outside the range image of {} rows x {} columns", row, col, image.rows,
+               image.cols);
   const std::size_t i = image.index(row, col);
   if (image.mask[i] != kMeasured)
     fail_input("pixel [{}, {}]: no measured sample there; pick a pixel with a return", row, col);
@@ -28,12 +29,13 @@ Vec3 model_point(const io::SceneLandmark& landmark, const PolygonModel& model) {
   if (landmark.model) return *landmark.model;
   const int vertex = *landmark.vertex;
   if (vertex < 0 || static_cast<std::size_t>(vertex) >= model.vertices.size())
-    fail_input("vertex {}: the model has {} vertices (0-based, in file order)", vertex, model.vertices.size());
+    fail_input("vertex {}: the model has {} vertices (0-based, in file order)", vertex,
+               model.vertices.size());
   return model.vertices[static_cast<std::size_t>(vertex)];
 }
 
-stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& model, const ScanProduct& product,
-                              const StageOptions& options) {
+stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& model,
+                              const ScanProduct& product, const StageOptions& options) {
   std::vector<stages::LandmarkPair> pairs;
   for (std::size_t i = 0; i < entry.landmarks.size(); ++i) {
     const auto& landmark = entry.landmarks[i];
@@ -46,10 +48,12 @@ stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& mo
   return stages::fit_landmarks(model, pairs, options.landmarks);
 }
 
-WallShare wall_share(const ScanProduct& product, const Pose& world_from_scan, const std::vector<float>& distance_m) {
+WallShare wall_share(const ScanProduct& product, const Pose& world_from_scan,
+                     const std::vector<float>& distance_m) {
   std::vector<bool> wall(product.segmentation.superclusters.size() + 1, false);
   for (const auto& supercluster : product.segmentation.superclusters)
-    wall[supercluster.id] = std::abs(world_from_scan.rotate(supercluster.plane.normal).z()) < std::sin(M_PI / 6);
+    wall[supercluster.id] =
+        std::abs(world_from_scan.rotate(supercluster.plane.normal).z()) < std::sin(M_PI / 6);
   WallShare share;
   std::int64_t near = 0, nearer = 0;
   for (std::size_t i = 0; i < product.image.count(); ++i) {
@@ -92,14 +96,15 @@ ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry,
     result.landmarks = fit_start(entry, model, product, options);
     result.start = result.landmarks->world_from_scan;
   } else {
-    fail_input("no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
+    fail_input(
+        "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
   }
 
   progress.step("ICP", unit);
   result.icp.world_from_scan = result.start;
   if (!result.fixed) {
-    const auto samples = stages::choose_planar_samples(product.image, product.segmentation, options.icp.max_samples,
-                                                       options.icp.seed);
+    const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
+                                                       options.icp.max_samples, options.icp.seed);
     result.icp = stages::register_to_model(queue, samples, model, result.start, options.icp);
     if (!result.icp.converged)
       log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);

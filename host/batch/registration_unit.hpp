@@ -8,8 +8,8 @@
 
 namespace hybrid::batch {
 
-// Share of a scan's wall samples near the proxy: wall samples are measured samples of superclusters whose plane is
-// within 30 degrees of vertical in the world (floors and ceilings hide horizontal errors).
+// Share of a scan's wall samples near the proxy: wall samples are measured samples of superclusters whose
+// plane is within 30 degrees of vertical in the world (floors and ceilings hide horizontal errors).
 struct WallShare {
   std::int64_t samples = 0;
   double within_5cm = 0, within_10cm = 0;
@@ -18,17 +18,19 @@ struct WallShare {
 struct ScanRegistration {
   std::string how;  // "landmarks" | "given"
   bool fixed = false;
-  Pose start;       // from landmarks or the scene file
+  Pose start;  // from landmarks or the scene file
   std::optional<stages::LandmarkFit> landmarks;
   stages::Registration icp;  // world_from_scan: the result
   WallShare wall_before, wall_after;
-  std::vector<float> distance_m;  // per node, to the closest compatible face, after ICP; NaN where not measured
+  std::vector<float>
+      distance_m;  // per node, to the closest compatible face, after ICP; NaN where not measured
   const Pose& world_from_scan() const { return icp.world_from_scan; }
 };
 
 // METHOD 5 and 6: landmarks (or the scene's pose) give the start, ICP on the planes the result; a pose with
 // fixed = true is final. Then marks the planar samples that a proxy face explains and gives the others back
-// (METHOD 4): product.decimation changes. Throws ErrorKind::input when neither landmarks nor a pose are given.
+// (METHOD 4): product.decimation changes. Throws ErrorKind::input when neither landmarks nor a pose are
+// given.
 ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
                                const StageOptions& options, ScanProduct& product, Progress& progress);
 

@@ -12,8 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's centre
-// moves with the world's scale, its image does not change.
+// The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's
+// centre moves with the world's scale, its image does not change.
 Pose camera_in_world(const Pose& cam_from_photographs, const Pose& world_from_photographs) {
   Pose world_from_cam = world_from_photographs * cam_from_photographs.inverse();
   world_from_cam.scale = 1;
@@ -91,8 +91,9 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
     std::vector<std::uint8_t> keep(product.image.count());
     std::transform(product.decimation.fate.begin(), product.decimation.fate.end(), keep.begin(),
                    [](std::uint8_t fate) { return static_cast<std::uint8_t>(fate > stages::kDiscarded); });
-    const auto splats = stages::make_splats(product.image, product.segmentation, keep,
-                                            registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i));
+    const auto splats =
+        stages::make_splats(product.image, product.segmentation, keep, registrations[i]->world_from_scan(),
+                            static_cast<std::uint32_t>(i));
     scene.splats.insert(scene.splats.end(), splats.begin(), splats.end());
   }
   return scene;
@@ -132,18 +133,22 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
   const auto rendered = renderer.render(request);
   write_view(out / "views" / view.name, rendered);
 
-  const auto hit = std::count_if(rendered.id.begin(), rendered.id.end(), [](std::uint32_t id) { return id != 0; });
-  const auto seen = std::count_if(rendered.coverage.begin(), rendered.coverage.end(), [](auto n) { return n > 0; });
+  const auto hit =
+      std::count_if(rendered.id.begin(), rendered.id.end(), [](std::uint32_t id) { return id != 0; });
+  const auto seen =
+      std::count_if(rendered.coverage.begin(), rendered.coverage.end(), [](auto n) { return n > 0; });
   const double pixels = static_cast<double>(rendered.id.size());
   Json figures = {{"name", view.name},
                   {"size", {rendered.colour.width, rendered.colour.height}},
                   {"surface_share", static_cast<double>(hit) / pixels}};
   if (view.texture) figures["red_share"] = static_cast<double>(hit - seen) / pixels;
 
-  const bool left_out = std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
+  const bool left_out =
+      std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
   if (view.texture && !view.photograph.empty() && left_out) {
     const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
-    const auto quality = stages::compare_images(rendered.colour, photographs.pixels[index], seen_mask(rendered));
+    const auto quality =
+        stages::compare_images(rendered.colour, photographs.pixels[index], seen_mask(rendered));
     figures["left_out"] = {{"photograph", view.photograph},
                            {"psnr_db", quality.psnr_db},
                            {"ssim", quality.ssim},

@@ -8,7 +8,8 @@
 
 namespace hybrid::batch {
 
-// The photographs of a scene: cameras in the model's frame, pixels decoded and checked against their cameras' sizes.
+// The photographs of a scene: cameras in the model's frame, pixels decoded and checked against their cameras'
+// sizes.
 struct PhotographSet {
   std::vector<Photograph> cameras;
   std::vector<Image8> pixels;
@@ -21,15 +22,16 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
                                        const std::vector<std::optional<ScanRegistration>>& registrations,
                                        const PhotographSet& photographs);
 
-// The view's camera and what it shows. Throws ErrorKind::input when it names a photograph that does not exist.
+// The view's camera and what it shows. Throws ErrorKind::input when it names a photograph that does not
+// exist.
 stages::ViewRequest view_request(const io::SceneView& view, const PhotographSet& photographs);
 
 // One view per photograph, seen through its own camera, made from all the others.
 std::vector<io::SceneView> leave_one_out_views(const PhotographSet& photographs);
 
-// Renders, writes views/<name>.exr and .png and returns the view's figures; a view through a photograph's camera that
-// leaves that photograph out is compared with it (PSNR, SSIM on the pixels seen) and written beside it as
-// views/<name>-pair.png.
+// Renders, writes views/<name>.exr and .png and returns the view's figures; a view through a photograph's
+// camera that leaves that photograph out is compared with it (PSNR, SSIM on the pixels seen) and written
+// beside it as views/<name>-pair.png.
 nlohmann::ordered_json render_view(stages::Renderer& renderer, const io::SceneView& view,
                                    const PhotographSet& photographs, const std::filesystem::path& out);
 

@@ -27,15 +27,17 @@ double median_sigma_normal(const stages::SquarePlanes& squares) {
   return *middle;
 }
 
-// square = "auto": the paper's 5 x 5 where its normals are good to about a degree, else the side at which they are
-// (the uncertainty falls with the square of the side: extent times the root of the count), at most 16.
+// square = "auto": the paper's 5 x 5 where its normals are good to about a degree, else the side at which
+// they are (the uncertainty falls with the square of the side: extent times the root of the count), at
+// most 16.
 stages::SquarePlanes fit_squares(device::Queue& queue, const RangeImage& image, const StageOptions& options) {
   auto squares = stages::fit_square_planes(queue, image, options.squares);
   if (!options.auto_square) return squares;
   const double wanted_rad = 0.017;
   const double ratio = median_sigma_normal(squares) / wanted_rad;
   auto larger = options.squares;
-  larger.square = std::clamp(static_cast<int>(std::ceil(larger.square * std::sqrt(ratio))), larger.square, 16);
+  larger.square =
+      std::clamp(static_cast<int>(std::ceil(larger.square * std::sqrt(ratio))), larger.square, 16);
   larger.sigma_m = squares.sigma_m;
   return larger.square == squares.square ? squares : stages::fit_square_planes(queue, image, larger);
 }
@@ -54,8 +56,8 @@ io::PlyPoint detail_point(const Vec3& position) {
 
 }  // namespace
 
-ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan, const StageOptions& options,
-                         Progress& progress) {
+ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
+                         const StageOptions& options, Progress& progress) {
   ScanProduct product;
   product.id = id;
   product.input_samples = static_cast<std::int64_t>(scan.points.size());
@@ -117,7 +119,8 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
   io::write_ply(folder / "detail.ply", points, content);
 }
 
-void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product, const NodeColours& colours) {
+void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product,
+                        const NodeColours& colours) {
   const float* rgb = colours.colour.pixels.data();
   io::write_exr(folder / "colour.exr", product.image.cols, product.image.rows,
                 {{"R", rgb, nullptr, 3},

@@ -15,31 +15,34 @@ namespace hybrid::batch {
 // What the planes stages make of one scan, kept for registration and rendering.
 struct ScanProduct {
   std::string id;
-  std::int64_t input_samples = 0;   // points in the file
-  std::int64_t input_returns = 0;   // of these, with a finite point
+  std::int64_t input_samples = 0;  // points in the file
+  std::int64_t input_returns = 0;  // of these, with a finite point
   RangeImage image;
   PlaneSegmentation segmentation;
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
   stages::Decimation decimation;
-  double sigma_m = 0;               // range noise used
+  double sigma_m = 0;                 // range noise used
   std::optional<Pose> recorded_pose;  // as the file gave it
   std::vector<std::string> notes;
 };
 
 // METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation.
-ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan, const StageOptions& options,
-                         Progress& progress);
+ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
+                         const StageOptions& options, Progress& progress);
 
 // Colours of the range image's nodes, when photographs were projected on them.
 using NodeColours = stages::Renderer::ColouredRange;
 
-// scans/<id>/: range.exr, range.png, classes.png, labels.exr, planes.json. `attributes` go to range.exr's header.
+// scans/<id>/: range.exr, range.png, classes.png, labels.exr, planes.json. `attributes` go to range.exr's
+// header.
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
                          const std::map<std::string, std::string>& attributes);
-// scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours when given.
+// scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours
+// when given.
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
                   const NodeColours* colours);
 // scans/<id>/colour.exr.
-void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product, const NodeColours& colours);
+void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product,
+                        const NodeColours& colours);
 
 }  // namespace hybrid::batch

@@ -42,7 +42,8 @@ std::string relative_name(const fs::path& file, const io::SceneFile& scene) {
 // Walks through the run; each method is one paragraph of run_scene().
 class Run {
  public:
-  Run(device::Queue& queue, const RunRequest& request) : queue_(queue), request_(request), progress_(request.quiet) {}
+  Run(device::Queue& queue, const RunRequest& request)
+      : queue_(queue), request_(request), progress_(request.quiet) {}
 
   SceneRun go() {
     read_inputs();
@@ -86,11 +87,12 @@ class Run {
 
   void add_input(const fs::path& file) {
     const auto print = io::fingerprint(file);
-    inputs_.push_back({{"file", relative_name(file, run_.scene)}, {"bytes", print.bytes}, {"xxh3", print.xxh3}});
+    inputs_.push_back(
+        {{"file", relative_name(file, run_.scene)}, {"bytes", print.bytes}, {"xxh3", print.xxh3}});
   }
 
-  // Runs the body of one unit: an input's or a step's error is recorded and the night goes on; a lost device or an
-  // interrupt ends the run.
+  // Runs the body of one unit: an input's or a step's error is recorded and the night goes on; a lost device
+  // or an interrupt ends the run.
   template <typename Body>
   void unit(const std::string& name, const Body& body) {
     try {
@@ -98,9 +100,9 @@ class Run {
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted || error.kind() == ErrorKind::device) throw;
       log::error("{}", error.what());
-      run_.failures.push_back({name, error.what(), error.kind(),
-                               fmt::format("hybrid run {} --out {}", request_.scene_file.string(),
-                                           request_.out.string())});
+      run_.failures.push_back(
+          {name, error.what(), error.kind(),
+           fmt::format("hybrid run {} --out {}", request_.scene_file.string(), request_.out.string())});
     }
   }
 
@@ -114,7 +116,8 @@ class Run {
       add_input(entry.file);
       if (!entry.index) return;
       if (*entry.index < 0 || static_cast<std::size_t>(*entry.index) >= scans.size())
-        fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index, scans.size());
+        fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index,
+                   scans.size());
       scans = {std::move(scans[static_cast<std::size_t>(*entry.index)])};
     });
     for (std::size_t i = 0; i < scans.size(); ++i)
@@ -182,8 +185,9 @@ class Run {
       const auto& product = run_.products[i];
       unit("scan " + product.id, [&] {
         progress_.step("colour", "scan " + product.id);
-        const auto colours = renderer.colour_range_image(product.image, product.segmentation,
-                                                         run_.registrations[i]->world_from_scan(), options_.decimate.tile);
+        const auto colours =
+            renderer.colour_range_image(product.image, product.segmentation,
+                                        run_.registrations[i]->world_from_scan(), options_.decimate.tile);
         write_node_colours(scan_folder(product.id), product, colours);
         write_detail(scan_folder(product.id), product, sources_[i], &colours);
       });
@@ -205,7 +209,8 @@ class Run {
   void write_summary() {
     Json scans = Json::array(), failures = Json::array();
     for (std::size_t i = 0; i < run_.products.size(); ++i) scans.push_back(scan_summary(i));
-    for (const auto& failure : run_.failures) failures.push_back({{"unit", failure.unit}, {"error", failure.error}});
+    for (const auto& failure : run_.failures)
+      failures.push_back({{"unit", failure.unit}, {"error", failure.error}});
     run_.summary = {{"program", {{"name", "hybrid"}, {"version", HYBRID_VERSION}}},
                     {"scene", run_.scene.name},
                     {"inputs", inputs_},
@@ -235,8 +240,8 @@ class Run {
   const RunRequest& request_;
   Progress progress_;
   StageOptions options_;
-  std::vector<Scan> sources_;              // one per product
-  std::vector<io::SceneScan> entries_;     // one per product
+  std::vector<Scan> sources_;           // one per product
+  std::vector<io::SceneScan> entries_;  // one per product
   std::optional<io::SceneTruth> truth_;
   Json inputs_ = Json::array(), views_ = Json::array();
   SceneRun run_;
@@ -244,14 +249,16 @@ class Run {
 
 }  // namespace
 
-SceneRun run_scene(device::Queue& queue, const RunRequest& request) { return Run(queue, request).go(); }
+SceneRun run_scene(device::Queue& queue, const RunRequest& request) {
+  return Run(queue, request).go();
+}
 
 std::string describe_run(const RunRequest& request) {
   const auto scene = io::read_scene_file(request.scene_file);
   read_stage_options(scene);
   check_output_folder(request, scene.name);
-  std::string text = fmt::format("scene {}: {} scan entries, {} views, into {}\n", scene.name, scene.scans.size(),
-                                 scene.views.size(), request.out.string());
+  std::string text = fmt::format("scene {}: {} scan entries, {} views, into {}\n", scene.name,
+                                 scene.scans.size(), scene.views.size(), request.out.string());
   const auto line = [&](const char* what, const fs::path& file) {
     io::check_readable(file);
     text += fmt::format("  {} {}\n", what, file.string());

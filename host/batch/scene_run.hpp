@@ -22,8 +22,8 @@ struct RunRequest {
   bool leave_one_out = false;                 // render: every photograph from the others
   std::optional<OptionValue> square;          // overrides the scene file
   int tile = 1024;
-  std::optional<int> seed;                    // overrides the scene file
-  bool force = false;                         // write into the output folder of another scene
+  std::optional<int> seed;  // overrides the scene file
+  bool force = false;       // write into the output folder of another scene
   bool quiet = false;
 };
 
@@ -41,14 +41,16 @@ struct SceneRun {
   std::optional<PolygonModel> model;
   PhotographSet photographs;
   std::vector<ScanProduct> products;
-  std::vector<std::optional<ScanRegistration>> registrations;  // one per product; nothing when it failed or was not asked
+  std::vector<std::optional<ScanRegistration>>
+      registrations;  // one per product; nothing when it failed or was not asked
   std::vector<UnitFailure> failures;
   nlohmann::ordered_json summary;
   nlohmann::ordered_json timing;
 };
 
-// Runs a scene's stages and writes DIR's files, all but the report's. Inputs that concern the whole scene (scene file,
-// model, cameras) throw; a scan or view that fails is recorded in `failures` and the others go on.
+// Runs a scene's stages and writes DIR's files, all but the report's. Inputs that concern the whole scene
+// (scene file, model, cameras) throw; a scan or view that fails is recorded in `failures` and the others go
+// on.
 SceneRun run_scene(device::Queue& queue, const RunRequest& request);
 
 // --dry-run: reads the scene file and checks that every input exists; says what would be done.

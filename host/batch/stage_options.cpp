@@ -8,7 +8,8 @@ using Json = nlohmann::ordered_json;
 // Landmark options and what the pipeline itself decides: the rows of [register] that are not ICP's.
 const std::vector<OptionRow<StageOptions>>& register_rows() {
   static const std::vector<OptionRow<StageOptions>> rows = {
-      {"explain_m", "m", &StageOptions::explain_m, 0.001, 10, "a planar sample this near a face is explained by it"},
+      {"explain_m", "m", &StageOptions::explain_m, 0.001, 10,
+       "a planar sample this near a face is explained by it"},
   };
   return rows;
 }
@@ -23,7 +24,8 @@ const std::vector<OptionRow<stages::LandmarkOptions>>& landmark_rows() {
 
 // Sets `key` in the first of `tables` that has it.
 template <typename T>
-bool apply(const std::string& key, const OptionValue& value, T& options, const std::vector<OptionRow<T>>& table) {
+bool apply(const std::string& key, const OptionValue& value, T& options,
+           const std::vector<OptionRow<T>>& table) {
   const auto* row = find_option(table, key);
   if (row) set_option(options, *row, value);
   return row != nullptr;
@@ -33,9 +35,10 @@ template <typename Apply>
 void apply_section(const io::SceneFile& scene, const std::string& section, const io::SceneOptions& options,
                    const std::string& known, const Apply& apply_key) {
   for (const auto& [key, option] : options)
-    with_context(fmt::format("{}:{}: [{}]", scene.path.string(), option.line, section), [&, &k = key, &o = option] {
-      if (!apply_key(k, o.value)) fail_input("unknown key '{}'; known keys: {}", k, known);
-    });
+    with_context(fmt::format("{}:{}: [{}]", scene.path.string(), option.line, section),
+                 [&, &k = key, &o = option] {
+                   if (!apply_key(k, o.value)) fail_input("unknown key '{}'; known keys: {}", k, known);
+                 });
 }
 
 template <typename T>
@@ -53,7 +56,9 @@ void StageOptions::set_tile(int tile) {
   resample.tile = squares.tile = superclusters.tile = contours.tile = decimate.tile = tile;
 }
 
-void StageOptions::set_seed(int seed) { squares.seed = icp.seed = seed; }
+void StageOptions::set_seed(int seed) {
+  squares.seed = icp.seed = seed;
+}
 
 void StageOptions::set_square(const OptionValue& value) {
   if (auto text = std::get_if<std::string>(&value); text && *text == "auto") {
@@ -80,8 +85,8 @@ StageOptions read_stage_options(const io::SceneFile& scene) {
                 });
 
   const auto& icp = stages::icp_option_table();
-  const std::string register_names = "scale, " + option_names(landmark_rows()) + ", " + option_names(register_rows()) +
-                                     ", " + option_names(icp);
+  const std::string register_names = "scale, " + option_names(landmark_rows()) + ", " +
+                                     option_names(register_rows()) + ", " + option_names(icp);
   apply_section(scene, "register", scene.registration, register_names,
                 [&](const std::string& key, const OptionValue& value) {
                   if (key == "scale") {
@@ -94,9 +99,10 @@ StageOptions read_stage_options(const io::SceneFile& scene) {
                 });
 
   const auto& render = stages::render_option_table();
-  apply_section(
-      scene, "render", scene.render, option_names(render),
-      [&](const std::string& key, const OptionValue& value) { return apply(key, value, options.render, render); });
+  apply_section(scene, "render", scene.render, option_names(render),
+                [&](const std::string& key, const OptionValue& value) {
+                  return apply(key, value, options.render, render);
+                });
   return options;
 }
 

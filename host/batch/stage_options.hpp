@@ -14,7 +14,8 @@
 
 namespace hybrid::batch {
 
-// The options of one run: defaults, then the scene file's sections, then the command line (tile, seed, square).
+// The options of one run: defaults, then the scene file's sections, then the command line (tile, seed,
+// square).
 struct StageOptions {
   bool auto_square = true;  // square = "auto": the side follows from noise and sample spacing
   stages::ResampleOptions resample;
@@ -33,8 +34,8 @@ struct StageOptions {
   void set_square(const OptionValue& value);
 };
 
-// Applies [planes], [register] and [render]. Unknown keys, wrong types and values out of range throw ErrorKind::input
-// naming file, line and key.
+// Applies [planes], [register] and [render]. Unknown keys, wrong types and values out of range throw
+// ErrorKind::input naming file, line and key.
 StageOptions read_stage_options(const io::SceneFile& scene);
 
 // All options as they were used, for summary.json.

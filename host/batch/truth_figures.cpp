@@ -31,7 +31,8 @@ nlohmann::ordered_json truth_figures(const io::ScanTruth& truth, const ScanProdu
   const auto& labels = product.segmentation.sample_label;
   std::vector<Counts> by_supercluster(product.segmentation.superclusters.size() + 1);
   for (std::size_t i = 0; i < image.count(); ++i)
-    if (image.mask[i] == kMeasured && labels[i] != 0) ++by_supercluster[labels[i]][truth.plane.at(image.source[i])];
+    if (image.mask[i] == kMeasured && labels[i] != 0)
+      ++by_supercluster[labels[i]][truth.plane.at(image.source[i])];
   std::vector<std::uint32_t> majority(by_supercluster.size(), 0);
   for (std::size_t id = 1; id < majority.size(); ++id) majority[id] = most_frequent(by_supercluster[id]);
 
@@ -57,12 +58,10 @@ nlohmann::ordered_json truth_figures(const io::ScanTruth& truth, const ScanProdu
     ++planes;
     found += 2 * right_of_plane[plane] >= samples;
   }
-  nlohmann::ordered_json json = {{"planar_samples", planar},
-                                 {"planar_samples_right_share", share(right, planar)},
-                                 {"planes_of_100_samples", planes},
-                                 {"planes_found", found},
-                                 {"curved_samples", curved},
-                                 {"curved_called_planar_share", share(curved_as_planar, curved)}};
+  nlohmann::ordered_json json = {
+      {"planar_samples", planar},        {"planar_samples_right_share", share(right, planar)},
+      {"planes_of_100_samples", planes}, {"planes_found", found},
+      {"curved_samples", curved},        {"curved_called_planar_share", share(curved_as_planar, curved)}};
   if (world_from_scan) {
     const auto error = difference(truth.world_from_scan, *world_from_scan);
     json["pose_error_mm"] = error.distance_m * 1000;

@@ -16,7 +16,8 @@ namespace hybrid::io {
 namespace fs = std::filesystem;
 namespace {
 
-// The folder's file system still has room? Writers of libraries hide errno; this tells a full disk from other failures.
+// The folder's file system still has room? Writers of libraries hide errno; this tells a full disk from other
+// failures.
 bool disk_is_full(const fs::path& folder) {
   std::error_code code;
   const auto space = fs::space(folder, code);
@@ -27,7 +28,8 @@ void create_folder(const fs::path& folder) {
   std::error_code code;
   fs::create_directories(folder, code);
   if (!fs::is_directory(folder, code) || access(folder.c_str(), W_OK) != 0)
-    fail(ErrorKind::failed, "{}: expected a writable output folder; choose another --out or change its permissions",
+    fail(ErrorKind::failed,
+         "{}: expected a writable output folder; choose another --out or change its permissions",
          folder.string());
 }
 
@@ -38,7 +40,8 @@ void sync_file(const fs::path& file) {
   const int reason = errno;
   close(descriptor);
   if (result != 0)
-    fail(reason == ENOSPC ? ErrorKind::temporary : ErrorKind::failed, "{}: {}", file.string(), std::strerror(reason));
+    fail(reason == ENOSPC ? ErrorKind::temporary : ErrorKind::failed, "{}: {}", file.string(),
+         std::strerror(reason));
 }
 
 }  // namespace
@@ -47,8 +50,8 @@ void write_atomically(const fs::path& file, const std::function<void(const fs::p
   static std::atomic<unsigned> counter{0};
   const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
   create_folder(folder);
-  const fs::path temporary =
-      folder / fmt::format(".{}.{}.{}{}", file.stem().string(), getpid(), counter++, file.extension().string());
+  const fs::path temporary = folder / fmt::format(".{}.{}.{}{}", file.stem().string(), getpid(), counter++,
+                                                  file.extension().string());
   std::error_code ignored;
   try {
     write(temporary);
@@ -58,7 +61,8 @@ void write_atomically(const fs::path& file, const std::function<void(const fs::p
     const bool full = disk_is_full(folder);
     fs::remove(temporary, ignored);
     if (full)
-      fail(ErrorKind::temporary, "{}: the disk is full; free space and run again ({})", file.string(), error.what());
+      fail(ErrorKind::temporary, "{}: the disk is full; free space and run again ({})", file.string(),
+           error.what());
     if (auto known = dynamic_cast<const Error*>(&error)) throw Error(*known);
     fail(ErrorKind::failed, "{}: cannot write: {}", file.string(), error.what());
   }

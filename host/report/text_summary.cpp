@@ -4,10 +4,10 @@ namespace hybrid::report {
 namespace {
 
 std::string scan_lines(const nlohmann::ordered_json& scan) {
-  std::string text = fmt::format("scan {}: {} measured samples, {} superclusters, {:.1f} % discarded\n",
-                                 scan["id"].get<std::string>(), scan["decimation"]["measured"].get<std::int64_t>(),
-                                 scan["superclusters"].get<std::int64_t>(),
-                                 100 * scan["decimation"]["discarded_share"].get<double>());
+  std::string text = fmt::format(
+      "scan {}: {} measured samples, {} superclusters, {:.1f} % discarded\n", scan["id"].get<std::string>(),
+      scan["decimation"]["measured"].get<std::int64_t>(), scan["superclusters"].get<std::int64_t>(),
+      100 * scan["decimation"]["discarded_share"].get<double>());
   if (scan.contains("registration")) {
     const auto& pose = scan["registration"];
     const auto& before = pose["wall_before_icp"];
@@ -15,16 +15,19 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
     if (pose.contains("icp_rms_m"))
       text += fmt::format("  ICP rms {:.2f} mm after {} iterations\n", 1000 * pose["icp_rms_m"].get<double>(),
                           pose["icp_iterations"].get<int>());
-    text += fmt::format("  wall samples within 5 / 10 cm of the proxy: {:.1f} / {:.1f} % before ICP, {:.1f} / {:.1f} % after\n",
-                        100 * before["within_5cm"].get<double>(), 100 * before["within_10cm"].get<double>(),
-                        100 * after["within_5cm"].get<double>(), 100 * after["within_10cm"].get<double>());
+    text += fmt::format(
+        "  wall samples within 5 / 10 cm of the proxy: {:.1f} / {:.1f} % before ICP, {:.1f} / {:.1f} % "
+        "after\n",
+        100 * before["within_5cm"].get<double>(), 100 * before["within_10cm"].get<double>(),
+        100 * after["within_5cm"].get<double>(), 100 * after["within_10cm"].get<double>());
   }
   if (scan.contains("truth")) {
     const auto& truth = scan["truth"];
-    text += fmt::format("  against truth: {:.2f} % of planar samples right, {} of {} planes found, {:.2f} % of curved samples called planar\n",
-                        100 * truth["planar_samples_right_share"].get<double>(), truth["planes_found"].get<int>(),
-                        truth["planes_of_100_samples"].get<int>(),
-                        100 * truth["curved_called_planar_share"].get<double>());
+    text += fmt::format(
+        "  against truth: {:.2f} % of planar samples right, {} of {} planes found, {:.2f} % of curved "
+        "samples called planar\n",
+        100 * truth["planar_samples_right_share"].get<double>(), truth["planes_found"].get<int>(),
+        truth["planes_of_100_samples"].get<int>(), 100 * truth["curved_called_planar_share"].get<double>());
     if (truth.contains("pose_error_mm"))
       text += fmt::format("  pose error {:.3f} mm, {:.4f} deg\n", truth["pose_error_mm"].get<double>(),
                           truth["pose_error_deg"].get<double>());
@@ -39,10 +42,11 @@ std::string text_summary(const batch::SceneRun& run, const std::filesystem::path
   for (const auto& scan : run.summary["scans"]) text += scan_lines(scan);
   for (const auto& view : run.summary["views"])
     if (view.contains("left_out"))
-      text += fmt::format("view {}: {} from the other photographs: PSNR {:.2f} dB, SSIM {:.3f} on {:.1f} % of its pixels\n",
-                          view["name"].get<std::string>(), view["left_out"]["photograph"].get<std::string>(),
-                          view["left_out"]["psnr_db"].get<double>(), view["left_out"]["ssim"].get<double>(),
-                          100 * view["left_out"]["share_seen"].get<double>());
+      text += fmt::format(
+          "view {}: {} from the other photographs: PSNR {:.2f} dB, SSIM {:.3f} on {:.1f} % of its pixels\n",
+          view["name"].get<std::string>(), view["left_out"]["photograph"].get<std::string>(),
+          view["left_out"]["psnr_db"].get<double>(), view["left_out"]["ssim"].get<double>(),
+          100 * view["left_out"]["share_seen"].get<double>());
   for (const auto& failure : run.failures)
     text += fmt::format("failed: {}\n  run it again: {}\n", failure.error, failure.command);
   return text + fmt::format("results: {}\n", out.string());

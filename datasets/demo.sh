@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Sets everything up and runs the main job: bash datasets/demo.sh [SCENE.toml]
+# Without an argument: makes the synthetic room first. Results and pictures land in out/<scene>.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+scene="${1:-}"
+bash datasets/setup.sh
+build="${BUILD_DIR:-build}"
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release ${CMAKE_ARGS:-} >/dev/null
+cmake --build "$build" --target hybrid hybrid-synth
+if [ -z "$scene" ]; then
+  "$build/bin/hybrid-synth" room --out out/room-synthetic/scene --seed 1 --preset demo
+  scene=out/room-synthetic/scene/scene.toml
+  out=out/room-synthetic/result
+else
+  out="out/$(basename "$(dirname "$(realpath "$scene")")")/result"
+fi
+"$build/bin/hybrid" run "$scene" --out "$out"
+echo
+echo "Look at: $out/report/index.html (all pictures and figures on one page)"
+echo "         $out/scans/*/range.png classes.png, $out/report/registration-*.png, $out/views/*.png"

@@ -1,0 +1,44 @@
+#include "report/figures.hpp"
+
+#include <cmath>
+
+#include "io/picture.hpp"
+
+namespace hybrid::report {
+namespace {
+
+Image8 draw(device::Queue& queue, const batch::SceneRun& run,
+            const std::vector<std::optional<batch::ScanRegistration>>& registrations) {
+  const auto scene = batch::build_render_scene(*run.model, run.products, registrations, {});
+  stages::RenderOptions options;
+  options.samples_per_axis = 2;
+  stages::Renderer renderer(queue, scene, options);
+  stages::ViewRequest request;
+  request.camera = overview_camera(*run.model, 1280, 900);
+  request.texture = false;
+  request.front_only = true;
+  return batch::to_picture(renderer.render(request).colour);
+}
+
+}  // namespace
+
+Photograph overview_camera(const PolygonModel& model, int width, int height) {
+  Eigen::AlignedBox3d box;
+  for (const auto& vertex : model.vertices) box.extend(vertex);
+  const double fov_deg = 40;
+  const Vec3 direction = Vec3(-0.45, -0.75, 0.85).normalized();
+  const double distance = 0.5 * box.diagonal().norm() / std::sin(0.5 * fov_deg * M_PI / 180);
+  return look_at(box.center() + 0.9 * distance * direction, box.center(), Vec3::UnitZ(), fov_deg, width,
+                 height);
+}
+
+void write_registration_figures(device::Queue& queue, const batch::SceneRun& run,
+                                const std::filesystem::path& folder) {
+  auto before = run.registrations;
+  for (auto& registration : before)
+    if (registration) registration->icp.world_from_scan = registration->start;
+  io::write_png(folder / "registration-before.png", draw(queue, run, before));
+  io::write_png(folder / "registration-after.png", draw(queue, run, run.registrations));
+}
+
+}  // namespace hybrid::report

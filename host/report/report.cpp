@@ -1,0 +1,127 @@
+#include "report/report.hpp"
+
+#include <algorithm>
+
+#include "io/output.hpp"
+#include "report/figures.hpp"
+
+namespace hybrid::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string escape(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string picture(const std::string& file, const std::string& caption) {
+  return fmt::format(
+      "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" "
+      "loading=\"lazy\"></a><figcaption>{1}</figcaption></figure>\n",
+      escape(file), escape(caption));
+}
+
+// A nested JSON object as rows "a / b / c : value".
+void table_rows(const Json& value, const std::string& name, std::string& rows) {
+  if (value.is_object()) {
+    for (const auto& [key, inner] : value.items())
+      table_rows(inner, name.empty() ? key : name + " / " + key, rows);
+    return;
+  }
+  const std::string text = value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
+                           : value.is_string()     ? value.get<std::string>()
+                                                   : value.dump();
+  rows += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escape(name), escape(text));
+}
+
+std::string table(const Json& value) {
+  std::string rows;
+  table_rows(value, "", rows);
+  return "<details><summary>figures</summary><table>\n" + rows + "</table></details>\n";
+}
+
+std::string scan_section(const Json& scan) {
+  const std::string id = scan["id"].get<std::string>();
+  const std::string folder = "../scans/" + id + "/";
+  return fmt::format("<h2>Scan {}</h2>\n<div class=\"row\">\n", escape(id)) +
+         picture(folder + "range.png", "Range image") +
+         picture(folder + "classes.png",
+                 "Superclusters (pastel), locally planar but too small (dark blue), non-planar "
+                 "(dark green), undersampled (black)") +
+         "</div>\n" + table(scan);
+}
+
+std::string view_section(const Json& views) {
+  std::string html = "<h2>Views</h2>\n<div class=\"row\">\n";
+  for (const auto& view : views) {
+    const std::string name = view["name"].get<std::string>();
+    std::string caption = name;
+    if (view.contains("red_share"))
+      caption +=
+          fmt::format("; red = seen by no photograph: {:.1f} %", 100 * view["red_share"].get<double>());
+    html += picture("../views/" + name + ".png", caption);
+    if (!view.contains("left_out")) continue;
+    const auto& score = view["left_out"];
+    html += picture(
+        "../views/" + name + "-pair.png",
+        fmt::format(
+            "photograph {} (left) and the same view from the others (right): PSNR {:.2f} dB, SSIM {:.3f}",
+            score["photograph"].get<std::string>(), score["psnr_db"].get<double>(),
+            score["ssim"].get<double>()));
+  }
+  return html + "</div>\n";
+}
+
+std::string failure_section(const batch::SceneRun& run) {
+  if (run.failures.empty()) return "";
+  std::string html = "<h2>Failures</h2>\n<ul>\n";
+  for (const auto& failure : run.failures)
+    html += fmt::format("<li>{}<br><code>{}</code></li>\n", escape(failure.error), escape(failure.command));
+  return html + "</ul>\n";
+}
+
+constexpr const char* kStyle =
+    "body{font:16px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:80rem;padding:0 "
+    "1rem;color:#222;background:#fff}"
+    ".row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;flex:1 1 28rem;max-width:100%}"
+    "img{width:100%;height:auto;border:1px solid #ccc}figcaption{font-size:.9rem;color:#555}"
+    "table{border-collapse:collapse;font-size:.9rem}th{text-align:left;font-weight:400;padding-right:2rem}";
+
+}  // namespace
+
+void write_report(device::Queue& queue, const batch::SceneRun& run, const std::filesystem::path& out) {
+  const bool registered = std::any_of(run.registrations.begin(), run.registrations.end(),
+                                      [](const auto& registration) { return registration.has_value(); });
+  std::string body = failure_section(run);
+  if (registered) {
+    write_registration_figures(queue, run, out / "report");
+    body += "<h2>Registration</h2>\n<div class=\"row\">\n" +
+            picture("registration-before.png",
+                    "Before ICP: retained samples of every scan, each in its colour, on the proxy") +
+            picture("registration-after.png", "After ICP") + "</div>\n";
+  }
+  if (!run.summary["views"].empty()) body += view_section(run.summary["views"]);
+  for (const auto& scan : run.summary["scans"]) body += scan_section(scan);
+  const std::string title = escape(run.scene.name);
+  io::write_text(
+      out / "report" / "index.html",
+      fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+                  "content=\"width=device-width\"><title>{0}</title><style>{1}</style></head>\n<body>\n"
+                  "<h1>{0}</h1>\n{2}</body></html>\n",
+                  title, kStyle, body));
+}
+
+}  // namespace hybrid::report
