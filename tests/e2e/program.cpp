@@ -1,0 +1,57 @@
+#include "program.hpp"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "io/output.hpp"
+
+namespace hybrid::e2e {
+namespace fs = std::filesystem;
+
+Outcome run(const std::string& command_line) {
+  const Scratch scratch;
+  const std::string line = "PATH=" HYBRID_BIN_DIR ":$PATH; " + command_line;
+  io::write_text(scratch / "command.sh", line + "\n");
+  const std::string shell = "sh " + (scratch / "command.sh").string() + " >" + (scratch / "out").string() +
+                            " 2>" + (scratch / "err").string() + " </dev/null";
+  const int status = std::system(shell.c_str());
+  Outcome outcome;
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  outcome.out = io::read_text(scratch / "out");
+  outcome.err = io::read_text(scratch / "err");
+  return outcome;
+}
+
+fs::path room() {
+  return fs::path(HYBRID_E2E_DIR) / "room";
+}
+fs::path result() {
+  return fs::path(HYBRID_E2E_DIR) / "result";
+}
+
+Scratch::Scratch() {
+  std::string name = (fs::temp_directory_path() / "hybrid-e2e-XXXXXX").string();
+  path_ = mkdtemp(name.data());
+}
+
+Scratch::~Scratch() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+std::string content_list(const fs::path& folder) {
+  std::vector<std::string> lines;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "timing.json") continue;
+    lines.push_back(fs::relative(entry.path(), folder).string() + " " + io::fingerprint(entry.path()).xxh3);
+  }
+  std::sort(lines.begin(), lines.end());
+  std::string text;
+  for (const auto& line : lines) text += line + "\n";
+  return text;
+}
+
+}  // namespace hybrid::e2e

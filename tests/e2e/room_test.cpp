@@ -1,0 +1,89 @@
+// The synthetic room: figures of summary.json against the generator's truth, with the bounds that the tiny
+// preset (scans of about 0.1 megasamples, photographs of 320 x 240) allows. Measured values stand beside each
+// bound.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "io/output.hpp"
+#include "program.hpp"
+
+namespace hybrid::e2e {
+namespace {
+
+nlohmann::json summary() {
+  return nlohmann::json::parse(io::read_text(result() / "summary.json"));
+}
+
+const nlohmann::json* left_out(const nlohmann::json& document) {
+  for (const auto& view : document["views"])
+    if (view.contains("left_out")) return &view["left_out"];
+  return nullptr;
+}
+
+}  // namespace
+
+TEST(TinyRoom, poses_agree_with_the_truth) {
+  const auto document = summary();
+  ASSERT_EQ(document["scans"].size(), 2u);
+  for (const auto& scan : document["scans"]) {
+    EXPECT_LT(scan["truth"]["pose_error_mm"], 2.0) << scan["id"];
+    EXPECT_LT(scan["truth"]["pose_error_deg"], 0.05) << scan["id"];
+    EXPECT_TRUE(scan["registration"]["icp_converged"]) << scan["id"];
+  }
+}
+
+TEST(TinyRoom, planes_agree_with_the_truth) {
+  const auto document = summary();
+  for (const auto& scan : document["scans"]) {
+    const auto& truth = scan["truth"];
+    EXPECT_GT(truth["planar_samples_right_share"], 0.90) << scan["id"];
+    EXPECT_GT(2 * truth["planes_found"].get<int>(), truth["planes_of_100_samples"].get<int>()) << scan["id"];
+    EXPECT_LT(truth["curved_called_planar_share"], 0.10) << scan["id"];
+  }
+}
+
+TEST(TinyRoom, most_samples_are_discarded_and_none_is_lost) {
+  const auto document = summary();
+  for (const auto& scan : document["scans"]) {
+    EXPECT_GT(scan["decimation"]["discarded_share"], 0.5) << scan["id"];
+    // Every return of the input is a measured node or an extra sample.
+    EXPECT_EQ(scan["nodes"]["measured"].get<long>() + scan["extra_samples"].get<long>(),
+              scan["input_returns"].get<long>())
+        << scan["id"];
+    long kept = 0;
+    for (const auto& [reason, count] : scan["decimation"]["kept"].items()) kept += count.get<long>();
+    EXPECT_EQ(kept + scan["decimation"]["discarded"].get<long>(), scan["input_returns"].get<long>())
+        << scan["id"];
+  }
+}
+
+TEST(TinyRoom, a_left_out_photograph_is_predicted) {
+  const auto document = summary();
+  const auto* score = left_out(document);
+  ASSERT_NE(score, nullptr);
+  EXPECT_GT((*score)["psnr_db"], 20.0);
+  EXPECT_GT((*score)["share_seen"], 0.5);
+}
+
+TEST(TinyRoom, every_promised_file_is_there) {
+  for (const char* file :
+       {"summary.json", "timing.json", "report/index.html", "report/registration-before.png",
+        "report/registration-after.png", "views/both-textured.png", "views/both-textured.exr",
+        "views/points.png", "views/proxy.png", "views/leave-one-out-pair.png"})
+    EXPECT_TRUE(std::filesystem::exists(result() / file)) << file;
+  for (const char* scan : {"west", "east"})
+    for (const char* file : {"range.exr", "range.png", "classes.png", "labels.exr", "planes.json",
+                             "detail.ply", "colour.exr", "pose.json"})
+      EXPECT_TRUE(std::filesystem::exists(result() / "scans" / scan / file)) << scan << "/" << file;
+}
+
+TEST(TinyRoom, one_thread_and_another_tile_size_give_the_same_bytes) {
+  const Scratch scratch;
+  const auto again = run("hybrid run " + (room() / "scene.toml").string() + " --out " +
+                         scratch.path().string() + " --quiet --threads 1 --tile 96");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(content_list(scratch.path()), content_list(result()));
+}
+
+}  // namespace hybrid::e2e

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Runs every kernel test at its small sizes under oclgrind: out-of-bounds accesses and data races fail.
+# Usage: tests/oclgrind.sh PATH_OF_hybrid_tests
+set -euo pipefail
+tests=$1
+here=$(dirname "$0")
+suites=$(grep -rhoP '^TEST(_P)?\(\K\w+' "$here/kernels" | sort -u | sed 's/$/.*/' | paste -sd:)
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+HYBRID_SMALL_SIZES=1 oclgrind --data-races --max-errors 20 --log "$log" "$tests" --gtest_filter="$suites"
+if [ -s "$log" ]; then
+  echo "oclgrind found:" >&2
+  cat "$log" >&2
+  exit 1
+fi
