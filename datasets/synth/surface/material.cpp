@@ -1,0 +1,97 @@
+#include "surface/material.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/random.hpp"
+#include "surface/noise.hpp"
+#include "surface/pictures.hpp"
+
+namespace synth {
+namespace {
+
+Spot spot_on(const Surface& surface, std::uint32_t index, const Vec3& point, double footprint_m) {
+  const Vec3 from = point - surface.origin;
+  Spot spot{from.dot(surface.u_axis), from.dot(surface.v_axis), std::max(footprint_m, 1e-5),
+            mix(index) >> 20};
+  if (surface.shape != Shape::plane) {
+    const double angle = std::atan2(from.y(), from.x());
+    spot.u = angle * surface.radii.x();
+    spot.v = from.z();
+  }
+  return spot;
+}
+
+double lamp_cover(const Room& room, const Vec3& point, double footprint) {
+  double share = 0;
+  for (const AreaLight& light : room.lights) {
+    if (light.centre.z() < room.size.z() - 0.02) continue;
+    const Vec3 from = point - light.centre;
+    share += cover(from.x(), -light.half_v.x(), light.half_v.x(), footprint) *
+             cover(from.y(), -light.half_u.y(), light.half_u.y(), footprint);
+  }
+  return std::min(1.0, share);
+}
+
+// Width and height of a planar surface in its texture frame.
+Eigen::Array2d extent(const Surface& surface) {
+  const Vec3 half = surface.centre - surface.origin;
+  return {2 * half.dot(surface.u_axis), 2 * half.dot(surface.v_axis)};
+}
+
+Rgb base_albedo(const Room& room, const Surface& surface, const Spot& s, const Vec3& point) {
+  static const Rgb oak = srgb(0x7b4f2c);
+  const Eigen::Array2d size = extent(surface);
+  switch (surface.material) {
+    case Material::planks: {
+      const Eigen::Array2d on_rug = point.head<2>().array() - room.rug_low,
+                           rug_size = room.rug_high - room.rug_low;
+      return rug({on_rug.x(), on_rug.y(), s.footprint, s.key}, rug_size.x(), rug_size.y(), planks(s));
+    }
+    case Material::ceiling_tiles:
+      return ceiling_tiles(s);
+    case Material::brick:
+      return wall_trim(s, room.size.z(), brick(s));
+    case Material::panelled_plaster:
+      return wall_trim(s, room.size.z(), panelled_plaster(s));
+    case Material::wallpaper:
+      return wall_trim(s, room.size.z(), wallpaper(s));
+    case Material::tiled_plaster:
+      return wall_trim(s, room.size.z(), tiled_plaster(s));
+    case Material::painted_wood:
+      return painted_wood(s);
+    case Material::corridor:
+      return corridor(s);
+    case Material::daylight:
+      return daylight(s, size.x(), size.y());
+    case Material::door:
+      return door(s, size.x(), size.y());
+    case Material::oak:
+      return wood(s, oak, 0.21);
+    case Material::crate:
+      return crate(s, size.x(), size.y());
+    case Material::cardboard:
+      return cardboard(s);
+    case Material::stone:
+      return stone(s);
+    case Material::glaze:
+      return glaze(s);
+  }
+  return Rgb::Constant(0.5);
+}
+
+}  // namespace
+
+Finish finish(const Room& room, std::uint32_t index, const Vec3& point, double footprint_m) {
+  const Surface& surface = room.mesh.surfaces[index];
+  const Spot spot = spot_on(surface, index, point, footprint_m);
+  Finish result{base_albedo(room, surface, spot, point), Rgb::Zero()};
+  for (const Decor& decor : room.decor_of_surface[index]) result.albedo = paint(decor, spot, result.albedo);
+  result.albedo = result.albedo.max(0.01).min(0.9);
+  if (surface.material == Material::daylight) result.emission = 0.75 * result.albedo;
+  if (surface.material == Material::ceiling_tiles)
+    result.emission = Rgb(1.0, 0.96, 0.88) * lamp_cover(room, point, spot.footprint);
+  return result;
+}
+
+}  // namespace synth

@@ -1,0 +1,12 @@
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "trace/scanner.hpp"
+
+namespace synth {
+
+void write_truth_json(const std::filesystem::path&, const Room&, const RoomOptions&, const std::vector<Scan>&,
+                      const std::vector<Camera>& photographs, const std::vector<Camera>& held_out_views);
+
+}  // namespace synth
