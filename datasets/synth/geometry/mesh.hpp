@@ -21,6 +21,8 @@ enum class Material {
   daylight,
   door,
   oak,
+  chest,
+  books,
   crate,
   cardboard,
   stone,

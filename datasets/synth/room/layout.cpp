@@ -73,15 +73,15 @@ struct Furnisher {
 
 void add_lights(Room& room) {
   const double L = room.size.x(), W = room.size.y(), H = room.size.z();
-  for (double share : {0.28, 0.73})
-    room.lights.push_back({{share * L, 0.5 * W, H - 0.01}, {0, 0.9, 0}, {0.22, 0, 0}, {9.5, 8.6, 7.3}});
+  for (double share : {0.28, 0.82})
+    room.lights.push_back({{share * L, 0.5 * W, H - 0.01}, {0, 0.9, 0}, {0.22, 0, 0}, {44, 40.5, 35}});
   for (const Recess& r : room.recesses) {
     if (!r.name.starts_with("window")) continue;
     const std::array<Vec3, 4> ring = r.ring(room.size);
     const Vec3 half_u = (ring[1] - ring[0]) / 2, half_v = (ring[3] - ring[0]) / 2;
     const Vec3 inwards = half_u.cross(half_v).normalized();
     const Vec3 centre = (ring[0] + ring[2]) / 2 - inwards * (r.depth_m - 0.02);
-    room.lights.push_back({centre, half_u * 0.94, half_v * 0.94, {2.0, 2.3, 2.8}});
+    room.lights.push_back({centre, half_u * 0.94, half_v * 0.94, {3.2, 3.6, 4.2}});
   }
 }
 
@@ -109,17 +109,17 @@ Room build_room(std::uint64_t seed) {
   f.column("column-south", f.vary(0.45 * L, 0.15), f.vary(0.30 * W, 0.1), f.vary(0.26, 0.03));
   f.column("column-north", f.vary(0.68 * L, 0.1), f.vary(0.62 * W, 0.1), f.vary(0.26, 0.03));
   f.table(f.vary(0.77 * L, 0.1), f.vary(0.24 * W, 0.1), f.vary(6, 6) * kDegree);
-  f.box("chest", Material::oak, f.vary(0.72 * L, 0.05), W - 0.62, {1.25, 0.55, 0.62}, f.vary(7, 4) * kDegree);
-  f.box("bookcase", Material::painted_wood, 0.42, f.vary(0.66 * W, 0.1), {0.46, 1.5, 1.15},
-        f.vary(3, 2) * kDegree);
+  f.box("chest", Material::chest, f.vary(0.72 * L, 0.05), W - 0.62, {1.25, 0.55, 0.62},
+        f.vary(7, 4) * kDegree);
+  f.box("bookcase", Material::books, 0.42, f.vary(0.66 * W, 0.1), {0.46, 1.5, 1.15}, f.vary(3, 2) * kDegree);
   f.box("crate", Material::crate, f.vary(0.31 * L, 0.1), f.vary(0.6, 0.04), {0.62, 0.62, 0.62},
         f.vary(22, 10) * kDegree);
 
   const Vec3 radii(f.vary(0.36, 0.02), f.vary(0.36, 0.02), f.vary(0.52, 0.03));
   const std::size_t first = room.mesh.vertices.size();
-  add_ellipsoid(room.mesh, "vase", Material::glaze,
-                {f.vary(0.50 * L, 0.1), f.vary(0.76 * W, 0.1), radii.z() - kSunk}, radii, 192, 96);
-  f.note("vase", "ellipsoid", first);
+  add_ellipsoid(room.mesh, "ceramic-egg", Material::glaze,
+                {f.vary(0.56 * L, 0.1), f.vary(0.71 * W, 0.1), radii.z() - kSunk}, radii, 192, 96);
+  f.note("ceramic-egg", "ellipsoid", first);
   weld_and_check_closed(room.mesh);
 
   room.rug_low = {0.20 * L, 0.30 * W};

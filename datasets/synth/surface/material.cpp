@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/random.hpp"
 #include "surface/noise.hpp"
@@ -39,15 +40,29 @@ Eigen::Array2d extent(const Surface& surface) {
   return {2 * half.dot(surface.u_axis), 2 * half.dot(surface.v_axis)};
 }
 
+// Fades into its own beginning over the last quarter turn, where the angle jumps.
+Rgb stone_around(const Spot& s, double turn_m) {
+  const double t = std::clamp((s.u / turn_m - 0.25) / 0.25, 0.0, 1.0);
+  const Rgb here = stone(s);
+  return t > 0 ? blend(here, stone({s.u - turn_m, s.v, s.footprint, s.key}), t) : here;
+}
+
+Rgb floor_albedo(const Room& room, const Spot& s, const Vec3& point) {
+  const Eigen::Array2d on_rug = point.head<2>().array() - room.rug_low, size = room.rug_high - room.rug_low;
+  return rug({on_rug.x(), on_rug.y(), s.footprint, s.key}, size.x(), size.y(), planks(s));
+}
+
 Rgb base_albedo(const Room& room, const Surface& surface, const Spot& s, const Vec3& point) {
-  static const Rgb oak = srgb(0x7b4f2c);
+  static const Rgb oak = srgb(0x7b4f2c), pine = srgb(0xc79f62), dark_pine = srgb(0xa67a40),
+                   walnut = srgb(0x4f3020);
   const Eigen::Array2d size = extent(surface);
+  const double turn_m = 2 * std::numbers::pi * surface.radii.x();
+  const Spot along =
+      size.y() > size.x() ? Spot{s.v, s.u, s.footprint, s.key} : s;  // grain along the longer side
+  const Spot from_right{size.x() - s.u, s.v, s.footprint, s.key};
   switch (surface.material) {
-    case Material::planks: {
-      const Eigen::Array2d on_rug = point.head<2>().array() - room.rug_low,
-                           rug_size = room.rug_high - room.rug_low;
-      return rug({on_rug.x(), on_rug.y(), s.footprint, s.key}, rug_size.x(), rug_size.y(), planks(s));
-    }
+    case Material::planks:
+      return floor_albedo(room, s, point);
     case Material::ceiling_tiles:
       return ceiling_tiles(s);
     case Material::brick:
@@ -64,18 +79,23 @@ Rgb base_albedo(const Room& room, const Surface& surface, const Spot& s, const V
       return corridor(s);
     case Material::daylight:
       return daylight(s, size.x(), size.y());
+    // The back sees the leaf mirrored: its knob is on the same edge.
     case Material::door:
-      return door(s, size.x(), size.y());
+      return door(surface.name.ends_with("-back") ? from_right : s, size.x(), size.y());
     case Material::oak:
-      return wood(s, oak, 0.21);
+      return wood(along, oak, 0.43);
+    case Material::chest:
+      return crate(s, size.x(), size.y(), oak, walnut);
+    case Material::books:
+      return surface.name.ends_with("-right") ? books(s, size.x(), size.y()) : wood(along, oak, 0.43);
     case Material::crate:
-      return crate(s, size.x(), size.y());
+      return crate(s, size.x(), size.y(), pine, dark_pine);
     case Material::cardboard:
       return cardboard(s);
     case Material::stone:
-      return stone(s);
+      return stone_around(s, turn_m);
     case Material::glaze:
-      return glaze(s);
+      return glaze(s, turn_m);
   }
   return Rgb::Constant(0.5);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "surface/noise.hpp"
 
@@ -131,7 +132,7 @@ Rgb wallpaper(const Spot& s) {
   const double radius = std::hypot(x, y), angle = std::atan2(y, x);
   const double petals = radius - 0.075 * (0.72 + 0.28 * std::cos(5 * angle + column * 1.7 + row));
   const double leaves = radius - 0.15 * std::pow(std::abs(std::cos(2 * angle)), 3.0);
-  const double vine = std::abs(s.u - 0.05 * std::sin(s.v * 2 * 3.14159265358979 / period) -
+  const double vine = std::abs(s.u - 0.05 * std::sin(s.v * 2 * std::numbers::pi / period) -
                                std::round(s.u / (period / 2)) * period / 2);
   Rgb colour = ground * (1 + 0.12 * (stripes(s.u, 0.02, 0.01, w) - 0.5));
   colour = blend(colour, leaf, 0.55 * inside(vine - 0.006, w));
@@ -206,18 +207,34 @@ Rgb door(const Spot& s, double width_m, double height_m) {
   const double period = width_m / 2, third = height_m / 3;
   const double row = std::min(2.0, std::max(0.0, std::floor(s.v / third)));
   Rgb colour = panels({s.u, s.v - row * third, s.footprint, s.key}, 0, third, period, green);
-  const double knob =
-      std::min(std::hypot(s.u - 0.07, s.v - 1.02), std::hypot(s.u - width_m + 0.07, s.v - 1.02));
+  const double knob = std::hypot(s.u - 0.07, s.v - 1.02);
   return blend(colour, brass, width_m > 0.3 ? inside(knob - 0.032, s.footprint) : 0.0);
 }
 
-Rgb crate(const Spot& s, double width_m, double height_m) {
-  static const Rgb pine = srgb(0xc79f62), frame = srgb(0xa67a40);
-  const Rgb slats = wood(s, pine, 0.1);
+Rgb crate(const Spot& s, double width_m, double height_m, const Rgb& slats, const Rgb& frame) {
   const double edge = std::min({s.u, s.v, width_m - s.u, height_m - s.v});
   const double beam = inside(edge - 0.07, s.footprint),
                seam = inside(std::abs(edge - 0.07) - 0.003, s.footprint);
-  return blend(slats, wood({s.v, s.u, s.footprint, s.key + 3}, frame, 0.5), beam) * (1 - 0.6 * seam);
+  const Rgb upright = wood({s.v, s.u, s.footprint, s.key + 3}, frame, 0.5);
+  return blend(wood(s, slats, 0.1), upright, beam) * (1 - 0.6 * seam);
+}
+
+Rgb books(const Spot& s, double width_m, double height_m) {
+  static const Rgb spines[6] = {srgb(0x7c2b2b), srgb(0x2e4a68), srgb(0x37573b),
+                                srgb(0xb0905a), srgb(0x4b3550), srgb(0xc9bfa5)};
+  static const Rgb oak = srgb(0x7b4f2c), gold = srgb(0xcdb266);
+  const double w = s.footprint, board = 0.03, shelf = (height_m - board) / 3, thick = 0.042;
+  const double row = std::floor((s.v - board) / shelf), v = s.v - board - row * shelf;
+  const double column = std::floor(s.u / thick), u = s.u - column * thick;
+  const auto i = static_cast<std::int64_t>(column), j = static_cast<std::int64_t>(row);
+  const double height = shelf * (0.62 + 0.25 * hash01(i, j, 41));
+  Rgb spine = spines[static_cast<int>(6 * hash01(i, j, 43))] * (0.8 + 0.4 * hash01(i, j, 47));
+  spine *= 1 - 0.6 * (1 - cover(u, 0.003, thick - 0.003, w));
+  const double bands = cover(v, 0.22 * height, 0.26 * height, w) + cover(v, 0.72 * height, 0.82 * height, w);
+  spine = blend(spine, gold, 0.8 * bands);
+  const Rgb filled = blend(oak * 0.25, spine, cover(v, 0, height, w));
+  const double rim = std::min({s.u, width_m - s.u, v + board, shelf - v, height_m - s.v});
+  return blend(filled, wood(s, oak, 0.4), inside(rim - board, w));
 }
 
 Rgb cardboard(const Spot& s) {
@@ -235,13 +252,14 @@ Rgb stone(const Spot& s) {
   return blend(pale, vein, 0.75 * veins) * (1 + 0.12 * noise(s, 1, 1, 0.03, 3, 23)) * (1 - 0.55 * drum);
 }
 
-Rgb glaze(const Spot& s) {
+Rgb glaze(const Spot& s, double turn_m) {
   static const Rgb white = srgb(0xd5d8d6), cobalt = srgb(0x20408f);
-  const double wave = 0.035 * std::sin(s.u * 16) + 0.02 * noise(s, 1, 1, 0.15, 3, 24);
+  const double angle = s.u / turn_m, spacing = turn_m / 20;  // whole numbers of waves and dots: no seam
+  const double wave = 0.035 * std::sin(angle * 12 * std::numbers::pi);
   const double bands = stripes(s.v + wave, 0.21, 0.07, s.footprint);
-  const double dots = inside(
-      std::hypot(std::fmod(s.u + 9, 0.11) - 0.055, std::fmod(s.v + 9, 0.21) - 0.15) - 0.024, s.footprint);
-  return blend(white, cobalt, std::min(1.0, bands + dots)) * (1 + 0.1 * noise(s, 1, 1, 0.04, 3, 25));
+  const double du = (angle * 20 - std::round(angle * 20)) * spacing, dv = std::fmod(s.v + 9, 0.21) - 0.15;
+  const double dots = inside(std::hypot(du, dv) - 0.024, s.footprint);
+  return blend(white, cobalt, std::min(1.0, bands + dots));
 }
 
 }  // namespace synth

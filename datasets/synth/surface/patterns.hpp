@@ -32,10 +32,11 @@ Rgb wood(const Spot&, const Rgb& colour, double plank_width_m);
 Rgb painted_wood(const Spot&);
 Rgb corridor(const Spot&);
 Rgb daylight(const Spot&, double width_m, double height_m);
-Rgb door(const Spot&, double width_m, double height_m);
-Rgb crate(const Spot&, double width_m, double height_m);
+Rgb door(const Spot&, double width_m, double height_m);  // the knob on the left
+Rgb crate(const Spot&, double width_m, double height_m, const Rgb& slats, const Rgb& frame);
+Rgb books(const Spot&, double width_m, double height_m);
 Rgb cardboard(const Spot&);
 Rgb stone(const Spot&);
-Rgb glaze(const Spot&);
+Rgb glaze(const Spot&, double turn_m);  // turn_m: once around
 
 }  // namespace synth

@@ -45,14 +45,20 @@ Rgb landscape(const Decor& d, double u, double v, double w) {
   static const Rgb zenith = srgb(0x4c7fb5), haze = srgb(0xf0cf9a), sun = srgb(0xffe9a8),
                    lake = srgb(0x4f7d8c);
   const double x = u / d.width_m, y = v / d.height_m;
+  const double place = 7.3 * d.left_m;  // no two alike
   Rgb colour = blend(haze, zenith, std::clamp((y - 0.35) * 1.6, 0.0, 1.0));
-  const double cloud = fractal_noise(u, v * 3, 0.5, 5, w, 77);
+  const double cloud = fractal_noise(u + place, v * 3, 0.5, 5, w, 77);
   colour = blend(colour, srgb(0xfbf3e4), std::clamp(cloud * 1.6 - 0.1, 0.0, 0.8));
-  colour = blend(colour, sun, inside(std::hypot(u - 0.7 * d.width_m, v - 0.72 * d.height_m) - 0.07, w));
+  colour = blend(
+      colour, sun,
+      inside(std::hypot(u - (0.3 + 0.4 * hash01(static_cast<std::int64_t>(100 * d.left_m), 0, 3)) * d.width_m,
+                        v - 0.72 * d.height_m) -
+                 0.07,
+             w));
   for (int ridge = 0; ridge < 4; ++ridge) {
     const double base = 0.56 - 0.09 * ridge;
     const double crest =
-        (base + 0.13 * fractal_noise(u + 3.1 * ridge, 0.5, 0.55, 5, w, 91 + ridge)) * d.height_m;
+        (base + 0.13 * fractal_noise(u + place + 3.1 * ridge, 0.5, 0.55, 5, w, 91 + ridge)) * d.height_m;
     const Rgb tone = blend(srgb(0x7d8fa6), srgb(0x2e4a2b), ridge / 3.0);
     colour =
         blend(colour, tone * (1 + 0.3 * fractal_noise(u, v, 0.08, 4, w, 95 + ridge)), inside(v - crest, w));

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "geometry/random.hpp"
 #include "surface/material.hpp"
+#include "trace/irradiance.hpp"
 
 namespace synth {
 namespace {
@@ -22,32 +22,36 @@ struct Shader {
   int light_samples;
 
   static Rgb ambient(const Vec3& normal) {
-    static const Rgb from_below(0.40, 0.35, 0.29), from_above(0.30, 0.31, 0.33);
+    static const Rgb from_below(0.50, 0.44, 0.37), from_above(0.17, 0.175, 0.19);
     return blend(from_below, from_above, 0.5 + 0.5 * normal.z());
   }
 
+  // Exact unoccluded irradiance times the sampled share of the light that is seen: noise in penumbrae only.
   Rgb direct(const Hit& hit, Random& random, int stratum, int strata) const {
     Rgb sum = Rgb::Zero();
     const int total = strata * light_samples;
     for (const AreaLight& light : room.lights) {
-      const Vec3 area = light.half_u.cross(light.half_v);  // a quarter of the light's area, times its normal
+      const Vec3 &u = light.half_u, &v = light.half_v, &c = light.centre;
       const double turn_u = random.uniform(), turn_v = random.uniform();
-      Rgb from_light = Rgb::Zero();
+      const double open = form_factor(hit.point, hit.normal, {c - u - v, c + u - v, c + u + v, c - u + v});
+      if (open <= 0) continue;
+      const Vec3 facing = u.cross(v);
+      double seen = 0, weights = 0;
       for (int k = 0; k < light_samples; ++k) {
         const int index = stratum * light_samples + k;
         // One stratum in u per sample of the pixel; v by the golden ratio.
         const double a = (index + turn_u) / total, b = std::fmod(index * 0.6180339887498949 + turn_v, 1.0);
-        const Vec3 target = light.centre + light.half_u * (2 * a - 1) + light.half_v * (2 * b - 1);
+        const Vec3 target = c + u * (2 * a - 1) + v * (2 * b - 1);
         const Vec3 towards = target - hit.point;
-        const double squared = towards.squaredNorm();
-        const double geometry = hit.normal.dot(towards) * -area.dot(towards);
-        if (hit.normal.dot(towards) <= 0 || area.dot(towards) >= 0) continue;
-        if (!tracer.sees(hit.point + hit.normal * 1e-3, target)) continue;
-        from_light += light.radiance * (4 * geometry / (std::max(squared, 0.02) * std::max(squared, 0.02)));
+        const double weight = -hit.normal.dot(towards) * facing.dot(towards);
+        if (hit.normal.dot(towards) <= 0 || weight <= 0) continue;
+        const double inverse = 1 / towards.squaredNorm();
+        weights += weight * inverse * inverse;
+        if (tracer.sees(hit.point + hit.normal * 1e-3, target)) seen += weight * inverse * inverse;
       }
-      sum += from_light / light_samples;
+      if (weights > 0) sum += light.radiance * (open * seen / weights);
     }
-    return sum / std::numbers::pi;
+    return sum;
   }
 
   Rgb radiance(const Vec3& eye, const Vec3& ray, double pixel_angle, Random& random, int stratum,

@@ -19,9 +19,9 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLowestRad = -60 * kDegree;  // the tripod hides what is below
 constexpr double kHighestRad = 89.5 * kDegree;
-constexpr double kBeamRadiusM = 0.002;     // at the mirror
-constexpr double kBeamSpreadRad = 0.0006;  // half angle
-constexpr double kMixedJumpM = 0.01;       // sub-rays farther than this from the centre's surface: mixed
+constexpr double kBeamRadiusM = 0.003;    // at the mirror
+constexpr double kBeamSpreadRad = 0.001;  // half angle
+constexpr double kMixedJumpM = 0.01;      // sub-rays farther than this from the centre's surface: mixed
 constexpr int kSubRays = 8;
 
 struct Beam {
