@@ -125,7 +125,7 @@ Summary generate_room(const RoomOptions& options, const std::string& folder) {
     write_jpeg_or_png(out / "truth" / "views" / (held_out[i].name + ".png"),
                       render(room, tracer, held_out[i],
                              {options.seed, 50 + i, options.preset.truth_view_samples_per_side, 2, false}));
-  write_truth_json(out / "truth.json", room, options, scans, photographs, held_out);
+  write_truth_json(out / "truth.json", room, tracer, options, scans, photographs, held_out);
   // Last: a folder with a scene file is a whole one.
   write_scene_toml(out / "scene.toml", options, poses, landmarks, scene_views);
   return summarise(folder, options, room, scans, photographs.size());

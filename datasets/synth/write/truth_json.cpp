@@ -1,7 +1,9 @@
 #include "write/truth_json.hpp"
 
+#include <array>
 #include <nlohmann/json.hpp>
 
+#include "room/coverage.hpp"
 #include "write/files.hpp"
 
 namespace synth {
@@ -47,9 +49,9 @@ Json scan_entry(const Scan& scan) {
 
 }  // namespace
 
-void write_truth_json(const std::filesystem::path& path, const Room& room, const RoomOptions& options,
-                      const std::vector<Scan>& scans, const std::vector<Camera>& photographs,
-                      const std::vector<Camera>& held_out_views) {
+void write_truth_json(const std::filesystem::path& path, const Room& room, const Tracer& tracer,
+                      const RoomOptions& options, const std::vector<Scan>& scans,
+                      const std::vector<Camera>& photographs, const std::vector<Camera>& held_out_views) {
   Json truth = {{"seed", options.seed},
                 {"preset", options.preset.name},
                 {"noise_m", options.noise_m},
@@ -61,12 +63,16 @@ void write_truth_json(const std::filesystem::path& path, const Room& room, const
   for (const Scan& scan : scans) truth["scans"].push_back(scan_entry(scan));
   for (const Surface& surface : room.mesh.surfaces) {
     if (surface.plane_id == 0) continue;
-    truth["planes"].push_back(
-        {{"id", surface.plane_id},
-         {"name", surface.name},
-         {"normal", numbers(surface.normal)},
-         {"offset_m", surface.offset_m},
-         {"proxy_face", surface.proxy_face.empty() ? Json() : Json(surface.proxy_face)}});
+    Json plane = {{"id", surface.plane_id},
+                  {"name", surface.name},
+                  {"normal", numbers(surface.normal)},
+                  {"offset_m", surface.offset_m},
+                  {"proxy_face", surface.proxy_face.empty() ? Json() : Json(surface.proxy_face)}};
+    if (!surface.proxy_face.empty()) {
+      const std::array<double, 3> seen = seen_shares(room, tracer, surface, photographs);
+      plane["seen_by_photographs"] = {{"none", seen[0]}, {"one", seen[1]}, {"more", seen[2]}};
+    }
+    truth["planes"].push_back(plane);
   }
   for (const Camera& camera : photographs) truth["cameras"].push_back(camera_entry(camera));
   for (const Camera& camera : held_out_views) {
