@@ -1,0 +1,13 @@
+#pragma once
+#include "geometry/mesh.hpp"
+
+namespace synth {
+
+std::uint32_t add_vertex(Mesh&, const Vec3&);
+void add_triangle(Mesh&, std::uint32_t surface, std::uint32_t a, std::uint32_t b, std::uint32_t c);
+
+// A planar surface with the next free plane id, no triangles yet; normal = u_axis x v_axis.
+std::uint32_t add_plane(Mesh&, const std::string& name, Material, const Vec3& origin, const Vec3& u_axis,
+                        const Vec3& v_axis);
+
+}  // namespace synth

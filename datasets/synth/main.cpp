@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <optional>
+
+#include "room/room.hpp"
+
+namespace {
+
+const std::map<std::string, synth::Preset> kPresets = {
+    {"tiny", {"tiny", 500, 220, 320, 240, 320, 180, 4}},
+    {"demo", {"demo", 1800, 750, 1600, 1200, 1280, 720, 4}}};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Makes synthetic scenes with known truth, traced with Embree", "hybrid-synth"};
+  app.set_version_flag("--version", "hybrid-synth 0.1.0");
+  app.require_subcommand(1);
+  CLI::App* room = app.add_subcommand("room", "A furnished room: two scans, six photographs, a box as proxy");
+
+  synth::RoomOptions options;
+  std::string folder, preset = "demo";
+  int threads = 0;
+  bool json = false, quiet = false;
+  room->add_option("--out", folder, "Folder for the scene; made when it is not there")->required();
+  room->add_option("--seed", options.seed, "Same seed, same bytes")->capture_default_str();
+  room->add_option("--preset", preset, "tiny: for tests; demo: for people")
+      ->check(CLI::IsMember({"tiny", "demo"}))
+      ->capture_default_str();
+  room->add_option("--noise-m", options.noise_m, "Range noise along the ray, standard deviation")
+      ->check(CLI::Range(0.0, 0.1))
+      ->capture_default_str();
+  room->add_option("--dropout", options.dropout_share, "Share of samples that do not return")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str();
+  room->add_option("--proxy-error-m", options.proxy_error_m,
+                   "Moves each face of the proxy along its normal, standard deviation; the corners follow")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  room->add_option("--threads", threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
+  room->add_flag("--json", json, "Summary as JSON on stdout");
+  room->add_flag("--quiet", quiet, "No summary on stderr");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& problem) {
+    return app.exit(problem, std::cout, std::cerr) == 0 ? 0 : 2;
+  }
+  try {
+    std::optional<tbb::global_control> limit;
+    if (threads > 0)
+      limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    options.preset = kPresets.at(preset);
+    const synth::Summary summary = synth::generate_room(options, folder);
+    if (!quiet) fmt::print(stderr, "{}", summary.text);
+    if (json) fmt::print("{}", summary.json);
+    return 0;
+  } catch (const std::exception& problem) {
+    fmt::print(stderr, "hybrid-synth room: {}\n", problem.what());
+    return 1;
+  }
+}

@@ -1,0 +1,62 @@
+#include "write/scene_toml.hpp"
+
+#include <fmt/format.h>
+
+#include "write/files.hpp"
+
+namespace synth {
+namespace {
+
+std::string array(const Vec3& v, int decimals) {
+  return fmt::format("[{:.{}f}, {:.{}f}, {:.{}f}]", v.x(), decimals, v.y(), decimals, v.z(), decimals);
+}
+
+std::string exact(const Vec3& v) {
+  // TOML floats need a point; the shortest digits that come back as the same double.
+  const auto number = [](double x) {
+    const std::string text = fmt::format("{}", x);
+    return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+  };
+  return fmt::format("[{}, {}, {}]", number(v.x()), number(v.y()), number(v.z()));
+}
+
+std::string view_table(const View& view, const Preset& preset) {
+  std::string text = fmt::format("\n[[view]]\nname = \"{}\"\n", view.name);
+  if (view.photograph.empty()) {
+    text += fmt::format("eye = {}\ntarget = {}\nup = [0.0, 0.0, 1.0]\nfov_deg = {:.1f}\nsize = [{}, {}]\n",
+                        exact(view.eye), exact(view.target), kViewFovDeg, preset.view_width_px,
+                        preset.view_height_px);
+  } else {
+    text += fmt::format("photograph = \"{}\"\n", view.photograph);
+  }
+  text += fmt::format("show = \"{}\"\ntexture = {}\n", view.show, view.texture);
+  if (view.cameras) text += "cameras = true\n";
+  for (const std::string& name : view.leave_out) text += fmt::format("leave_out = [\"{}\"]\n", name);
+  return text;
+}
+
+}  // namespace
+
+void write_scene_toml(const std::filesystem::path& path, const RoomOptions& options,
+                      const std::vector<ScannerPose>& scans,
+                      const std::vector<std::vector<Landmark>>& landmarks_of_scan,
+                      const std::vector<View>& views) {
+  std::string text = fmt::format(
+      "# Synthetic room, seed {}, preset {}.\n\n[scene]\nname = \"room-synthetic\"\nlevelled = false\n"
+      "truth = \"truth.json\"  # for scoring only\n",
+      options.seed, options.preset.name);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    text += fmt::format("\n[[scan]]\nid = \"{0}\"\nfile = \"scans/{0}.ply\"\nlandmarks = [\n", scans[i].id);
+    for (const Landmark& l : landmarks_of_scan[i])
+      text +=
+          fmt::format("  {{ scan = {}, model = {} }},\n", array(l.point_in_scan, 3), exact(l.model_vertex));
+    text += "]\n";
+  }
+  text +=
+      "\n[model]\nfile = \"proxy.obj\"\nunit = \"m\"\nup = \"z\"\n"
+      "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
+  for (const View& view : views) text += view_table(view, options.preset);
+  write_bytes(path, text);
+}
+
+}  // namespace synth
