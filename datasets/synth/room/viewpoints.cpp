@@ -20,7 +20,7 @@ std::vector<Camera> photograph_cameras(const Room& room, const RoomOptions& opti
   struct Stand {
     double x, y, z, to_x, to_y, to_z;  // x, y: shares of the room
   };
-  constexpr Stand stands[6] = {{0.06, 0.10, 1.75, 0.68, 0.70, 1.55}, {0.94, 0.09, 1.70, 0.35, 0.72, 1.75},
+  constexpr Stand stands[6] = {{0.06, 0.10, 1.75, 0.62, 0.75, 1.55}, {0.94, 0.09, 1.70, 0.35, 0.72, 1.75},
                                {0.95, 0.92, 1.80, 0.38, 0.25, 1.50}, {0.07, 0.90, 1.75, 0.62, 0.22, 1.65},
                                {0.66, 0.07, 1.60, 0.53, 0.90, 1.95}, {0.40, 0.93, 1.65, 0.70, 0.12, 1.75}};
   std::vector<Camera> cameras;

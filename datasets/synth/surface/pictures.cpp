@@ -17,7 +17,8 @@ Rgb chart(const Decor& d, double u, double v, double w) {
   for (int line = 0; line < 7; ++line) {
     std::string text = line == 0 ? d.text : "";
     for (int k = 0; line > 0 && k < 5 + 2 * line; ++k)
-      text += static_cast<char>('A' + static_cast<int>(26 * hash01(line, k, d.text.size() * 977 + 5)));
+      text += static_cast<char>(
+          'A' + static_cast<int>(26 * hash01(line, k, static_cast<std::uint64_t>(d.text.front()) * 977 + 5)));
     const double margin = d.width_m * 0.08;
     if (v < top + w && v > top - height - w)
       mark =
