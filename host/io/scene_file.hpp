@@ -78,6 +78,12 @@ struct SceneFile {
   std::vector<SceneView> views;
 };
 
+// Throws ErrorKind::input. Files that the scene names are not opened.
 SceneFile read_scene_file(const std::filesystem::path& file);
+
+// The id of a scan that has none in the scene file: the file's stem, with "-<index>" when the file holds
+// several scans (`count`), and -2, -3 ... when that is in `taken`.
+std::string default_scan_id(const std::filesystem::path& file, int index, int count,
+                            const std::vector<std::string>& taken);
 
 }  // namespace hybrid::io

@@ -1,0 +1,227 @@
+#include "io/scene_file.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "core/error.hpp"
+#include "geometry/camera.hpp"
+#include "io/scene_table.hpp"
+
+namespace hybrid::io {
+namespace fs = std::filesystem;
+namespace {
+
+SceneLandmark read_landmark(const SceneTable& table) {
+  SceneLandmark result;
+  result.line = table.line();
+  result.scan = table.point("scan");
+  result.pixel = table.index_pair("pixel");
+  result.model = table.point("model");
+  result.vertex = table.index("vertex");
+  result.snap = table.flag("snap", true);
+  if (result.scan.has_value() == result.pixel.has_value())
+    table.fail_table("expected one of scan = [x, y, z] and pixel = [row, column], found {}",
+                     result.scan ? "both" : "neither");
+  if (result.model.has_value() == result.vertex.has_value())
+    table.fail_table("expected one of model = [x, y, z] and vertex = index, found {}",
+                     result.model ? "both" : "neither");
+  return result;
+}
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+SceneScan read_scan(const SceneTable& table) {
+  SceneScan result;
+  result.line = table.line();
+  result.id = table.folder_name("id").value_or("");
+  result.file = table.required_path("file");
+  result.index = table.index("index");
+  if (lower_extension(result.file) == ".png")
+    table.fail_key("file",
+                   "depth images are not supported yet; convert {} to a point cloud (.ply, .pcd, .ptx)",
+                   result.file.filename().string());
+  for (std::string_view key : {"intrinsics", "depth_scale"})
+    if (table.has(key))
+      table.fail_key(key, "belongs to depth images (.png), found file = {}; remove it",
+                     result.file.filename().string());
+  for (const SceneTable& landmark : table.tables("landmarks", {"scan", "pixel", "model", "vertex", "snap"}))
+    result.landmarks.push_back(read_landmark(landmark));
+  result.pose = table.pose("pose");
+  result.fixed = table.flag("fixed", false);
+  if (result.fixed && !result.pose)
+    table.fail_key("fixed", "expected a pose that is to be final, found none");
+  if (result.fixed && !result.landmarks.empty())
+    table.fail_key("fixed", "expected either landmarks or a pose that is final, found both; remove one");
+  return result;
+}
+
+SceneFile::Photographs read_photographs(const SceneTable& table) {
+  std::vector<std::string_view> given;
+  for (std::string_view key : {"colmap", "strecha", "bundler", "nerfstudio"})
+    if (table.has(key)) given.push_back(key);
+  if (given.size() != 1)
+    table.fail_table("expected exactly one of colmap, strecha, bundler, nerfstudio, found {}",
+                     given.empty() ? "none" : fmt::format("{}", fmt::join(given, ", ")));
+  if (given.front() != "colmap")
+    table.fail_key(given.front(), "not supported yet; convert to COLMAP text (cameras.txt, images.txt)");
+  SceneFile::Photographs result;
+  result.colmap = table.required_path("colmap");
+  result.images = table.required_path("images");
+  result.world_from_photographs = table.pose("world_from_photographs");
+  return result;
+}
+
+SceneOptions read_options(const SceneTable& root, std::string_view section) {
+  SceneOptions result;
+  const auto table = root.table(section, {});
+  if (!table) return result;
+  for (const std::string& key : table->keys()) {
+    if (section == "edit" && (key == "remove_faces" || key == "holes" || key == "clip"))
+      table->fail_key(key, "not supported yet; edit the model's file instead");
+    result[key] = {table->line_of(key), table->scalar(key)};
+  }
+  return result;
+}
+
+std::array<int, 2> read_view_size(const SceneTable& table, std::array<int, 2> fallback) {
+  constexpr int kLargest = 32768;
+  const auto size = table.index_pair("size").value_or(fallback);
+  for (int side : size)
+    if (side < 1 || side > kLargest)
+      table.fail_key("size", "expected width and height from 1 to {} pixels, found {} x {}", kLargest,
+                     size[0], size[1]);
+  return size;
+}
+
+void read_view_camera(const fs::path& file, const SceneTable& table, SceneView& view) {
+  const bool photograph = table.has("photograph"), free = table.has("eye") || table.has("target");
+  if (photograph == free)
+    table.fail_table("expected either photograph or eye and target, found {}",
+                     photograph ? "both" : "neither");
+  if (photograph) {
+    view.photograph = table.required_text("photograph");
+    for (std::string_view key : {"up", "fov_deg", "size"})
+      if (table.has(key)) table.fail_key(key, "belongs to eye and target; the photograph has its own camera");
+    return;
+  }
+  for (std::string_view key : {"eye", "target"})
+    if (!table.has(key)) table.fail_table("expected eye and target, found no {}", key);
+  view.eye = *table.point("eye");
+  view.target = *table.point("target");
+  view.up = table.point("up").value_or(view.up);
+  view.fov_deg = table.number("fov_deg").value_or(view.fov_deg);
+  view.size = read_view_size(table, view.size);
+  // Its checks of the numbers' sense, made here where the line is known.
+  with_context(fmt::format("{}:{}", file.string(), view.line),
+               [&] { look_at(view.eye, view.target, view.up, view.fov_deg, view.size[0], view.size[1]); });
+}
+
+SceneView read_view(const fs::path& file, const SceneTable& table) {
+  SceneView result;
+  result.line = table.line();
+  table.required_text("name");
+  result.name = *table.folder_name("name");
+  read_view_camera(file, table, result);
+  result.show = table.choice("show", {"proxy", "scan", "both"}, result.show);
+  result.texture = table.flag("texture", result.texture);
+  result.cameras = table.flag("cameras", result.cameras);
+  result.leave_out = table.texts("leave_out");
+  return result;
+}
+
+// Line of the first use of each name; a second use is an error at `line`.
+void check_unique(const SceneTable& table, std::string_view key, const std::string& name,
+                  std::unordered_map<std::string, int>& lines) {
+  if (name.empty()) return;
+  const auto [first, is_new] = lines.emplace(name, table.line_of(key));
+  if (!is_new)
+    table.fail_key(key, "expected a name of its own, found \"{}\" again (line {})", name, first->second);
+}
+
+void read_scene_table(const SceneTable& root, SceneFile& scene) {
+  scene.name = scene.path.stem().string();
+  const auto table = root.table("scene", {"name", "levelled", "crs", "shift", "truth"});
+  if (!table) return;
+  scene.name = table->text("name").value_or(scene.name);
+  scene.levelled = table->flag("levelled", false);
+  scene.crs = table->text("crs").value_or("");
+  scene.shift = table->point("shift").value_or(scene.shift);
+  scene.truth = table->path("truth");
+}
+
+void read_model(const SceneTable& root, SceneFile& scene) {
+  const auto table = root.table("model", {"file", "unit", "up"});
+  if (!table) return;
+  SceneFile::Model& model = scene.model.emplace();
+  model.file = table->required_path("file");
+  model.unit = table->choice("unit", {"m", "mm", "arbitrary"}, model.unit);
+  model.up = table->choice("up", {"z", "y"}, model.up);
+  const auto scale = scene.registration.find("scale");
+  if (model.unit == "arbitrary" &&
+      (scale == scene.registration.end() || scale->second.value != OptionValue(std::string("free"))))
+    table->fail_key("unit", "\"arbitrary\" needs [register] scale = \"free\"");
+}
+
+SceneFile read_scene(const fs::path& file, const toml::table& document) {
+  const SceneTable root(
+      file, "", document,
+      {"scene", "scan", "model", "photographs", "planes", "register", "edit", "render", "view"});
+  SceneFile scene;
+  scene.path = file;
+  read_scene_table(root, scene);
+  std::unordered_map<std::string, int> ids, names;
+  for (const SceneTable& table : root.tables(
+           "scan", {"id", "file", "index", "landmarks", "pose", "fixed", "intrinsics", "depth_scale"})) {
+    scene.scans.push_back(read_scan(table));
+    check_unique(table, "id", scene.scans.back().id, ids);
+  }
+  scene.planes = read_options(root, "planes");
+  scene.registration = read_options(root, "register");
+  scene.edit = read_options(root, "edit");
+  scene.render = read_options(root, "render");
+  read_model(root, scene);
+  if (const auto table = root.table(
+          "photographs", {"colmap", "strecha", "bundler", "nerfstudio", "images", "world_from_photographs"}))
+    scene.photographs = read_photographs(*table);
+  for (const SceneTable& table : root.tables("view", {"name", "photograph", "eye", "target", "up", "fov_deg",
+                                                      "size", "show", "texture", "cameras", "leave_out"})) {
+    scene.views.push_back(read_view(file, table));
+    check_unique(table, "name", scene.views.back().name, names);
+  }
+  if (scene.scans.empty() && !scene.model)
+    fail_at(file, 1, "expected at least one [[scan]] or a [model], found neither");
+  return scene;
+}
+
+}  // namespace
+
+SceneFile read_scene_file(const fs::path& file) {
+  const std::string text = read_plain_text(file);
+  try {
+    const toml::table document = toml::parse(text, file.string());
+    return read_scene(file, document);
+  } catch (const toml::parse_error& error) {
+    fail_input("{}:{}:{}: no valid TOML: {}", file.string(), error.source().begin.line,
+               error.source().begin.column, error.description());
+  }
+}
+
+std::string default_scan_id(const fs::path& file, int index, int count,
+                            const std::vector<std::string>& taken) {
+  std::string id = file.stem().string();
+  if (id.empty() || id == "." || id == "..") id = "scan";
+  if (count > 1) id += fmt::format("-{}", index);
+  std::string unique = id;
+  for (int number = 2; std::find(taken.begin(), taken.end(), unique) != taken.end(); ++number)
+    unique = fmt::format("{}-{}", id, number);
+  return unique;
+}
+
+}  // namespace hybrid::io
