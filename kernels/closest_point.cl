@@ -91,8 +91,7 @@ kernel void closest_point(ClosestPointParams params, global const float* restric
   for (uint i = 0; i < params.triangles; ++i) {
     global const TriangleRecord* t = triangles + i;
     // Negated, so that a NaN normal faces every triangle.
-    const Mask facing =
-        !(mx * t->normal[0] + my * t->normal[1] + mz * t->normal[2] < params.min_facing);
+    const Mask facing = !(mx * t->normal[0] + my * t->normal[1] + mz * t->normal[2] < params.min_facing);
     if (ANY_LANE(facing)) try_triangle(&best, i, t, px, py, pz, facing);
   }
   // f is NaN where nothing was found, and with it all that is computed from it.

@@ -56,8 +56,8 @@ static inline void add_pair(Lanes* sums, Lanes w, const Lanes* p, const Lanes* n
   }
 }
 
-static inline void gather_normals(Lanes* n, global const uint* triangle, global const TriangleRecord* triangles,
-                                  uint first, uint count) {
+static inline void gather_normals(Lanes* n, global const uint* triangle,
+                                  global const TriangleRecord* triangles, uint first, uint count) {
   float lane[3][VW];
   for (uint k = 0; k < VW; ++k) {
     const uint i = first + k < count ? triangle[first + k] : NO_TRIANGLE;
@@ -85,18 +85,16 @@ kernel void icp_sums(IcpSumsParams params, global const float* restrict x, globa
     const Mask paired = found == found;
     const Lanes zero = (Lanes)(0.0f), e = select(zero, found, paired);
     const Lanes a = select(zero, load_lanes(area, first, end, 0.0f), paired);
-    const Lanes l[3] = {
-        select(zero, load_lanes(x, first, end, 0.0f) - params.centre_scan[0], paired),
-        select(zero, load_lanes(y, first, end, 0.0f) - params.centre_scan[1], paired),
-        select(zero, load_lanes(z, first, end, 0.0f) - params.centre_scan[2], paired)};
+    const Lanes l[3] = {select(zero, load_lanes(x, first, end, 0.0f) - params.centre_scan[0], paired),
+                        select(zero, load_lanes(y, first, end, 0.0f) - params.centre_scan[1], paired),
+                        select(zero, load_lanes(z, first, end, 0.0f) - params.centre_scan[2], paired)};
     const Lanes u = e / params.cutoff, rest = 1.0f - u * u;
     const Lanes inlier_area = select(zero, a, rest > 0.0f);
     const Lanes w = inlier_area * rest * rest;
 #if POINT
-    const Lanes r[3] = {
-        select(zero, load_lanes(near_x, first, end, 0.0f) - params.centre_local[0], paired),
-        select(zero, load_lanes(near_y, first, end, 0.0f) - params.centre_local[1], paired),
-        select(zero, load_lanes(near_z, first, end, 0.0f) - params.centre_local[2], paired)};
+    const Lanes r[3] = {select(zero, load_lanes(near_x, first, end, 0.0f) - params.centre_local[0], paired),
+                        select(zero, load_lanes(near_y, first, end, 0.0f) - params.centre_local[1], paired),
+                        select(zero, load_lanes(near_z, first, end, 0.0f) - params.centre_local[2], paired)};
     add_pair(sums, w, l, r);
 #else
     const float* m = params.linear;
