@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,10 @@ struct LandmarkFit {
   Pose world_from_scan;
   double rms_m = 0;
   std::vector<double> residual_m;  // per pick, in the world
-  std::vector<double>
-      leave_one_out_m;  // per pick: its residual under the fit of the others; empty with 3 picks
+  // Per pick, from the fit of all the others: how far that fit misses the pick, and the rms it has on its own
+  // picks. Empty with 3 picks; NaN where the others are collinear.
+  std::vector<double> leave_one_out_m;
+  std::vector<double> rms_without_m;
 };
 
 // METHOD 5 (paper 2.2, Horn 1987): unit quaternion of the largest eigenvalue, RMS-ratio scale (or 1). Throws
@@ -33,9 +36,17 @@ struct LandmarkFit {
 LandmarkFit fit_landmarks(const PolygonModel& model, const std::vector<LandmarkPair>& pairs,
                           const LandmarkOptions& options = {});
 
+// The pick whose removal makes the rest agree, if there is one: it misses the fit of the others by more than
+// `factor` times what these miss it by (and by more than 1 mm), and without it they agree at least twice as
+// well as without any other pick.
+std::optional<std::size_t> outlying_pick(const LandmarkFit& fit, double factor = 4);
+
 // Horn's closed form on given weighted pairs (weights may be empty = 1). Pairs must be neither fewer than 3
 // nor collinear.
 Pose horn(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<double>& weights,
           bool free_scale);
+
+// The rotation of Horn's closed form: cross_covariance(a, b) = sum of from'_a to'_b about the centroids.
+Eigen::Quaterniond horn_rotation(const Mat3& cross_covariance);
 
 }  // namespace hybrid::stages
