@@ -68,12 +68,17 @@ bool bends(const std::vector<Vec3>& samples, double min_curvature) {
   return curvature > min_curvature;
 }
 
+double angle_between(const SquareRecord& a, const SquareRecord& b) {
+  const Vec3 na = square_normal(a), nb = square_normal(b);
+  return std::atan2(na.cross(nb).norm(), na.dot(nb));
+}
+
 // Squares a (in a region) and b (outside) meet in a shallow crease without a step.
 bool crease(const RangeImage& image, const SquarePlanes& squares, const SuperclusterOptions& options,
             const SquareRecord& a, const SquareRecord& b) {
   if (b.state != SQUARE_PLANAR) return false;
   const Vec3 na = square_normal(a), nb = square_normal(b);
-  const double angle = std::atan2(na.cross(nb).norm(), na.dot(nb));
+  const double angle = angle_between(a, b);
   const double sigma = std::hypot(a.sigma_normal, b.sigma_normal);
   if (angle < std::max(kCreaseFrom, options.angle_sigmas * sigma) || angle > kCreaseTo) return false;
   const Vec3 step = square_centroid(b) - square_centroid(a);
@@ -98,8 +103,14 @@ double crease_share(const RangeImage& image, const SquarePlanes& squares, const 
       rim += 1;
       if (owner != 0 && regions.regions[owner - 1].squares.size() > kMuchLarger * region.squares.size())
         continue;
-      creases += crease(image, squares, options, squares.squares[square],
-                        squares.squares[static_cast<std::size_t>(other)]);
+      const SquareRecord& here = squares.squares[square];
+      const SquareRecord& next = squares.squares[static_cast<std::size_t>(other)];
+      // A square that bridges a small step is turned as well, but the one beyond it is parallel again.
+      const std::int64_t beyond = grid.neighbour(static_cast<std::size_t>(other), direction);
+      const SquareRecord& after = squares.squares[static_cast<std::size_t>(std::max<std::int64_t>(beyond, 0))];
+      const bool bridge = beyond != SquareGrid::kNone && after.state == SQUARE_PLANAR &&
+                          angle_between(here, after) < 0.5 * angle_between(here, next);
+      creases += !bridge && crease(image, squares, options, here, next);
     }
   return rim ? static_cast<double>(creases) / static_cast<double>(rim) : 0;
 }

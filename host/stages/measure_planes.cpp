@@ -92,7 +92,7 @@ struct Measures {
     squares += other.squares;
     area += other.area;
   }
-  // Half the way to the neighbouring rows and columns; the mean step where a table is not monotonic.
+  // Half the way to the neighbouring rows; columns by their mean step.
   static double solid_angle(const RangeImage& image, std::size_t i) {
     const int row = static_cast<int>(i / static_cast<std::size_t>(image.cols));
     const auto at = [&](int r) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <numbers>
 #include <numeric>
 
@@ -131,32 +130,6 @@ PlaneRegions grow_regions(const SquarePlanes& squares, const SquareGrid& grid, c
       result.regions.push_back(std::move(region));
   }
   return result;
-}
-
-void absorb_leftovers(const SquarePlanes& squares, const SquareGrid& grid, const SuperclusterOptions& options,
-                      PlaneRegions& regions) {
-  // Breadth first from all regions at once, in the order of the regions.
-  std::deque<std::uint32_t> front;
-  for (const PlaneRegion& region : regions.regions)
-    if (!region.curved) front.insert(front.end(), region.squares.begin(), region.squares.end());
-  while (!front.empty()) {
-    const std::uint32_t square = front.front();
-    front.pop_front();
-    const std::uint32_t id = regions.of_square[square];
-    PlaneRegion& region = regions.regions[id - 1];
-    for (int direction = 0; direction < 4; ++direction) {
-      const std::int64_t other = grid.neighbour(square, direction);
-      if (other == SquareGrid::kNone || regions.of_square[static_cast<std::size_t>(other)] != 0) continue;
-      const SquareRecord& record = squares.squares[static_cast<std::size_t>(other)];
-      if (record.state != SQUARE_PLANAR || !agrees(region.fit, record, options)) continue;
-      regions.of_square[static_cast<std::size_t>(other)] = id;
-      region.squares.push_back(static_cast<std::uint32_t>(other));
-      region.moments.merge(square_moments(record));
-      front.push_back(static_cast<std::uint32_t>(other));
-    }
-  }
-  for (PlaneRegion& region : regions.regions)
-    if (region.moments.weight > 0) region.fit = fit_plane(region.moments);
 }
 
 }  // namespace hybrid::stages

@@ -29,11 +29,6 @@ using SquareLinks = std::vector<float>;
 PlaneRegions grow_regions(const SquarePlanes& squares, const SquareGrid& grid, const SquareLinks& links,
                           const SuperclusterOptions& options);
 
-// Squares that growth left over join a neighbouring region whose final plane they agree with (links are not
-// asked: beside an edge a square's own normal is too poor for them).
-void absorb_leftovers(const SquarePlanes& squares, const SquareGrid& grid, const SuperclusterOptions& options,
-                      PlaneRegions& regions);
-
 // Moments of a planar square's inliers.
 PlaneMoments square_moments(const SquareRecord& square);
 inline Vec3 square_normal(const SquareRecord& square) {

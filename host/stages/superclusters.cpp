@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "shared/params_square_links.h"
+#include "stages/absorb_squares.hpp"
 #include "stages/coplanar_merge.hpp"
 #include "stages/curved_regions.hpp"
 #include "stages/sample_labels.hpp"
@@ -93,11 +94,12 @@ PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, 
   result.square_class.resize(grid.count());
   for (std::size_t i = 0; i < grid.count(); ++i) {
     result.square_label[i] = id[regions.of_square[i]];
+    // A member may have found no plane of its own (absorb_squares).
     const std::uint32_t state = squares.squares[i].state;
-    result.square_class[i] = state == SQUARE_UNDERSAMPLED           ? kUndersampled
-                             : state != SQUARE_PLANAR               ? kNonPlanar
-                             : result.square_label[i] == 0          ? kPlanarTooSmall
-                                                                    : kSuperclusterMember;
+    result.square_class[i] = result.square_label[i] != 0     ? kSuperclusterMember
+                             : state == SQUARE_UNDERSAMPLED ? kUndersampled
+                             : state == SQUARE_PLANAR       ? kPlanarTooSmall
+                                                            : kNonPlanar;
   }
   return result;
 }
@@ -107,16 +109,17 @@ PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, 
 const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table() {
   using O = SuperclusterOptions;
   static const std::vector<OptionRow<O>> table = {
-      {"angle", "deg", &O::angle_deg, 0.1, 45, "largest angle between neighbouring normals"},
-      {"angle_sigmas", "", &O::angle_sigmas, 0, 10, "... or this many of its standard deviations"},
-      {"distance_factor", "", &O::distance_factor, 1, 10, "largest distance of neighbouring centroids, in squares"},
-      {"offset_sigmas", "", &O::offset_sigmas, 1, 10, "largest offset of neighbours out of plane, in sigmas"},
-      {"min_squares", "squares", &O::min_squares, 1, 1e6, "superclusters with fewer squares are dropped"},
-      {"label_sigmas", "", &O::label_sigmas, 1, 10, "a plane's samples lie within this many sigmas of noise"},
-      {"waviness", "m", &O::waviness_m, 0, 0.5, "... and this: how far real walls stray from a plane"},
-      {"min_curvature", "1/m", &O::min_curvature, 0.001, 100, "regions that bend more are no planes"},
-      {"max_crease_share", "", &O::max_crease_share, 0, 1, "share of a rim in shallow creases that makes a facet"},
-      {"tile", "samples", &O::tile, 16, 65536, "side of a tile on the device"},
+      // The last field is spelt out because GCC 12 crashes on its default here.
+      {"angle", "deg", &O::angle_deg, 0.1, 45, "largest angle between neighbouring normals", {}},
+      {"angle_sigmas", "", &O::angle_sigmas, 0, 10, "... or this many of its standard deviations", {}},
+      {"distance_factor", "", &O::distance_factor, 1, 10, "largest distance of neighbouring centroids, in squares", {}},
+      {"offset_sigmas", "", &O::offset_sigmas, 1, 10, "largest offset of neighbours out of plane, in sigmas", {}},
+      {"min_squares", "squares", &O::min_squares, 1, 1e6, "superclusters with fewer squares are dropped", {}},
+      {"label_sigmas", "", &O::label_sigmas, 1, 10, "a plane's samples lie within this many sigmas of noise", {}},
+      {"waviness", "m", &O::waviness_m, 0, 0.5, "... and this: how far real walls stray from a plane", {}},
+      {"min_curvature", "1/m", &O::min_curvature, 0.001, 100, "regions that bend more are no planes", {}},
+      {"max_crease_share", "", &O::max_crease_share, 0, 1, "share of a rim in shallow creases that makes a facet", {}},
+      {"tile", "samples", &O::tile, 16, 65536, "side of a tile on the device", {}},
   };
   return table;
 }
@@ -129,7 +132,7 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   PlaneRegions regions = grow_regions(squares, grid, links, options);
   mark_curved_regions(image, squares, grid, options, regions);
   merge_coplanar_regions(image, squares, grid, options, regions);
-  absorb_leftovers(squares, grid, options, regions);
+  absorb_squares(image, squares, grid, options, regions);
   drop_small_regions(options.min_squares, regions);
 
   std::vector<Plane> planes;
