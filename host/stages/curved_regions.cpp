@@ -1,0 +1,132 @@
+#include "stages/curved_regions.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/parallel.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr std::size_t kMostSamples = 4000;  // of a region in the quadratic fit
+constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameters
+constexpr double kLeastShareGained = 0.04;  // of the squared residuals
+constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
+constexpr std::size_t kMuchLarger = 8;
+
+// Every stride-th sample of the region's squares that lies on its plane, as (a, b, height).
+std::vector<Vec3> heights(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                          const SuperclusterOptions& options, const PlaneRegion& region) {
+  const int n = squares.square;
+  const std::size_t total = region.squares.size() * static_cast<std::size_t>(n * n);
+  const std::size_t stride = (total + kMostSamples - 1) / kMostSamples;
+  const double noise = options.label_sigmas * std::max(squares.sigma_m, region.fit.rms_m);
+  std::vector<Vec3> samples;
+  for (std::size_t at = 0; at < total; at += stride) {
+    const std::uint32_t square = region.squares[at / static_cast<std::size_t>(n * n)];
+    const int inside = static_cast<int>(at % static_cast<std::size_t>(n * n));
+    const int row = static_cast<int>(square) / grid.cols * n + inside / n;
+    const int col = static_cast<int>(square) % grid.cols * n + inside % n;
+    if (row >= image.rows || col >= image.cols) continue;
+    const Vec3 point = image.point(image.index(row, col));
+    const double height = region.fit.plane.distance(point);
+    if (!(std::abs(height) <= noise + options.waviness_m)) continue;
+    const Vec3 arm = point - region.fit.centroid;
+    samples.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), height);
+  }
+  return samples;
+}
+
+// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares against its linear part.
+bool bends(const std::vector<Vec3>& samples, double min_curvature) {
+  if (samples.size() < 30) return false;
+  double scale = 0;
+  for (const Vec3& s : samples) scale = std::max({scale, std::abs(s.x()), std::abs(s.y())});
+  if (!(scale > 0)) return false;
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Vec6 right = Vec6::Zero();
+  double squares = 0;
+  for (const Vec3& s : samples) {
+    const double a = s.x() / scale, b = s.y() / scale;
+    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
+    normal += row * row.transpose();
+    right += row * s.z();
+    squares += s.z() * s.z();
+  }
+  const Vec6 quadratic = normal.ldlt().solve(right);
+  const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
+  const double error_linear = squares - linear.dot(right.head<3>());
+  const double error_quadratic = squares - quadratic.dot(right);
+  const double variance = std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
+  const double fall = error_linear - error_quadratic;
+  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear) return false;
+  const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
+  const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
+  return curvature > min_curvature;
+}
+
+double angle_between(const SquareRecord& a, const SquareRecord& b) {
+  const Vec3 na = square_normal(a), nb = square_normal(b);
+  return std::atan2(na.cross(nb).norm(), na.dot(nb));
+}
+
+// Squares a (in a region) and b (outside) meet in a shallow crease without a step.
+bool crease(const RangeImage& image, const SquarePlanes& squares, const SuperclusterOptions& options,
+            const SquareRecord& a, const SquareRecord& b) {
+  if (b.state != SQUARE_PLANAR) return false;
+  const Vec3 na = square_normal(a), nb = square_normal(b);
+  const double angle = angle_between(a, b);
+  const double sigma = std::hypot(a.sigma_normal, b.sigma_normal);
+  if (angle < std::max(kCreaseFrom, options.angle_sigmas * sigma) || angle > kCreaseTo) return false;
+  const Vec3 step = square_centroid(b) - square_centroid(a);
+  const double distance = step.norm(), range = square_centroid(a).norm();
+  const double angular = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double cosine = std::max(std::abs(na.dot(square_centroid(a))) / range, 0.1);
+  const double noise = options.offset_sigmas * squares.sigma_m;
+  if (distance > options.distance_factor * squares.square * range * angular / cosine + noise) return false;
+  return std::max(std::abs(step.dot(na)), std::abs(step.dot(nb))) < distance * std::sin(angle) + noise;
+}
+
+double crease_share(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                    const SuperclusterOptions& options, const PlaneRegions& regions, std::uint32_t id) {
+  const PlaneRegion& region = regions.regions[id - 1];
+  std::size_t rim = 0, creases = 0;
+  for (const std::uint32_t square : region.squares)
+    for (int direction = 0; direction < 4; ++direction) {
+      const std::int64_t other = grid.neighbour(square, direction);
+      if (other == SquareGrid::kNone) continue;
+      const std::uint32_t owner = regions.of_square[static_cast<std::size_t>(other)];
+      if (owner == id) continue;
+      rim += 1;
+      if (owner != 0 && regions.regions[owner - 1].squares.size() > kMuchLarger * region.squares.size())
+        continue;
+      const SquareRecord& here = squares.squares[square];
+      const SquareRecord& next = squares.squares[static_cast<std::size_t>(other)];
+      // A square that bridges a small step is turned as well, but the one beyond it is parallel again.
+      const std::int64_t beyond = grid.neighbour(static_cast<std::size_t>(other), direction);
+      const SquareRecord& after = squares.squares[static_cast<std::size_t>(std::max<std::int64_t>(beyond, 0))];
+      const bool bridge = beyond != SquareGrid::kNone && after.state == SQUARE_PLANAR &&
+                          angle_between(here, after) < 0.5 * angle_between(here, next);
+      creases += !bridge && crease(image, squares, options, here, next);
+    }
+  return rim ? static_cast<double>(creases) / static_cast<double>(rim) : 0;
+}
+
+}  // namespace
+
+void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                         const SuperclusterOptions& options, PlaneRegions& regions) {
+  std::vector<std::uint8_t> curved(regions.regions.size());
+  parallel_for(regions.regions.size(), [&](std::size_t i) {
+    const auto id = static_cast<std::uint32_t>(i + 1);
+    curved[i] =
+        crease_share(image, squares, grid, options, regions, id) > options.max_crease_share ||
+        bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+  });
+  for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved = curved[i] != 0;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,140 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+#include "stages/sample_labels.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
+constexpr double kAreaCosine = 0.02;   // c of the area: grazing samples cover no infinite area
+
+// Sums over the measured samples of one band of rows, one entry per label that occurs there.
+template <typename Sum>
+struct Band {
+  std::vector<std::uint32_t> labels;
+  std::vector<Sum> sums;
+};
+
+// Forms Sum::add(sample, plane) per band of `square` rows anchored at row 0 and label, then merges the bands
+// from top to bottom: the same bits for any number of threads.
+template <typename Sum>
+std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
+                              const std::vector<Plane>& planes) {
+  const int count = (image.rows + square - 1) / square;
+  std::vector<Band<Sum>> bands(static_cast<std::size_t>(count));
+  parallel_for(bands.size(), [&](std::size_t b) {
+    std::vector<int> slot(planes.size() + 1, -1);
+    Band<Sum>& band = bands[b];
+    const int first = static_cast<int>(b) * square;
+    const std::size_t begin = image.index(first, 0);
+    const std::size_t end = image.index(std::min(first + square, image.rows), 0);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t label = labels[i];
+      if (label == 0 || image.mask[i] != kMeasured) continue;
+      if (slot[label] < 0) {
+        slot[label] = static_cast<int>(band.sums.size());
+        band.labels.push_back(label);
+        band.sums.emplace_back();
+      }
+      band.sums[static_cast<std::size_t>(slot[label])].add(image, i, planes[label - 1]);
+    }
+  });
+  std::vector<Sum> total(planes.size());
+  for (const auto& band : bands)
+    for (std::size_t k = 0; k < band.sums.size(); ++k) total[band.labels[k] - 1].merge(band.sums[k]);
+  return total;
+}
+
+double cosine(const Vec3& point, const Plane& plane) {
+  return std::abs(plane.normal.dot(point)) / point.norm();
+}
+
+// Moments about the plane's foot point, so that nothing cancels.
+struct WeightedMoments {
+  double weight = 0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+
+  void add(const RangeImage& image, std::size_t i, const Plane& plane) {
+    const Vec3 point = image.point(i);
+    const double c = std::max(cosine(point, plane), kWeightCosine);
+    const double w = 1 / (c * c);
+    const Vec3 arm = point - plane.offset_m * plane.normal;
+    weight += w;
+    first += w * arm;
+    second += w * arm * arm.transpose();
+  }
+  void merge(const WeightedMoments& other) {
+    weight += other.weight;
+    first += other.first;
+    second += other.second;
+  }
+};
+
+struct Measures {
+  std::int64_t samples = 0;
+  Vec3 first = Vec3::Zero();
+  double squares = 0, area = 0;
+
+  void add(const RangeImage& image, std::size_t i, const Plane& plane) {
+    const Vec3 point = image.point(i);
+    const double distance = plane.distance(point);
+    samples += 1;
+    first += point;
+    squares += distance * distance;
+    area += solid_angle(image, i) * point.squaredNorm() / std::max(cosine(point, plane), kAreaCosine);
+  }
+  void merge(const Measures& other) {
+    samples += other.samples;
+    first += other.first;
+    squares += other.squares;
+    area += other.area;
+  }
+  // Half the way to the neighbouring rows; columns by their mean step.
+  static double solid_angle(const RangeImage& image, std::size_t i) {
+    const int row = static_cast<int>(i / static_cast<std::size_t>(image.cols));
+    const auto at = [&](int r) {
+      return image.elevation_rad[static_cast<std::size_t>(std::clamp(r, 0, image.rows - 1))];
+    };
+    const double rows = row > 0 && row + 1 < image.rows ? 2 : 1;
+    const double height = std::abs(at(row - 1) - at(row + 1)) / rows;
+    return height * std::abs(image.azimuth_step_rad()) * std::cos(at(row));
+  }
+};
+
+}  // namespace
+
+void refit_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
+                  std::vector<Plane>& planes) {
+  const auto sums = sum_by_label<WeightedMoments>(image, square, labels, planes);
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (!(sums[i].weight >= 3)) continue;
+    PlaneMoments moments;
+    moments.weight = sums[i].weight;
+    const Vec3 mean = sums[i].first / sums[i].weight;
+    moments.scatter = sums[i].second - sums[i].weight * mean * mean.transpose();
+    moments.mean = mean + planes[i].offset_m * planes[i].normal;
+    planes[i] = fit_plane(moments).plane;
+  }
+}
+
+std::vector<Supercluster> measure_planes(const RangeImage& image, int square,
+                                         const std::vector<std::uint32_t>& labels,
+                                         const std::vector<Plane>& planes) {
+  const auto sums = sum_by_label<Measures>(image, square, labels, planes);
+  std::vector<Supercluster> result(planes.size());
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    result[i].plane = planes[i];
+    result[i].samples = sums[i].samples;
+    if (sums[i].samples == 0) continue;
+    const auto count = static_cast<double>(sums[i].samples);
+    result[i].centroid_m = sums[i].first / count;
+    result[i].rms_m = std::sqrt(sums[i].squares / count);
+    result[i].area_m2 = sums[i].area;
+  }
+  return result;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,103 @@
+#include "stages/sample_labels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+#include "geometry/tiles.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr float kLabelCosine = 0.05f;  // c of the inlier test: steeper weights let grazing rays reach too far
+
+// Offsets of the 5 x 5 neighbourhood, the nearest first, ties row by row.
+std::vector<std::array<int, 2>> neighbourhood() {
+  std::vector<std::array<int, 2>> offsets;
+  for (int row = -2; row <= 2; ++row)
+    for (int col = -2; col <= 2; ++col) offsets.push_back({row, col});
+  std::stable_sort(offsets.begin(), offsets.end(), [](const auto& a, const auto& b) {
+    return a[0] * a[0] + a[1] * a[1] < b[0] * b[0] + b[1] * b[1];
+  });
+  return offsets;
+}
+
+std::vector<LabelPlane> label_planes(const std::vector<Plane>& planes, const PlaneRegions& regions) {
+  std::vector<LabelPlane> result(planes.size());
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    for (int k = 0; k < 3; ++k) result[i].normal[k] = static_cast<float>(planes[i].normal[k]);
+    result[i].offset = static_cast<float>(planes[i].offset_m);
+    result[i].label = regions.regions[i].curved ? 0 : static_cast<std::uint32_t>(i + 1);
+  }
+  return result;
+}
+
+}  // namespace
+
+LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid,
+                             const PlaneRegions& regions) {
+  const auto offsets = neighbourhood();
+  LabelContest contest;
+  contest.candidates.assign(grid.count() * LABEL_CANDIDATES, 0);
+  contest.own_plane.assign(grid.count(), {0, 0, 0, 0});
+  parallel_for(static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
+    for (int col = 0; col < grid.cols; ++col) {
+      const std::size_t square = row * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
+      std::uint32_t* list = &contest.candidates[square * LABEL_CANDIDATES];
+      int count = 0;
+      for (const auto& offset : offsets) {
+        const std::int64_t other = grid.at(static_cast<int>(row) + offset[0], col + offset[1]);
+        const std::uint32_t id =
+            other == SquareGrid::kNone ? 0 : regions.of_square[static_cast<std::size_t>(other)];
+        if (id == 0 || count == LABEL_CANDIDATES || std::find(list, list + count, id) != list + count)
+          continue;
+        list[count++] = id;
+      }
+      const SquareRecord& record = squares.squares[square];
+      if (record.state == SQUARE_PLANAR && regions.of_square[square] == 0)
+        contest.own_plane[square] = {record.normal[0], record.normal[1], record.normal[2], record.offset};
+    }
+  });
+  return contest;
+}
+
+std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage& image,
+                                         const SquarePlanes& squares, const SquareGrid& grid,
+                                         const LabelContest& contest, const std::vector<Plane>& planes,
+                                         const PlaneRegions& regions, const SuperclusterOptions& options) {
+  const auto candidates = queue.array(contest.candidates);
+  const auto own_plane = queue.array(contest.own_plane);
+  const auto plane_table = queue.array(label_planes(planes, regions));
+  const auto tiles = make_tiles(image.rows, image.cols, options.tile, squares.square);
+  std::size_t largest = 0;
+  for (const Tile& tile : tiles)
+    largest = std::max(largest, static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.cols));
+  auto x = queue.array<float>(largest), y = queue.array<float>(largest), z = queue.array<float>(largest);
+  auto labels = queue.array<std::uint32_t>(largest);
+
+  std::vector<std::uint32_t> result(image.count());
+  const auto width = static_cast<std::size_t>(image.cols);
+  for (const Tile& tile : tiles) {
+    const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
+                            static_cast<std::size_t>(tile.rows), static_cast<std::size_t>(tile.cols)};
+    queue.write_rect(x, image.x.data(), width, rect);
+    queue.write_rect(y, image.y.data(), width, rect);
+    queue.write_rect(z, image.z.data(), width, rect);
+    LabelParams params{};
+    params.first_row = static_cast<std::uint32_t>(tile.row);
+    params.first_col = static_cast<std::uint32_t>(tile.col);
+    params.rows = static_cast<std::uint32_t>(tile.rows);
+    params.cols = static_cast<std::uint32_t>(tile.cols);
+    params.square = static_cast<std::uint32_t>(squares.square);
+    params.square_cols = static_cast<std::uint32_t>(grid.cols);
+    params.noise_m = static_cast<float>(options.label_sigmas * squares.sigma_m);
+    params.waviness_m = static_cast<float>(options.waviness_m);
+    params.min_cosine = kLabelCosine;
+    queue.launch("label_samples", queue.kernel("label_samples"), device::grid(rect.cols, rect.rows), params, x,
+                 y, z, candidates, own_plane, plane_table, labels);
+    queue.read_rect(labels, result.data(), width, rect);
+  }
+  return result;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,150 @@
+#include "stages/superclusters.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <numeric>
+
+#include "shared/params_square_links.h"
+#include "stages/absorb_squares.hpp"
+#include "stages/coplanar_merge.hpp"
+#include "stages/curved_regions.hpp"
+#include "stages/sample_labels.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr float kReachCosine = 0.05f;  // c of the distance test
+constexpr int kLabelPasses = 2;        // the second one competes with planes refitted to the first one's labels
+
+void check_extent(const RangeImage& image, const SquarePlanes& squares) {
+  const int n = squares.square;
+  if (n < 1 || squares.rows != (image.rows + n - 1) / n || squares.cols != (image.cols + n - 1) / n ||
+      squares.squares.size() != static_cast<std::size_t>(squares.rows) * static_cast<std::size_t>(squares.cols))
+    fail(ErrorKind::failed,
+         "grow_superclusters: {} x {} squares of side {} ({} records) do not cover an image of {} x {} samples",
+         squares.rows, squares.cols, n, squares.squares.size(), image.rows, image.cols);
+}
+
+SquareLinks link_squares(device::Queue& queue, const RangeImage& image, const SquarePlanes& squares,
+                         const SquareGrid& grid, const SuperclusterOptions& options) {
+  SquareLinkParams params{};
+  params.rows = static_cast<std::uint32_t>(grid.rows);
+  params.cols = static_cast<std::uint32_t>(grid.cols);
+  params.wraps = grid.wraps ? 1 : 0;
+  const double reach = options.distance_factor * squares.square;
+  params.row_reach_rad = static_cast<float>(reach * image.elevation_step_rad());
+  params.col_reach_rad = static_cast<float>(reach * image.azimuth_step_rad());
+  params.min_cosine = kReachCosine;
+  params.sigma_m = static_cast<float>(squares.sigma_m);
+  params.offset_sigmas = static_cast<float>(options.offset_sigmas);
+  params.angle_rad = static_cast<float>(options.angle_deg * std::numbers::pi / 180);
+  params.angle_sigmas = static_cast<float>(options.angle_sigmas);
+  const auto records = queue.array(squares.squares);
+  auto links = queue.array<float>(2 * grid.count());
+  queue.launch("square_links", queue.kernel("square_links"), device::grid(grid.count()), params, records,
+               links);
+  return queue.read(links);
+}
+
+void drop_small_regions(int min_squares, PlaneRegions& regions) {
+  for (PlaneRegion& region : regions.regions) {
+    if (region.curved || region.squares.size() >= static_cast<std::size_t>(min_squares)) continue;
+    for (const std::uint32_t square : region.squares) regions.of_square[square] = 0;
+    region.squares.clear();
+  }
+}
+
+// New id per region: largest sample count first, ties by the first square; 0 for what became no supercluster.
+std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measured,
+                                          const PlaneRegions& regions) {
+  std::vector<std::uint32_t> order, first(measured.size(), 0);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const PlaneRegion& region = regions.regions[i];
+    if (region.curved || region.squares.empty() || measured[i].samples < 3) continue;
+    first[i] = *std::min_element(region.squares.begin(), region.squares.end());
+    order.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) {
+    return measured[a].samples != measured[b].samples ? measured[a].samples > measured[b].samples
+                                                      : first[a] < first[b];
+  });
+  std::vector<std::uint32_t> id(measured.size() + 1, 0);
+  for (std::size_t k = 0; k < order.size(); ++k) id[order[k] + 1] = static_cast<std::uint32_t>(k + 1);
+  return id;
+}
+
+PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions,
+                           std::vector<std::uint32_t> labels, std::vector<Supercluster> measured) {
+  const auto id = number_regions(measured, regions);
+  PlaneSegmentation result;
+  result.square = squares.square;
+  result.square_rows = grid.rows;
+  result.square_cols = grid.cols;
+  result.superclusters.resize(static_cast<std::size_t>(
+      std::count_if(id.begin(), id.end(), [](std::uint32_t value) { return value != 0; })));
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (id[i + 1] == 0) continue;
+    measured[i].id = id[i + 1];
+    measured[i].squares = static_cast<int>(regions.regions[i].squares.size());
+    result.superclusters[id[i + 1] - 1] = std::move(measured[i]);
+  }
+  result.sample_label = std::move(labels);
+  for (std::uint32_t& label : result.sample_label) label = id[label];
+  result.square_label.resize(grid.count());
+  result.square_class.resize(grid.count());
+  for (std::size_t i = 0; i < grid.count(); ++i) {
+    result.square_label[i] = id[regions.of_square[i]];
+    // A member may have found no plane of its own (absorb_squares).
+    const std::uint32_t state = squares.squares[i].state;
+    result.square_class[i] = result.square_label[i] != 0     ? kSuperclusterMember
+                             : state == SQUARE_UNDERSAMPLED ? kUndersampled
+                             : state == SQUARE_PLANAR       ? kPlanarTooSmall
+                                                            : kNonPlanar;
+  }
+  return result;
+}
+
+}  // namespace
+
+const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table() {
+  using O = SuperclusterOptions;
+  static const std::vector<OptionRow<O>> table = {
+      // The last field is spelt out because GCC 12 crashes on its default here.
+      {"angle", "deg", &O::angle_deg, 0.1, 45, "largest angle between neighbouring normals", {}},
+      {"angle_sigmas", "", &O::angle_sigmas, 0, 10, "... or this many of its standard deviations", {}},
+      {"distance_factor", "", &O::distance_factor, 1, 10, "largest distance of neighbouring centroids, in squares", {}},
+      {"offset_sigmas", "", &O::offset_sigmas, 1, 10, "largest offset of neighbours out of plane, in sigmas", {}},
+      {"min_squares", "squares", &O::min_squares, 1, 1e6, "superclusters with fewer squares are dropped", {}},
+      {"label_sigmas", "", &O::label_sigmas, 1, 10, "a plane's samples lie within this many sigmas of noise", {}},
+      {"waviness", "m", &O::waviness_m, 0, 0.5, "... and this: how far real walls stray from a plane", {}},
+      {"min_curvature", "1/m", &O::min_curvature, 0.001, 100, "regions that bend more are no planes", {}},
+      {"max_crease_share", "", &O::max_crease_share, 0, 1, "share of a rim in shallow creases that makes a facet", {}},
+      {"tile", "samples", &O::tile, 16, 65536, "side of a tile on the device", {}},
+  };
+  return table;
+}
+
+PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& image,
+                                     const SquarePlanes& squares, const SuperclusterOptions& options) {
+  check_extent(image, squares);
+  const SquareGrid grid(image, squares);
+  const SquareLinks links = link_squares(queue, image, squares, grid, options);
+  PlaneRegions regions = grow_regions(squares, grid, links, options);
+  mark_curved_regions(image, squares, grid, options, regions);
+  merge_coplanar_regions(image, squares, grid, options, regions);
+  absorb_squares(image, squares, grid, options, regions);
+  drop_small_regions(options.min_squares, regions);
+
+  std::vector<Plane> planes;
+  for (const PlaneRegion& region : regions.regions) planes.push_back(region.fit.plane);
+  const LabelContest contest = find_candidates(squares, grid, regions);
+  std::vector<std::uint32_t> labels;
+  for (int pass = 0; pass < kLabelPasses; ++pass) {
+    labels = label_samples(queue, image, squares, grid, contest, planes, regions, options);
+    refit_planes(image, squares.square, labels, planes);
+  }
+  auto measured = measure_planes(image, squares.square, labels, planes);
+  return assemble(squares, grid, regions, std::move(labels), std::move(measured));
+}
+
+}  // namespace hybrid::stages
