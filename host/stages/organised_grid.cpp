@@ -1,0 +1,180 @@
+#include "stages/organised_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "stages/sweeps.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kOpenGap = 3;      // columns: a turn with a wider gap is not a full one
+constexpr double kMostSteps = 0.9;  // of a table's steps that must go one way
+
+std::size_t grid_index(const Scan& scan, int row, int col) {
+  return static_cast<std::size_t>(col) * static_cast<std::size_t>(scan.grid_rows) +
+         static_cast<std::size_t>(row);
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return NAN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<double> row_elevations(const Scan& scan, const SampleAngles& angles) {
+  std::vector<double> table(static_cast<std::size_t>(scan.grid_rows));
+  parallel_for(table.size(), [&](std::size_t row) {
+    std::vector<double> values;
+    for (int col = 0; col < scan.grid_cols; ++col) {
+      const double elevation = angles.elevation_rad[grid_index(scan, static_cast<int>(row), col)];
+      if (!std::isnan(elevation)) values.push_back(elevation);
+    }
+    table[row] = median(values);
+  });
+  return table;
+}
+
+// Medians of offsets from the column's mean direction, then unwrapped from one measured column to the next.
+std::vector<double> column_azimuths(const Scan& scan, const SampleAngles& angles) {
+  std::vector<double> table(static_cast<std::size_t>(scan.grid_cols));
+  parallel_for(table.size(), [&](std::size_t col) {
+    double x = 0, y = 0;
+    std::vector<std::size_t> samples;
+    for (int row = 0; row < scan.grid_rows; ++row) {
+      const std::size_t i = grid_index(scan, row, static_cast<int>(col));
+      if (std::isnan(angles.elevation_rad[i])) continue;
+      samples.push_back(i);
+      x += std::cos(angles.elevation_rad[i]) * std::cos(angles.azimuth_rad[i]);
+      y += std::cos(angles.elevation_rad[i]) * std::sin(angles.azimuth_rad[i]);
+    }
+    std::vector<double> offsets;
+    const double mean = std::atan2(y, x);
+    for (const std::size_t i : samples) offsets.push_back(wrapped(angles.azimuth_rad[i] - mean));
+    table[col] = mean + median(offsets);
+  });
+  double before = NAN;
+  for (double& azimuth : table) {
+    if (std::isnan(azimuth)) continue;
+    if (!std::isnan(before)) azimuth = before + wrapped(azimuth - before);
+    before = azimuth;
+  }
+  return table;
+}
+
+// NaN entries by linear interpolation, beyond the ends with the mean step; then whether they go one
+// way, as nearly all must: -1 down, 1 up, 0 neither.
+int complete(std::vector<double>& table) {
+  std::vector<std::size_t> known;
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (!std::isnan(table[i])) known.push_back(i);
+  if (known.size() < 2) return 0;
+  const double mean_step =
+      (table[known.back()] - table[known.front()]) / static_cast<double>(known.back() - known.front());
+  for (std::size_t k = 1; k < known.size(); ++k) {
+    const std::size_t a = known[k - 1], b = known[k];
+    for (std::size_t i = a + 1; i < b; ++i)
+      table[i] = table[a] + (table[b] - table[a]) * static_cast<double>(i - a) / static_cast<double>(b - a);
+  }
+  const std::size_t first = known.front(), last = known.back();
+  for (std::size_t i = 0; i < first; ++i)
+    table[i] = table[first] - mean_step * static_cast<double>(first - i);
+  for (std::size_t i = last + 1; i < table.size(); ++i)
+    table[i] = table[last] + mean_step * static_cast<double>(i - last);
+  std::size_t up = 0, down = 0;
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    up += table[i] > table[i - 1];
+    down += table[i] < table[i - 1];
+  }
+  const std::size_t steps = table.size() - 1;
+  if (static_cast<double>(std::max(up, down)) < kMostSteps * static_cast<double>(steps)) return 0;
+  if (std::max(up, down) < steps) {  // noise about an even table
+    const double from = table.front(), step = (table.back() - from) / static_cast<double>(steps);
+    for (std::size_t i = 0; i < table.size(); ++i) table[i] = from + step * static_cast<double>(i);
+  }
+  return up > down ? 1 : -1;
+}
+
+// Median angle between the rays of neighbours `row_step` rows and `col_step` columns apart.
+double typical_angle(const Scan& scan, int row_step, int col_step) {
+  std::vector<double> found;
+  for (int col = 0; col + col_step < scan.grid_cols; ++col)
+    for (int row = 0; row + row_step < scan.grid_rows; ++row) {
+      const auto& a = scan.points[grid_index(scan, row, col)];
+      const auto& b = scan.points[grid_index(scan, row + row_step, col + col_step)];
+      const Vec3 p = scan.origin + Vec3(a[0], a[1], a[2]), q = scan.origin + Vec3(b[0], b[1], b[2]);
+      const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
+      if (angle > 0) found.push_back(angle);
+    }
+  const double typical = median(found);
+  return std::isnan(typical) ? 0 : typical;
+}
+
+std::vector<double> even_table(int count, double step) {
+  std::vector<double> table;
+  for (int i = 0; i < count; ++i) table.push_back((i - 0.5 * (count - 1)) * step);
+  return table;
+}
+
+void place(const Scan& scan, const SampleAngles& angles, bool flip_rows, bool flip_cols, RangeImage& image) {
+  if (!scan.intensity.empty()) image.intensity.assign(image.count(), 0.0f);
+  if (!scan.rgb.empty()) image.rgb.assign(image.count(), {0, 0, 0});
+  parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t r) {
+    const int row = static_cast<int>(r);
+    for (int col = 0; col < image.cols; ++col) {
+      const std::size_t source =
+          grid_index(scan, flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col);
+      if (std::isnan(angles.elevation_rad[source])) continue;
+      const std::size_t i = image.index(row, col);
+      const auto& p = scan.points[source];
+      const Vec3 point = scan.origin + Vec3(p[0], p[1], p[2]);
+      image.x[i] = static_cast<float>(point.x());
+      image.y[i] = static_cast<float>(point.y());
+      image.z[i] = static_cast<float>(point.z());
+      image.range_m[i] = static_cast<float>(point.norm());
+      image.mask[i] = kMeasured;
+      image.source[i] = static_cast<std::uint32_t>(source);
+      if (!scan.intensity.empty()) image.intensity[i] = scan.intensity[source];
+      if (!scan.rgb.empty()) image.rgb[i] = scan.rgb[source];
+    }
+  });
+}
+
+}  // namespace
+
+RangeImage arrange_grid(const Scan& scan) {
+  const std::size_t nodes =
+      static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
+  if (nodes != scan.points.size())
+    fail_input("scan {}: expected {} samples for a grid of {} rows x {} columns, found {}", scan.name, nodes,
+               scan.grid_rows, scan.grid_cols, scan.points.size());
+  const SampleAngles angles = sample_angles(scan);
+  if (std::all_of(angles.elevation_rad.begin(), angles.elevation_rad.end(),
+                  [](double e) { return std::isnan(e); }))
+    fail_input("scan {}: expected returns, found none in a grid of {} x {}", scan.name, scan.grid_rows,
+               scan.grid_cols);
+
+  RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols);
+  image.elevation_rad = row_elevations(scan, angles);
+  image.azimuth_rad = column_azimuths(scan, angles);
+  const int rows_go = complete(image.elevation_rad), cols_go = complete(image.azimuth_rad);
+  const double turn = image.azimuth_rad.back() - image.azimuth_rad.front();
+  if (rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn) {
+    image.elevation_rad = even_table(image.rows, -typical_angle(scan, 1, 0));
+    image.azimuth_rad = even_table(image.cols, typical_angle(scan, 0, 1));
+    place(scan, angles, false, false, image);
+    return image;
+  }
+  if (rows_go > 0) std::reverse(image.elevation_rad.begin(), image.elevation_rad.end());
+  if (cols_go < 0) std::reverse(image.azimuth_rad.begin(), image.azimuth_rad.end());
+  image.wraps = kTurn - std::abs(turn) <= kOpenGap * image.azimuth_step_rad();
+  place(scan, angles, rows_go > 0, cols_go < 0, image);
+  return image;
+}
+
+}  // namespace hybrid::stages
