@@ -1,6 +1,6 @@
 #pragma once
 #include <CLI/CLI.hpp>
-#include <functional>
+#include <optional>
 #include <string>
 
 #include "core/option_table.hpp"

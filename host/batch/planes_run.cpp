@@ -1,7 +1,5 @@
 #include "batch/planes_run.hpp"
 
-#include <set>
-
 #include "batch/planes_json.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
@@ -12,13 +10,6 @@ namespace hybrid::batch {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// "name", then "name-2", "name-3" for files of the same name in different folders.
-std::string unique_id(const std::string& wanted, std::set<std::string>& taken) {
-  std::string id = wanted;
-  for (int copy = 2; !taken.insert(id).second; ++copy) id = fmt::format("{}-{}", wanted, copy);
-  return id;
-}
 
 Json process_one(device::Queue& queue, const PlanesRequest& request, const std::string& id,
                  const std::filesystem::path& file, const io::FileFingerprint& print, const Scan& scan,
@@ -41,7 +32,7 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
   Progress progress(request.quiet);
   progress.expect(static_cast<int>(request.files.size()) * 7);
   Json scans = Json::array(), failures = Json::array();
-  std::set<std::string> ids;
+  std::vector<std::string> ids;
   ErrorKind last_failure = ErrorKind::failed;
   const auto guarded = [&](const std::string& unit, const auto& body) {
     try {
@@ -59,8 +50,8 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
       const auto read = io::read_scans(file);
       const auto print = io::fingerprint(file);
       for (std::size_t i = 0; i < read.size(); ++i) {
-        const std::string stem = io::default_scan_id(file);
-        const std::string id = unique_id(read.size() == 1 ? stem : fmt::format("{}-{}", stem, i), ids);
+        ids.push_back(io::default_scan_id(file, static_cast<int>(i), static_cast<int>(read.size()), ids));
+        const std::string id = ids.back();
         guarded("scan " + id,
                 [&] { scans.push_back(process_one(queue, request, id, file, print, read[i], progress)); });
       }

@@ -108,20 +108,25 @@ class Run {
 
   // An entry without an index stands for every scan of its file.
   void process_file(const io::SceneScan& entry) {
-    const std::string id = entry.id.empty() ? io::default_scan_id(entry.file) : entry.id;
+    const std::string name = entry.id.empty() ? entry.file.filename().string() : entry.id;
     std::vector<Scan> scans;
-    unit("scan " + id, [&] {
-      progress_.step("read", "scan " + id);
+    unit("scan " + name, [&] {
+      progress_.step("read", "scan " + name);
       scans = io::read_scans(entry.file);
       add_input(entry.file);
       if (!entry.index) return;
       if (*entry.index < 0 || static_cast<std::size_t>(*entry.index) >= scans.size())
         fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index,
                    scans.size());
-      scans = {std::move(scans[static_cast<std::size_t>(*entry.index)])};
+      Scan chosen = std::move(scans[static_cast<std::size_t>(*entry.index)]);
+      scans.clear();
+      scans.push_back(std::move(chosen));
     });
-    for (std::size_t i = 0; i < scans.size(); ++i)
-      process(scans.size() == 1 ? id : fmt::format("{}-{}", id, i), entry, std::move(scans[i]));
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      const fs::path named = entry.id.empty() ? entry.file : fs::path(entry.id + ".scan");
+      ids_.push_back(io::default_scan_id(named, static_cast<int>(i), static_cast<int>(scans.size()), ids_));
+      process(ids_.back(), entry, std::move(scans[i]));
+    }
   }
 
   void process(const std::string& id, const io::SceneScan& entry, Scan scan) {

@@ -72,15 +72,18 @@ void StageOptions::set_square(const OptionValue& value) {
 
 StageOptions read_stage_options(const io::SceneFile& scene) {
   StageOptions options;
+  const auto& resample = stages::resample_option_table();
   const auto& squares = stages::square_plane_option_table();
   const auto& superclusters = stages::supercluster_option_table();
-  apply_section(scene, "planes", scene.planes, option_names(squares) + ", " + option_names(superclusters),
+  apply_section(scene, "planes", scene.planes,
+                option_names(resample) + ", " + option_names(squares) + ", " + option_names(superclusters),
                 [&](const std::string& key, const OptionValue& value) {
                   if (key == "square") {
                     options.set_square(value);
                     return true;
                   }
-                  return apply(key, value, options.squares, squares) ||
+                  return apply(key, value, options.resample, resample) ||
+                         apply(key, value, options.squares, squares) ||
                          apply(key, value, options.superclusters, superclusters);
                 });
 
@@ -107,7 +110,8 @@ StageOptions read_stage_options(const io::SceneFile& scene) {
 }
 
 nlohmann::ordered_json describe(const StageOptions& options) {
-  Json planes = describe_table(options.squares, stages::square_plane_option_table());
+  Json planes = describe_table(options.resample, stages::resample_option_table());
+  planes.update(describe_table(options.squares, stages::square_plane_option_table()));
   planes.update(describe_table(options.superclusters, stages::supercluster_option_table()));
   if (options.auto_square) planes["square"] = "auto";
   Json registration = describe_table(options.icp, stages::icp_option_table());

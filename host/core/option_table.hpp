@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -15,13 +16,24 @@ namespace hybrid {
 // place.
 template <typename T>
 struct OptionRow {
+  using Member = std::variant<double T::*, int T::*, bool T::*, std::string T::*>;
+
+  OptionRow(std::string_view name_, std::string_view unit_, Member member_, double minimum_, double maximum_,
+            std::string_view help_, std::vector<std::string_view> choices_ = {})
+      : name(name_),
+        unit(unit_),
+        member(member_),
+        minimum(minimum_),
+        maximum(maximum_),
+        help(help_),
+        choices(std::move(choices_)) {}
+
   std::string_view name;  // key in the scene file
   std::string_view unit;  // "m", "rad", "deg", "samples", "" ...
-  std::variant<double T::*, int T::*, bool T::*, std::string T::*> member;
-  double minimum = 0;  // numbers only, inclusive
-  double maximum = 0;
+  Member member;
+  double minimum, maximum;  // numbers only, inclusive
   std::string_view help;
-  std::vector<std::string_view> choices = {};  // strings only: the values allowed; empty = any
+  std::vector<std::string_view> choices;  // strings only: the values allowed; empty = any
 };
 
 using OptionValue = std::variant<bool, std::int64_t, double, std::string>;

@@ -60,9 +60,11 @@ bool bends(const std::vector<Vec3>& samples, double min_curvature) {
   const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
   const double error_linear = squares - linear.dot(right.head<3>());
   const double error_quadratic = squares - quadratic.dot(right);
-  const double variance = std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
+  const double variance =
+      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
   const double fall = error_linear - error_quadratic;
-  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear) return false;
+  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
+    return false;
   const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
   const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
   return curvature > min_curvature;
@@ -107,7 +109,8 @@ double crease_share(const RangeImage& image, const SquarePlanes& squares, const 
       const SquareRecord& next = squares.squares[static_cast<std::size_t>(other)];
       // A square that bridges a small step is turned as well, but the one beyond it is parallel again.
       const std::int64_t beyond = grid.neighbour(static_cast<std::size_t>(other), direction);
-      const SquareRecord& after = squares.squares[static_cast<std::size_t>(std::max<std::int64_t>(beyond, 0))];
+      const SquareRecord& after =
+          squares.squares[static_cast<std::size_t>(std::max<std::int64_t>(beyond, 0))];
       const bool bridge = beyond != SquareGrid::kNone && after.state == SQUARE_PLANAR &&
                           angle_between(here, after) < 0.5 * angle_between(here, next);
       creases += !bridge && crease(image, squares, options, here, next);
@@ -122,9 +125,8 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
   std::vector<std::uint8_t> curved(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
     const auto id = static_cast<std::uint32_t>(i + 1);
-    curved[i] =
-        crease_share(image, squares, grid, options, regions, id) > options.max_crease_share ||
-        bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+    curved[i] = crease_share(image, squares, grid, options, regions, id) > options.max_crease_share ||
+                bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
   });
   for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved = curved[i] != 0;
 }

@@ -135,7 +135,6 @@ void list_extra(const Scan& scan, const ScanColumns& columns, RangeImage& image)
 const std::vector<OptionRow<ResampleOptions>>& resample_option_table() {
   using O = ResampleOptions;
   static const std::vector<OptionRow<O>> table = {
-      // The last field is spelt out because GCC 12 crashes on its default here.
       {"max_gap", "rows", &O::max_gap, 1, 16, "longest gap of a column that is interpolated", {}},
       {"jump_m", "m", &O::jump_m, 0, 10, "difference in range that is never a depth jump", {}},
       {"jump_slope",
