@@ -247,6 +247,7 @@ class Run {
   StageOptions options_;
   std::vector<Scan> sources_;           // one per product
   std::vector<io::SceneScan> entries_;  // one per product
+  std::vector<std::string> ids_;        // given out so far
   std::optional<io::SceneTruth> truth_;
   Json inputs_ = Json::array(), views_ = Json::array();
   SceneRun run_;
