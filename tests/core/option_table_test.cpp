@@ -91,6 +91,8 @@ TEST(suggest, nearest_name_is_a_slip_of_the_pen_away) {
   EXPECT_EQ(nearest_name("squares", known), "square");  // one too many
   EXPECT_EQ(nearest_name("scor", known), "score");      // one missing
   EXPECT_EQ(nearest_name("leveled", known), "levelled");
+  EXPECT_EQ(nearest_name("level", known), "levelled");  // its beginning
+  EXPECT_EQ(nearest_name("lev", known), "");
   EXPECT_EQ(nearest_name("ap", known), "");  // half of it would change
   EXPECT_EQ(nearest_name("threshold", known), "");
   EXPECT_EQ(nearest_name("", known), "");

@@ -102,7 +102,7 @@ cameras = true
   EXPECT_EQ((*scene.photographs->world_from_photographs)[5], 1);
   EXPECT_EQ(scene.planes.at("square").value, OptionValue(std::string("auto")));
   EXPECT_EQ(scene.planes.at("qualifying").value, OptionValue(0.8));
-  EXPECT_EQ(scene.planes.at("qualifying").line, 32);
+  EXPECT_EQ(scene.planes.at("qualifying").line, 31);
   EXPECT_EQ(scene.registration.at("iterations").value, OptionValue(std::int64_t{50}));
   EXPECT_EQ(scene.edit.at("openings").value, OptionValue(std::string("off")));
   EXPECT_EQ(scene.render.at("photographs").value, OptionValue(false));
@@ -301,8 +301,8 @@ TEST(scene_file, syntax_errors_have_line_and_column) {
   expect_errors({
       {"[scene]\nname = \"a\n", "2:10", "no valid TOML"},
       {"[scene]\nname = \n", "2:8", "no valid TOML"},
-      {"[scene]\nname = \"a\"\nname = \"b\"\n", "3:1", "no valid TOML"},
-      {"[scene]\nname = \"\xff\"\n", "2:9", "no valid TOML"},
+      {"[scene]\nname = \"a\"\nname = \"b\"\n", "3:8", "no valid TOML"},
+      {"[scene]\nname = \"\xff\"\n", "2:8", "no valid TOML"},
   });
 }
 
