@@ -31,12 +31,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string_view nearest_name(std::string_view name, const std::vector<std::string_view>& known) {
   constexpr std::size_t kLongestName = 64;  // longer ones are no slip of the pen; bounds the work
+  constexpr std::size_t kShortestStem = 4;
   std::string_view best;
   if (name.size() > kLongestName) return best;
   std::size_t best_distance = kLongestName;
   for (std::string_view candidate : known) {
     const std::size_t distance = edit_distance(name, candidate);
-    if (3 * distance <= std::max(name.size(), candidate.size()) && distance < best_distance) {
+    const bool slip = 3 * distance <= std::max(name.size(), candidate.size());
+    const bool shortened = name.size() >= kShortestStem && candidate.starts_with(name);
+    if ((slip || shortened) && distance < best_distance) {
       best = candidate;
       best_distance = distance;
     }

@@ -1,0 +1,58 @@
+#include "io/model_info.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace hybrid::io {
+namespace {
+
+FaceInfo describe_face(const PolygonModel& model, const Face& face) {
+  FaceInfo result;
+  result.name = face.name;
+  result.vertices = face.outer.size();
+  result.holes = face.holes.size();
+  try {
+    result.area_m2 = face_area_m2(model, face);
+    const Plane plane = face_plane(model, face);
+    for (std::uint32_t vertex : face.outer)
+      result.off_plane_m = std::max(result.off_plane_m, std::abs(plane.distance(model.vertices[vertex])));
+  } catch (const Error& error) {
+    result.problem = error.what();
+  }
+  return result;
+}
+
+}  // namespace
+
+ModelInfo describe_model(const PolygonModel& model) {
+  ModelInfo result;
+  result.vertices = model.vertices.size();
+  if (!model.vertices.empty()) result.minimum = result.maximum = model.vertices.front();
+  for (const Vec3& vertex : model.vertices) {
+    result.minimum = result.minimum.cwiseMin(vertex);
+    result.maximum = result.maximum.cwiseMax(vertex);
+  }
+  for (const Face& face : model.faces) {
+    result.faces.push_back(describe_face(model, face));
+    result.area_m2 += result.faces.back().area_m2;
+  }
+  return result;
+}
+
+CameraModelInfo describe_colmap(const std::filesystem::path& folder) {
+  CameraModelInfo result;
+  result.cameras = read_colmap_cameras(folder);
+  for (const Photograph& photograph : read_colmap(folder)) {
+    const Vec3 centre = photograph.centre();
+    if (result.photographs.empty()) result.minimum = result.maximum = centre;
+    result.minimum = result.minimum.cwiseMin(centre);
+    result.maximum = result.maximum.cwiseMax(centre);
+    result.photographs.push_back(
+        {photograph.name, photograph.camera.width, photograph.camera.height, centre});
+  }
+  return result;
+}
+
+}  // namespace hybrid::io

@@ -1,0 +1,199 @@
+#include "io/picture.hpp"
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "io/files.hpp"
+
+namespace hybrid::io {
+namespace {
+namespace fs = std::filesystem;
+using testing::bytes_of;
+using testing::error_of;
+using testing::holds;
+using testing::TemporaryFolder;
+
+// Writes `values` (0..65535, as many channels as fit) as a picture of the given type.
+template <typename T>
+fs::path write_with_oiio(const fs::path& file, int width, int height, const std::vector<T>& values,
+                         OIIO::TypeDesc type, int orientation = 1) {
+  const int channels = static_cast<int>(values.size()) / (width * height);
+  OIIO::ImageSpec spec(width, height, channels, type);
+  spec["oiio:UnassociatedAlpha"] = 1;
+  if (orientation != 1) spec["Orientation"] = orientation;
+  const auto output = OIIO::ImageOutput::create(file.string());
+  EXPECT_TRUE(output && output->open(file.string(), spec) && output->write_image(type, values.data()) &&
+              output->close())
+      << file;
+  return file;
+}
+
+Image8 gradient(int width, int height, int channels) {
+  Image8 image(width, height, channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = static_cast<std::uint8_t>(i * 7 + i / 11);
+  return image;
+}
+
+std::vector<int> pixel(const Image8& image, int x, int y) {
+  return {image.at(x, y), image.at(x, y) + image.channels};
+}
+
+TEST(picture, written_png_reads_back) {
+  const TemporaryFolder folder;
+  const Image8 image = gradient(13, 7, 3);
+  write_png(folder.path() / "a.png", image);
+  const Image8 back = read_photograph(folder.path() / "a.png", 13, 7);
+  EXPECT_EQ(back.pixels, image.pixels);
+  EXPECT_EQ(back.channels, 3);
+}
+
+TEST(picture, grey_becomes_three_equal_channels) {
+  const TemporaryFolder folder;
+  write_png(folder.path() / "a.png", gradient(5, 4, 1));
+  const Image8 back = read_photograph(folder.path() / "a.png", 0, 0);
+  EXPECT_EQ(back.channels, 3);
+  const int value = gradient(5, 4, 1).at(3, 2)[0];
+  EXPECT_EQ(pixel(back, 3, 2), (std::vector<int>{value, value, value}));
+}
+
+TEST(picture, alpha_is_dropped_and_never_multiplied) {
+  const TemporaryFolder folder;
+  Image8 image(2, 2, 4, 0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    image.pixels[4 * i] = 200;
+    image.pixels[4 * i + 1] = 100;
+    image.pixels[4 * i + 2] = 50;
+    image.pixels[4 * i + 3] = static_cast<std::uint8_t>(85 * i);  // 0 = fully transparent, too
+  }
+  write_png(folder.path() / "a.png", image);
+  const Image8 back = read_photograph(folder.path() / "a.png", 2, 2);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 2; ++x) EXPECT_EQ(pixel(back, x, y), (std::vector<int>{200, 100, 50}));
+}
+
+TEST(picture, grey_with_alpha) {
+  const TemporaryFolder folder;
+  const auto file =
+      write_with_oiio<std::uint8_t>(folder.path() / "a.png", 2, 1, {40, 128, 90, 0}, OIIO::TypeUInt8);
+  const Image8 back = read_photograph(file, 2, 1);
+  EXPECT_EQ(pixel(back, 0, 0), (std::vector<int>{40, 40, 40}));
+  EXPECT_EQ(pixel(back, 1, 0), (std::vector<int>{90, 90, 90}));
+}
+
+TEST(picture, sixteen_bits_are_rounded_to_eight) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.tif"}) {
+    const auto file = write_with_oiio<std::uint16_t>(
+        folder.path() / name, 2, 1, {0, 65535, 128 * 257, 257, 257 + 100, 257 + 200}, OIIO::TypeUInt16);
+    const Image8 back = read_photograph(file, 2, 1);
+    EXPECT_EQ(pixel(back, 0, 0), (std::vector<int>{0, 255, 128})) << name;
+    EXPECT_EQ(pixel(back, 1, 0), (std::vector<int>{1, 1, 2})) << name;
+  }
+}
+
+TEST(picture, floating_point_is_refused) {
+  const TemporaryFolder folder;
+  const auto file =
+      write_with_oiio<float>(folder.path() / "a.tif", 1, 1, {0.1f, 0.2f, 0.3f}, OIIO::TypeFloat);
+  EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read_photograph(file, 1, 1); }), "found float"));
+}
+
+TEST(picture, the_size_is_the_cameras) {
+  const TemporaryFolder folder;
+  write_png(folder.path() / "a.png", gradient(5, 4, 3));
+  const std::string message =
+      error_of(ErrorKind::input, [&] { read_photograph(folder.path() / "a.png", 4, 5); });
+  EXPECT_TRUE(holds(message, "a.png: expected the camera's 4 x 5 pixels, found 5 x 4"));
+}
+
+// Where the picture as displayed has its stored pixel (0, 0): by TIFF's words, "row 0 is the right side,
+// column 0 the top" puts it at the top right.
+TEST(picture, quarter_turns_are_settled_by_the_size) {
+  const TemporaryFolder folder;
+  const int w = 3, h = 2;
+  const Image8 stored = gradient(w, h, 3);
+  const std::vector<std::array<int, 3>> corners = {
+      {5, 0, 0}, {6, h - 1, 0}, {7, h - 1, w - 1}, {8, 0, w - 1}};
+  for (const auto& [orientation, x, y] : corners) {
+    SCOPED_TRACE(orientation);
+    const auto file = write_with_oiio<std::uint8_t>(folder.path() / "a.tif", w, h, stored.pixels,
+                                                    OIIO::TypeUInt8, orientation);
+    EXPECT_EQ(read_photograph(file, w, h).pixels, stored.pixels);  // the camera means the pixels as stored
+    const Image8 displayed = read_photograph(file, h, w);
+    EXPECT_EQ(displayed.width, h);
+    EXPECT_EQ(pixel(displayed, x, y), pixel(stored, 0, 0));
+    // Stored neighbours along a row are displayed as neighbours along a column.
+    EXPECT_EQ(pixel(displayed, x, y == 0 ? 1 : w - 2), pixel(stored, 1, 0));
+    EXPECT_TRUE(
+        holds(error_of(ErrorKind::input, [&] { read_photograph(file, 7, 9); }), "expected the camera's"));
+  }
+}
+
+TEST(picture, orientations_that_the_size_cannot_settle_are_errors) {
+  const TemporaryFolder folder;
+  const auto refuse = [&](int w, int h, int orientation, int expected_w, int expected_h) {
+    const auto file = write_with_oiio<std::uint8_t>(folder.path() / "a.tif", w, h, gradient(w, h, 3).pixels,
+                                                    OIIO::TypeUInt8, orientation);
+    const std::string message =
+        error_of(ErrorKind::input, [&] { read_photograph(file, expected_w, expected_h); });
+    EXPECT_TRUE(holds(message, "EXIF orientation is " + std::to_string(orientation)));
+  };
+  for (int orientation : {2, 3, 4}) refuse(3, 2, orientation, 3, 2);
+  refuse(3, 3, 6, 3, 3);
+  refuse(3, 2, 6, 0, 0);
+}
+
+// libjpeg fills what is missing with grey and reports success.
+TEST(picture, a_jpeg_that_was_cut_is_an_error) {
+  const TemporaryFolder folder;
+  const Image8 image = gradient(64, 48, 3);
+  const auto file =
+      write_with_oiio<std::uint8_t>(folder.path() / "whole.jpg", 64, 48, image.pixels, OIIO::TypeUInt8);
+  EXPECT_NO_THROW(read_photograph(file, 64, 48));
+  const std::string bytes = bytes_of(file);
+  for (std::size_t tenth = 1; tenth <= 10; ++tenth) {
+    SCOPED_TRACE(tenth);
+    const auto cut = folder.write("cut.jpg", bytes.substr(0, bytes.size() * tenth / 11));
+    EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read_photograph(cut, 64, 48); }), "cut.jpg"));
+  }
+}
+
+// Names of a PNG's chunks in order; of a text, its keyword, too.
+std::vector<std::string> chunks(const std::string& png) {
+  std::vector<std::string> names;
+  for (std::size_t at = 8; at + 8 <= png.size();) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(png[at + i]);
+    const std::string name = png.substr(at + 4, 4);
+    names.push_back(name == "tEXt" ? "tEXt " + std::string(png.c_str() + at + 8) : name);
+    at += 12 + length;
+  }
+  return names;
+}
+
+// No time, no software version: two builds write the same bytes, too.
+TEST(picture, png_has_no_changing_metadata) {
+  const TemporaryFolder folder;
+  write_png(folder.path() / "a.png", gradient(30, 20, 3));
+  write_png(folder.path() / "deep/b.png", gradient(30, 20, 3));
+  const std::string bytes = bytes_of(folder.path() / "a.png");
+  EXPECT_EQ(bytes, bytes_of(folder.path() / "deep/b.png"));
+  const std::set<std::string> fixed = {"IHDR", "sRGB", "gAMA", "cHRM", "oFFs", "tEXt oiio:ColorSpace",
+                                       "IDAT", "IEND"};
+  for (const std::string& name : chunks(bytes)) EXPECT_TRUE(fixed.contains(name)) << name;
+}
+
+TEST(picture, only_pictures_can_be_written) {
+  const TemporaryFolder folder;
+  for (const Image8& image : {Image8(0, 5, 3), Image8(5, 5, 2), Image8()}) {
+    EXPECT_TRUE(
+        holds(error_of(ErrorKind::failed, [&] { write_png(folder.path() / "a.png", image); }), "a.png"));
+    EXPECT_FALSE(fs::exists(folder.path() / "a.png"));
+  }
+}
+
+}  // namespace
+}  // namespace hybrid::io
