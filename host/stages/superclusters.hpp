@@ -16,7 +16,7 @@ struct SuperclusterOptions {
   double label_sigmas = 3.5;   // a sample belongs to a plane within this many sigmas of range noise
   double waviness_m = 0.005;   // ... plus this: how far real walls stray from a plane, along the normal
   double min_curvature = 0.15;  // 1/m: regions that bend more, significantly, are no planes
-  double max_crease_share = 0.35;  // of a region's rim against squares turned by 2.5 to 30 deg: a facet
+  double max_crease_share = 0.35;  // of a region's rim, bending away to the next planar squares: a facet
   int tile = 1024;
 };
 const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table();
