@@ -21,6 +21,7 @@ bool near_plane(const PlaneFit& a, const PlaneFit& b, const SuperclusterOptions&
 }
 
 bool coplanar(const PlaneFit& a, const PlaneFit& b, const SuperclusterOptions& options) {
+  if (a.plane.normal.dot(b.plane.normal) < 0.99) return false;  // 8 degrees: the cheap test first
   const double sigma = std::hypot(a.normal_sigma_rad(), b.normal_sigma_rad());
   const double floor = options.angle_deg * std::numbers::pi / 180;
   const double limit = std::min(kMostAngle, std::max(floor, options.angle_sigmas * sigma));
@@ -109,9 +110,10 @@ void merge_coplanar_regions(const RangeImage& image, const SquarePlanes& squares
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) {
     return regions.regions[a - 1].squares.size() > regions.regions[b - 1].squares.size();
   });
+  const auto least = static_cast<std::size_t>(std::max(options.min_squares, 1));
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::uint32_t large = order[i];
-    if (regions.regions[large - 1].curved || regions.regions[large - 1].squares.empty()) continue;
+    if (regions.regions[large - 1].curved || regions.regions[large - 1].squares.size() < least) continue;
     for (bool changed = true; changed;) {
       changed = false;
       for (std::size_t j = i + 1; j < order.size(); ++j) {

@@ -14,6 +14,7 @@ constexpr std::size_t kMostSamples = 4000;  // of a region in the quadratic fit
 constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameters
 constexpr double kLeastShareGained = 0.04;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
+constexpr double kBendSigmas = 4;
 constexpr std::size_t kMuchLarger = 8;
 
 // Every stride-th sample of the region's squares that lies on its plane, as (a, b, height).
@@ -70,19 +71,18 @@ bool bends(const std::vector<Vec3>& samples, double min_curvature) {
   return curvature > min_curvature;
 }
 
-double angle_between(const SquareRecord& a, const SquareRecord& b) {
-  const Vec3 na = square_normal(a), nb = square_normal(b);
-  return std::atan2(na.cross(nb).norm(), na.dot(nb));
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// Squares a (in a region) and b (outside) meet in a shallow crease without a step.
-bool crease(const RangeImage& image, const SquarePlanes& squares, const SuperclusterOptions& options,
-            const SquareRecord& a, const SquareRecord& b) {
+// Square b outside meets square a of the region in a kink of less than 30 degrees without a step.
+bool in_contact(const RangeImage& image, const SquarePlanes& squares, const SuperclusterOptions& options,
+                const SquareRecord& a, const SquareRecord& b) {
   if (b.state != SQUARE_PLANAR) return false;
   const Vec3 na = square_normal(a), nb = square_normal(b);
-  const double angle = angle_between(a, b);
+  const double angle = angle_between(na, nb);
   const double sigma = std::hypot(a.sigma_normal, b.sigma_normal);
-  if (angle < std::max(kCreaseFrom, options.angle_sigmas * sigma) || angle > kCreaseTo) return false;
+  if (angle > kCreaseTo + options.angle_sigmas * sigma) return false;
   const Vec3 step = square_centroid(b) - square_centroid(a);
   const double distance = step.norm(), range = square_centroid(a).norm();
   const double angular = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
@@ -92,19 +92,36 @@ bool crease(const RangeImage& image, const SquarePlanes& squares, const Superclu
   return std::max(std::abs(step.dot(na)), std::abs(step.dot(nb))) < distance * std::sin(angle) + noise;
 }
 
-double crease_share(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
-                    const SuperclusterOptions& options, const PlaneRegions& regions, std::uint32_t id) {
+// A square that bridges a small step is turned as well, but the one beyond it is parallel again.
+bool bridges(const SquarePlanes& squares, const SquareGrid& grid, const Vec3& normal, std::size_t square,
+             int direction) {
+  const std::int64_t beyond = grid.neighbour(square, direction);
+  if (beyond == SquareGrid::kNone) return false;
+  const SquareRecord& after = squares.squares[static_cast<std::size_t>(beyond)];
+  return after.state == SQUARE_PLANAR &&
+         angle_between(normal, square_normal(after)) <
+             0.5 * angle_between(normal, square_normal(squares.squares[square]));
+}
+
+// Most of the rim is in contact with squares that, on the mean, turn away (or all towards): one such normal may be
+// noise, their mean is not.
+bool is_facet(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+              const SuperclusterOptions& options, const PlaneRegions& regions, std::uint32_t id) {
   const PlaneRegion& region = regions.regions[id - 1];
-  std::size_t rim = 0, creases = 0;
+  const Vec3& normal = region.fit.plane.normal;
+  int rim = 0, contacts = 0;
+  double bend = 0, variance = 0;
   for (const std::uint32_t square : region.squares)
     for (int direction = 0; direction < 4; ++direction) {
-      const std::int64_t other = grid.neighbour(square, direction);
-      if (other == SquareGrid::kNone) continue;
-      const std::uint32_t owner = regions.of_square[static_cast<std::size_t>(other)];
+      const std::int64_t neighbour = grid.neighbour(square, direction);
+      if (neighbour == SquareGrid::kNone) continue;
+      const auto other = static_cast<std::size_t>(neighbour);
+      const std::uint32_t owner = regions.of_square[other];
       if (owner == id) continue;
       rim += 1;
       if (owner != 0 && regions.regions[owner - 1].squares.size() > kMuchLarger * region.squares.size())
         continue;
+<<<<<<< HEAD
       const SquareRecord& here = squares.squares[square];
       const SquareRecord& next = squares.squares[static_cast<std::size_t>(other)];
       // A square that bridges a small step is turned as well, but the one beyond it is parallel again.
@@ -114,8 +131,19 @@ double crease_share(const RangeImage& image, const SquarePlanes& squares, const 
       const bool bridge = beyond != SquareGrid::kNone && after.state == SQUARE_PLANAR &&
                           angle_between(here, after) < 0.5 * angle_between(here, next);
       creases += !bridge && crease(image, squares, options, here, next);
+=======
+      const SquareRecord &here = squares.squares[square], &next = squares.squares[other];
+      if (!in_contact(image, squares, options, here, next) || bridges(squares, grid, normal, other, direction))
+        continue;
+      contacts += 1;
+      const Vec3 step = square_centroid(next) - square_centroid(here);
+      const Vec3 outward = (step - step.dot(normal) * normal).normalized();
+      bend += square_normal(next).dot(outward);
+      variance += next.sigma_normal * next.sigma_normal;
+>>>>>>> superclusters
     }
-  return rim ? static_cast<double>(creases) / static_cast<double>(rim) : 0;
+  return contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
+         std::abs(bend) > kBendSigmas * std::sqrt(variance);
 }
 
 }  // namespace
@@ -125,8 +153,14 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
   std::vector<std::uint8_t> curved(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
     const auto id = static_cast<std::uint32_t>(i + 1);
+<<<<<<< HEAD
     curved[i] = crease_share(image, squares, grid, options, regions, id) > options.max_crease_share ||
                 bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+=======
+    curved[i] =
+        is_facet(image, squares, grid, options, regions, id) ||
+        bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+>>>>>>> superclusters
   });
   for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved = curved[i] != 0;
 }

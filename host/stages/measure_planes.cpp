@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/parallel.hpp"
@@ -51,25 +52,32 @@ double cosine(const Vec3& point, const Plane& plane) {
   return std::abs(plane.normal.dot(point)) / point.norm();
 }
 
-// Moments about the plane's foot point, so that nothing cancels.
+// Moments about the plane's foot point, so that nothing cancels: weight, first, second (xx xy xz yy yz zz).
 struct WeightedMoments {
-  double weight = 0;
-  Vec3 first = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
+  std::array<double, 10> sum{};
 
   void add(const RangeImage& image, std::size_t i, const Plane& plane) {
     const Vec3 point = image.point(i);
-    const double c = std::max(cosine(point, plane), kWeightCosine);
-    const double w = 1 / (c * c);
-    const Vec3 arm = point - plane.offset_m * plane.normal;
-    weight += w;
-    first += w * arm;
-    second += w * arm * arm.transpose();
+    const double along = plane.normal.dot(point);
+    const double w = 1 / std::max(along * along / point.squaredNorm(), kWeightCosine * kWeightCosine);
+    const double x = point.x() - plane.offset_m * plane.normal.x();
+    const double y = point.y() - plane.offset_m * plane.normal.y();
+    const double z = point.z() - plane.offset_m * plane.normal.z();
+    const double terms[10] = {1, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z};
+    for (std::size_t k = 0; k < 10; ++k) sum[k] += w * terms[k];
   }
   void merge(const WeightedMoments& other) {
-    weight += other.weight;
-    first += other.first;
-    second += other.second;
+    for (std::size_t k = 0; k < 10; ++k) sum[k] += other.sum[k];
+  }
+  PlaneMoments about(const Vec3& foot) const {
+    PlaneMoments moments;
+    moments.weight = sum[0];
+    const Vec3 mean(sum[1] / sum[0], sum[2] / sum[0], sum[3] / sum[0]);
+    Mat3 second;
+    second << sum[4], sum[5], sum[6], sum[5], sum[7], sum[8], sum[6], sum[8], sum[9];
+    moments.scatter = second - sum[0] * mean * mean.transpose();
+    moments.mean = mean + foot;
+    return moments;
   }
 };
 
@@ -110,12 +118,8 @@ void refit_planes(const RangeImage& image, int square, const std::vector<std::ui
                   std::vector<Plane>& planes) {
   const auto sums = sum_by_label<WeightedMoments>(image, square, labels, planes);
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    if (!(sums[i].weight >= 3)) continue;
-    PlaneMoments moments;
-    moments.weight = sums[i].weight;
-    const Vec3 mean = sums[i].first / sums[i].weight;
-    moments.scatter = sums[i].second - sums[i].weight * mean * mean.transpose();
-    moments.mean = mean + planes[i].offset_m * planes[i].normal;
+    if (!(sums[i].sum[0] >= 3)) continue;  // no weight is below 1
+    const auto moments = sums[i].about(planes[i].offset_m * planes[i].normal);
     planes[i] = fit_plane(moments).plane;
   }
 }

@@ -76,8 +76,8 @@ PlaneRegion grow_from(std::uint32_t seed, const SquarePlanes& squares, const Squ
       of_square[other] = id;
       region.squares.push_back(other);
       region.moments.merge(square_moments(squares.squares[other]));
-      // A refit per square while the plane is still uncertain, then per 5 % of growth.
-      if (region.squares.size() <= 20 || region.moments.weight > 1.05 * region.fit.weight)
+      // A refit per square while the plane is still uncertain, then per 10 % of growth.
+      if (region.squares.size() <= 8 || region.moments.weight > 1.1 * region.fit.weight)
         region.fit = fit_plane(region.moments);
     }
   }

@@ -13,10 +13,17 @@ struct SuperclusterOptions {
   double distance_factor = 2;  // beta of METHOD 3
   double offset_sigmas = 3;    // out-of-plane test
   int min_squares = 20;
+<<<<<<< HEAD
   double label_sigmas = 3.5;       // a sample belongs to a plane within this many sigmas of range noise
   double waviness_m = 0.005;       // ... plus this: how far real walls stray from a plane, along the normal
   double min_curvature = 0.15;     // 1/m: regions that bend more, significantly, are no planes
   double max_crease_share = 0.35;  // of a region's rim against squares turned by 2.5 to 30 deg: a facet
+=======
+  double label_sigmas = 3.5;   // a sample belongs to a plane within this many sigmas of range noise
+  double waviness_m = 0.005;   // ... plus this: how far real walls stray from a plane, along the normal
+  double min_curvature = 0.15;  // 1/m: regions that bend more, significantly, are no planes
+  double max_crease_share = 0.35;  // of a region's rim, bending away to the next planar squares: a facet
+>>>>>>> superclusters
   int tile = 1024;
 };
 const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table();

@@ -35,6 +35,10 @@ void hit_box(Hit& hit, const Vec3& from, const Vec3& to, const Vec3& ray, const 
   double enter = 0, leave = std::numeric_limits<double>::infinity();
   int side = 0;
   for (int axis = 0; axis < 3; ++axis) {
+    if (ray[axis] == 0) {
+      if (from[axis] > 0 || to[axis] < 0) return;
+      continue;
+    }
     double a = from[axis] / ray[axis], b = to[axis] / ray[axis];
     const bool positive = ray[axis] > 0;
     if (!positive) std::swap(a, b);

@@ -1,0 +1,83 @@
+#include "stages/class_picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+using Colour = std::array<std::uint8_t, 3>;
+
+// Golden-ratio steps in hue keep successive ids apart; three levels of paleness tell those that come round again.
+Colour pastel(std::uint32_t id) {
+  const double hue = std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0) * 6;
+  const double saturation = 0.30 + 0.12 * (id / 5 % 3), value = 0.98 - 0.10 * (id / 3 % 3);
+  Colour colour;
+  const double phase[3] = {5, 3, 1};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double x = std::fmod(phase[k] + hue, 6.0);
+    const double chroma = std::clamp(std::min(x, 4 - x), 0.0, 1.0);
+    colour[k] = static_cast<std::uint8_t>(std::lround(255 * value * (1 - saturation * chroma)));
+  }
+  return colour;
+}
+
+Colour class_colour(std::uint8_t square_class) {
+  switch (square_class) {
+    case kUndersampled: return {0, 0, 0};
+    case kPlanarTooSmall: return {20, 30, 110};
+    default: return {15, 75, 30};
+  }
+}
+
+}  // namespace
+
+Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentation) {
+  if (segmentation.sample_label.size() != image.count())
+    fail(ErrorKind::failed, "class_picture: {} sample labels for an image of {} samples",
+         segmentation.sample_label.size(), image.count());
+  Image8 picture(image.cols, image.rows, 3);
+  parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t r) {
+    const int row = static_cast<int>(r);
+    for (int col = 0; col < image.cols; ++col) {
+      const std::size_t i = image.index(row, col);
+      if (image.mask[i] == kEmpty) continue;
+      const std::size_t square =
+          static_cast<std::size_t>(row / segmentation.square) * static_cast<std::size_t>(segmentation.square_cols) +
+          static_cast<std::size_t>(col / segmentation.square);
+      const std::uint32_t label = segmentation.sample_label[i];
+      const Colour colour = label != 0 ? pastel(label) : class_colour(segmentation.square_class[square]);
+      std::copy(colour.begin(), colour.end(), picture.at(col, row));
+    }
+  });
+  return picture;
+}
+
+Image8 range_picture(const RangeImage& image) {
+  Image8 picture(image.cols, image.rows, 1);
+  std::vector<float> ranges;
+  for (const float range : image.range_m)
+    if (range > 0 && std::isfinite(range)) ranges.push_back(range);
+  if (ranges.empty()) return picture;
+  const auto percentile = [&](std::size_t percent) {
+    const auto at = ranges.begin() + static_cast<std::ptrdiff_t>((ranges.size() - 1) * percent / 100);
+    std::nth_element(ranges.begin(), at, ranges.end());
+    return std::log(static_cast<double>(*at));
+  };
+  const double near = percentile(1), far = std::max(percentile(99), near + 1e-6);
+  parallel_for(
+      image.count(),
+      [&](std::size_t i) {
+        if (!(image.range_m[i] > 0) || !std::isfinite(image.range_m[i])) return;
+        const double depth = std::clamp((std::log(static_cast<double>(image.range_m[i])) - near) / (far - near), 0.0, 1.0);
+        picture.pixels[i] = static_cast<std::uint8_t>(std::lround(250 - 215 * depth));
+      },
+      1 << 14);
+  return picture;
+}
+
+}  // namespace hybrid::stages

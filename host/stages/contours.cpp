@@ -1,0 +1,200 @@
+#include "stages/contours.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nanoflann.hpp>
+#include <numbers>
+#include <unordered_map>
+
+#include "core/parallel.hpp"
+#include "stages/contour_mask.hpp"
+#include "stages/contour_rings.hpp"
+#include "stages/simple_rings.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+// Samples by their measured direction, the azimuth unwrapped to that of their column.
+struct Directions {
+  std::vector<std::array<double, 2>> angles;
+  std::vector<std::uint64_t> samples;
+
+  std::size_t kdtree_get_point_count() const { return angles.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return angles[i][axis]; }
+  template <typename Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Directions>, Directions, 2>;
+
+// Measured members inside the cleaned mask of each label with a node beside them that is not: the nearest member
+// of any contour point is one of these.
+std::vector<std::vector<std::uint64_t>> rim_samples(const RangeImage& image,
+                                                    const std::vector<std::uint32_t>& members,
+                                                    std::size_t label_count) {
+  std::vector<std::vector<std::uint64_t>> rows(static_cast<std::size_t>(image.rows));
+  const auto member = [&](int row, int col) -> std::uint32_t {
+    if (image.wraps) col = (col + image.cols) % image.cols;
+    return row < 0 || row >= image.rows || col < 0 || col >= image.cols ? 0 : members[image.index(row, col)];
+  };
+  parallel_for(rows.size(), [&](std::size_t r) {
+    const int row = static_cast<int>(r);
+    for (int col = 0; col < image.cols; ++col) {
+      const std::uint32_t label = members[image.index(row, col)];
+      if (label == 0) continue;
+      bool rim = false;
+      for (int k = 0; k < 9 && !rim; ++k) rim = member(row + k / 3 - 1, col + k % 3 - 1) != label;
+      if (rim) rows[r].push_back(image.index(row, col));
+    }
+  });
+  std::vector<std::vector<std::uint64_t>> of_label(label_count);
+  for (const auto& row : rows)
+    for (const std::uint64_t sample : row) of_label[members[sample] - 1].push_back(sample);
+  return of_label;
+}
+
+Directions directions(const RangeImage& image, const std::vector<std::uint64_t>& samples) {
+  Directions result;
+  result.samples = samples;
+  for (const std::uint64_t i : samples) {
+    const Vec3 p = image.point(i);
+    const double column = image.azimuth_rad[i % static_cast<std::uint64_t>(image.cols)];
+    const double azimuth = std::atan2(p.y(), p.x());
+    result.angles.push_back({azimuth + kTurn * std::round((column - azimuth) / kTurn),
+                             std::atan2(p.z(), std::hypot(p.x(), p.y()))});
+  }
+  return result;
+}
+
+class NearestMember {
+ public:
+  NearestMember(const RangeImage& image, const std::vector<std::uint64_t>& samples)
+      : wraps_(image.wraps), directions_(directions(image, samples)), tree_(2, directions_, {10}) {
+    // Measured directions stray from their column's by half a step.
+    low_ = image.azimuth_rad.front() - image.azimuth_step_rad();
+    high_ = image.azimuth_rad.back() + image.azimuth_step_rad();
+  }
+  std::uint64_t find(const std::array<double, 2>& angles) const {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    query(angles, best, least);
+    // The other side of the seam, where it is within reach.
+    const double reach = std::sqrt(least);
+    if (wraps_ && angles[0] - reach < high_ - kTurn) query({angles[0] + kTurn, angles[1]}, best, least);
+    if (wraps_ && angles[0] + reach > low_ + kTurn) query({angles[0] - kTurn, angles[1]}, best, least);
+    return directions_.samples[best];
+  }
+
+ private:
+  void query(const std::array<double, 2>& angles, std::size_t& best, double& least) const {
+    std::uint32_t index = 0;
+    double distance = 0;
+    if (tree_.knnSearch(angles.data(), 1, &index, &distance) == 1 && distance < least) {
+      best = index;
+      least = distance;
+    }
+  }
+  bool wraps_;
+  double low_ = 0, high_ = 0;
+  Directions directions_;
+  Tree tree_;
+};
+
+// Cuts a closed walk over samples at every sample it visits twice: loops without repeated samples. A part one
+// sample wide is a walk there and back, which leaves loops of two.
+std::vector<std::vector<std::uint64_t>> split_loops(const std::vector<std::uint64_t>& walk) {
+  std::vector<std::vector<std::uint64_t>> loops;
+  std::vector<std::uint64_t> path;
+  std::unordered_map<std::uint64_t, std::size_t> place;
+  for (const std::uint64_t sample : walk) {
+    if (const auto seen = place.find(sample); seen != place.end()) {
+      const std::size_t from = seen->second;
+      loops.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(from), path.end());
+      for (std::size_t i = from + 1; i < path.size(); ++i) place.erase(path[i]);
+      path.resize(from + 1);
+    } else {
+      place[sample] = path.size();
+      path.push_back(sample);
+    }
+  }
+  loops.push_back(std::move(path));
+  return loops;
+}
+
+// Where the sample's own ray meets the plane; false when it meets it too obliquely.
+bool project(const Plane& plane, const Vec3& sample, double min_cosine, Vec3& point) {
+  const Vec3 ray = sample.normalized();
+  const double cosine = plane.normal.dot(ray);
+  if (std::abs(cosine) < min_cosine || plane.offset_m / cosine <= 0) return false;
+  point = plane.offset_m / cosine * ray;
+  return true;
+}
+
+std::vector<ContourRing> rings_of(const RangeImage& image, const Plane& plane, const ContourCells& cells,
+                                  const LabelCells& label, const std::vector<std::uint64_t>& rim,
+                                  const ContourOptions& options, std::vector<std::uint8_t>& boundary) {
+  if (rim.empty()) return {};
+  const NearestMember nearest(image, rim);
+  const PlaneCoordinates coordinates(plane);
+  std::vector<FlatRing> rings;
+  for (const AngleRing& angles : trace_rings(image, cells, label)) {
+    std::vector<std::uint64_t> walk;
+    for (const auto& at : angles) walk.push_back(nearest.find(at));
+    for (const std::uint64_t sample : walk) boundary[sample] = 1;
+    for (const auto& loop : split_loops(walk)) {
+      if (loop.size() < static_cast<std::size_t>(options.least_ring)) continue;
+      FlatRing ring;
+      Vec3 point;
+      for (const std::uint64_t sample : loop)
+        if (project(plane, image.point(sample), options.min_cosine, point))
+          ring.vertices.push_back(coordinates.vertex(point));
+      ring.outer = signed_area2(ring) > 0;
+      if (ring.vertices.size() >= 3) rings.push_back(std::move(ring));
+    }
+  }
+  make_simple(rings);
+  std::stable_sort(rings.begin(), rings.end(), [](const FlatRing& a, const FlatRing& b) {
+    return std::abs(signed_area2(a)) > std::abs(signed_area2(b));
+  });
+  std::vector<ContourRing> result;
+  for (const FlatRing& ring : rings) {
+    result.push_back({{}, ring.outer});
+    for (const RingVertex& vertex : ring.vertices) result.back().points.push_back(vertex.point);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> trace_contours(device::Queue& queue, const RangeImage& image,
+                                         PlaneSegmentation& segmentation, const ContourOptions& options) {
+  if (segmentation.sample_label.size() != image.count())
+    fail(ErrorKind::failed, "trace_contours: {} sample labels for an image of {} samples",
+         segmentation.sample_label.size(), image.count());
+  std::vector<std::uint8_t> boundary(image.count(), 0);
+  if (image.count() == 0) return boundary;
+  const std::size_t count = segmentation.superclusters.size();
+  const auto mask = clean_labels(image, segmentation.sample_label, options.least_patch);
+  std::vector<std::uint32_t> members(image.count());
+  parallel_for(
+      image.count(),
+      [&](std::size_t i) {
+        const std::uint32_t label = image.mask[i] == kMeasured ? segmentation.sample_label[i] : 0;
+        members[i] = label == mask[i] ? label : 0;
+        boundary[i] = label != members[i];
+      },
+      1 << 14);
+  const ContourCells cells = find_contour_cells(queue, image, mask, count, options.tile);
+  const auto rims = rim_samples(image, members, count);
+  parallel_for(count, [&](std::size_t i) {
+    Supercluster& supercluster = segmentation.superclusters[i];
+    supercluster.contours =
+        rings_of(image, supercluster.plane, cells, cells.of_label[i], rims[i], options, boundary);
+  });
+  return boundary;
+}
+
+}  // namespace hybrid::stages
