@@ -61,11 +61,9 @@ bool bends(const std::vector<Vec3>& samples, double min_curvature) {
   const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
   const double error_linear = squares - linear.dot(right.head<3>());
   const double error_quadratic = squares - quadratic.dot(right);
-  const double variance =
-      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
+  const double variance = std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
   const double fall = error_linear - error_quadratic;
-  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
-    return false;
+  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear) return false;
   const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
   const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
   return curvature > min_curvature;
@@ -121,17 +119,6 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       rim += 1;
       if (owner != 0 && regions.regions[owner - 1].squares.size() > kMuchLarger * region.squares.size())
         continue;
-<<<<<<< HEAD
-      const SquareRecord& here = squares.squares[square];
-      const SquareRecord& next = squares.squares[static_cast<std::size_t>(other)];
-      // A square that bridges a small step is turned as well, but the one beyond it is parallel again.
-      const std::int64_t beyond = grid.neighbour(static_cast<std::size_t>(other), direction);
-      const SquareRecord& after =
-          squares.squares[static_cast<std::size_t>(std::max<std::int64_t>(beyond, 0))];
-      const bool bridge = beyond != SquareGrid::kNone && after.state == SQUARE_PLANAR &&
-                          angle_between(here, after) < 0.5 * angle_between(here, next);
-      creases += !bridge && crease(image, squares, options, here, next);
-=======
       const SquareRecord &here = squares.squares[square], &next = squares.squares[other];
       if (!in_contact(image, squares, options, here, next) || bridges(squares, grid, normal, other, direction))
         continue;
@@ -140,7 +127,6 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       const Vec3 outward = (step - step.dot(normal) * normal).normalized();
       bend += square_normal(next).dot(outward);
       variance += next.sigma_normal * next.sigma_normal;
->>>>>>> superclusters
     }
   return contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
          std::abs(bend) > kBendSigmas * std::sqrt(variance);
@@ -153,14 +139,9 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
   std::vector<std::uint8_t> curved(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
     const auto id = static_cast<std::uint32_t>(i + 1);
-<<<<<<< HEAD
-    curved[i] = crease_share(image, squares, grid, options, regions, id) > options.max_crease_share ||
-                bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
-=======
     curved[i] =
         is_facet(image, squares, grid, options, regions, id) ||
         bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
->>>>>>> superclusters
   });
   for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved = curved[i] != 0;
 }
