@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct SquarePlaneOptions {
   double threshold_m = 0.002;     // constant part of the inlier threshold
   double min_valid_share = 0.7;   // below: undersampled
   double min_inlier_share = 0.8;  // below: non-planar
+  double min_cosine = 0.05;       // c_min: noise along rays nearer to grazing than this counts as at this
   std::string score = "msac";     // "paper" | "msac"
   std::string fit = "ransac";     // "ransac" | "eigen", the paper's rejected baseline
   int seed = 1;
@@ -32,7 +34,12 @@ struct SquarePlanes {
 };
 
 // METHOD 2 (paper 2.1): RANSAC per square on the device, refit on the inliers. Kernel: square_planes.
+// Measured and interpolated samples count as valid. sigma_m = 0: estimate_range_noise() (range_noise.hpp).
 SquarePlanes fit_square_planes(device::Queue& queue, const RangeImage& image,
                                const SquarePlaneOptions& options = {});
+
+// The table the kernel draws its test planes from: SQUARE_TRIPLETS triplets of a square of `side` x `side`
+// samples, packed a | b << 8 | c << 16, of wide triangles on the grid, which noise tilts least.
+std::vector<std::uint32_t> sample_triplets(int side, std::uint32_t seed);
 
 }  // namespace hybrid::stages
