@@ -16,13 +16,15 @@
 namespace hybrid::stages {
 
 struct RenderOptions {
-  std::string blend = "dual";     // "nearest" | "linear" | "dual"
-  std::string weights = "angle";  // "angle" (Facade); "ulr" comes in part 7
-  double sigma_px = 4;            // Gaussian that splits photographs into low and high frequencies
-  double feather_px = 32;         // weights fall to 0 over this distance to a photograph's border
-  double surface_tolerance_m =
-      0.02;                  // within this of a proxy face the sample wins; shadow rays ignore hits this near
-  int samples_per_axis = 1;  // primary rays per pixel = n^2
+  std::string blend = "dual";         // "nearest" | "linear" | "dual"
+  std::string weights = "angle";      // "angle" (Facade); "ulr" comes in part 7
+  double sigma_px = 4;                // Gaussian that splits photographs into low and high frequencies
+  double feather_px = 32;             // weights fall to 0 over this distance to a photograph's border
+  double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
+                                      // faces, and between samples, shadow rays ignore hits this near (times
+                                      // up to 5 at grazing angles); faces shadow each other exactly
+  int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
+  int tile = 1024;           // side in pixels of what is rendered at once; changes no result
 };
 const std::vector<OptionRow<RenderOptions>>& render_option_table();
 
@@ -55,21 +57,24 @@ struct RenderedView {
   ImageF colour;  // linear RGB; red (1,0,0) where no photograph sees the surface; background black
   std::vector<float> depth_m;           // along the viewing axis (Z); +inf where nothing is hit
   ImageF normal;                        // world, unit, towards the viewer
-  std::vector<std::uint32_t> id;        // 0 nothing, 1 + face index, 0x80000000 + splat index
+  std::vector<std::uint32_t> id;        // 0 nothing, 1 + face index, 0x80000000 + splat index, 0x40000000 +
+                                        // photograph index where `cameras` draws one
   std::vector<std::uint32_t> coverage;  // number of photographs that see the pixel's surface point
   std::vector<std::int32_t> best;       // index of the heaviest photograph, -1 none
 };
 
-// Keeps what does not change between views: the photographs and their low band on the device, the BVH.
+// Keeps what does not change between views: the photographs and their low band on the device, the BVH. The
+// scene and the queue must outlive it. Throws ErrorKind::input: photographs and their images do not match, a
+// face that cannot be triangulated.
 class Renderer {
  public:
   Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options = {});
   ~Renderer();
   // METHOD 10. Kernels: ray_cast, blend_photos, blur_photo. Throws ErrorKind::input: a leave_out that names
-  // no photograph.
+  // no photograph, an unknown `show`, a camera without pixels.
   RenderedView render(const ViewRequest& request);
-  // Projects the photographs onto a scan's own range-image tiles: linear RGB and coverage per node (NaN, 0
-  // where empty).
+  // Projects the photographs onto a scan's own range-image tiles, as seen from the scanner: linear RGB and
+  // coverage per measured node (NaN, 0 elsewhere). `segmentation` gives normals; it may be empty.
   struct ColouredRange {
     ImageF colour;                        // cols x rows, linear RGB; red where unseen
     std::vector<std::uint32_t> coverage;  // photographs that see the sample
@@ -82,19 +87,22 @@ class Renderer {
   std::unique_ptr<State> state_;
 };
 
-// Sphere radius per node from the local sample spacing (r x angular step / cos incidence, clamped), metres;
-// the measured nodes marked in `keep` become splats in the world frame. scan_index colours plain views.
+// Sphere radius per node: half the diagonal of the patch a sample stands for (r x angular step / cos
+// incidence, at most 3 r x angular step), so that neighbouring spheres close up; metres. The measured nodes
+// marked in `keep` become splats in the world frame. scan_index colours plain views.
 std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation& segmentation,
                                const std::vector<std::uint8_t>& keep, const Pose& world_from_scan,
                                std::uint32_t scan_index);
 
 // Image quality against a reference photograph (METHOD, how results are scored).
 struct ImageQuality {
-  double psnr_db =
-      0;            // sRGB-encoded 8-bit scale, R, G and B pooled, one gain per channel fitted, on the mask
-  double ssim = 0;  // mean over the mask, luma, 11x11 Gaussian window
+  double psnr_db = 0;  // sRGB-encoded 8-bit scale, R, G and B pooled, on the mask, after one gain per channel
+                       // (least squares in linear light); at most 100, 0 for an empty mask
+  double ssim = 0;     // mean over the mask, luma, 11x11 Gaussian window
   double share_seen = 0;  // share of pixels in the mask
 };
+// `linear`: 3 channels; `mask`: one per pixel, 0 = ignore; pixels that are not finite are ignored too. Throws
+// ErrorKind::input when the sizes differ.
 ImageQuality compare_images(const ImageF& linear, const Image8& reference,
                             const std::vector<std::uint8_t>& mask);
 

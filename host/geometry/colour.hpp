@@ -1,0 +1,28 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+namespace hybrid {
+
+// IEC 61966-2-1 (sRGB), both ways, 0..1.
+inline double linear_from_srgb(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+inline double srgb_from_linear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+// A pastel colour per index, sRGB 0..1: hues by the golden ratio, so that neighbours in number differ.
+inline std::array<double, 3> pastel_srgb(std::uint32_t index) {
+  const double hue = 6 * std::fmod(0.6180339887498949 * index, 1.0);
+  std::array<double, 3> rgb{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double turn = std::fmod(hue + 4.0 * static_cast<double>(k), 6.0);  // 0, 4, 2 sixths for R, G, B
+    const double wave = std::fmin(std::fmax(std::fabs(turn - 3) - 1, 0.0), 1.0);
+    rgb[k] = 0.95 * (0.6 + 0.4 * wave);
+  }
+  return rgb;
+}
+
+}  // namespace hybrid

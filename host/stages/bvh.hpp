@@ -1,0 +1,36 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "device/queue.hpp"
+#include "shared/bvh_records.h"
+
+namespace hybrid::stages {
+
+// Bounding volume hierarchy over triangles and spheres, in the layout lib/bvh.h traverses. Metres, relative
+// to one local origin.
+struct Bvh {
+  std::vector<BvhNode> nodes;                // depth first; empty when the root is a leaf
+  std::vector<TriangleRecord> triangles;     // in the order of the leaves
+  std::vector<SphereRecord> spheres;         // in the order of the leaves
+  std::vector<std::uint32_t> sphere_source;  // index in the input of each of `spheres`
+  std::uint32_t root = BVH_EMPTY;
+};
+
+// Binned surface area heuristic (Wald 2007), in parallel; the same tree for any number of threads.
+// Coordinates must be finite, radii positive. Throws ErrorKind::input beyond 2^26 primitives.
+Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres);
+
+// The same on the device. surfaces[i] belongs to spheres[i].
+struct DeviceBvh {
+  device::Array<BvhNode> nodes;
+  device::Array<TriangleRecord> triangles;
+  device::Array<SphereRecord> spheres;
+  device::Array<SphereSurface> surfaces;
+  std::uint32_t root = BVH_EMPTY;
+};
+
+// `surfaces`: one per sphere of the input build_bvh had.
+DeviceBvh upload_bvh(device::Queue& queue, const Bvh& bvh, const std::vector<SphereSurface>& surfaces);
+
+}  // namespace hybrid::stages

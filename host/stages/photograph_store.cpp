@@ -1,0 +1,124 @@
+#include "stages/photograph_store.hpp"
+
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "geometry/colour.hpp"
+#include "shared/params_blur_photo.h"
+#include "stages/render_geometry.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+// A surface as steep as this against the viewing ray (72 degrees) is still followed across neighbouring
+// pixels.
+constexpr float kSteepestSlope = 3;
+
+void check(const RenderScene& scene) {
+  if (scene.photographs.size() != scene.photograph_pixels.size())
+    fail_input("render: expected an image per photograph, found {} photographs and {} images",
+               scene.photographs.size(), scene.photograph_pixels.size());
+  for (std::size_t i = 0; i < scene.photographs.size(); ++i) {
+    const Camera& camera = scene.photographs[i].camera;
+    const Image8& image = scene.photograph_pixels[i];
+    if (image.width != camera.width || image.height != camera.height || image.width < 1 || image.height < 1)
+      fail_input(
+          "photograph {}: its camera says {} x {} pixels, its image has {} x {}; use the image the camera "
+          "was "
+          "calibrated on, at full size",
+          scene.photographs[i].name, camera.width, camera.height, image.width, image.height);
+    if (image.channels != 3 && image.channels != 4)
+      fail_input("photograph {}: expected 3 or 4 channels, found {}; convert it to RGB",
+                 scene.photographs[i].name, image.channels);
+  }
+}
+
+std::vector<std::uint8_t> rgba(const Image8& image) {
+  const auto width = static_cast<std::size_t>(image.width),
+             channels = static_cast<std::size_t>(image.channels);
+  std::vector<std::uint8_t> out(4 * width * static_cast<std::size_t>(image.height));
+  parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t row) {
+    for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) out[4 * i + k] = image.pixels[channels * i + k];
+      out[4 * i + 3] = 255;
+    }
+  });
+  return out;
+}
+
+std::vector<float> linear_table() {
+  std::vector<float> table(256);
+  for (std::size_t i = 0; i < table.size(); ++i)
+    table[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+  return table;
+}
+
+}  // namespace
+
+std::vector<float> gaussian_weights(double sigma_px) {
+  const int radius = static_cast<int>(std::ceil(3 * sigma_px));
+  std::vector<float> weights;
+  for (int i = 0; i <= radius; ++i)
+    weights.push_back(i == 0 ? 1.0f : static_cast<float>(std::exp(-0.5 * i * i / (sigma_px * sigma_px))));
+  return weights;
+}
+
+PhotographStore::PhotographStore(device::Queue& queue, const RenderScene& scene, const RenderOptions& options,
+                                 const Vec3& origin, bool low_bands)
+    : queue_(queue), scene_(scene), options_(options), origin_(origin), low_bands_(low_bands) {
+  check(scene);
+  linear_ = queue.array(linear_table());
+  resident_.resize(scene.photographs.size());
+}
+
+std::size_t PhotographStore::bytes(std::size_t index) const {
+  const Image8& image = scene_.photograph_pixels[index];
+  return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+         (low_bands_ ? 12 : 4);
+}
+
+const PhotographStore::Entry& PhotographStore::get(std::size_t index, const DeviceBvh& everything) {
+  if (resident_[index]) return *resident_[index];
+  if (resident_bytes_ + bytes(index) <= queue_.device().global_memory_bytes / 2) {
+    resident_bytes_ += bytes(index);
+    resident_[index] = load(index, everything);
+    return *resident_[index];
+  }
+  visiting_.reset();  // before its successor needs the memory
+  visiting_ = load(index, everything);
+  return *visiting_;
+}
+
+PhotographStore::Entry PhotographStore::load(std::size_t index, const DeviceBvh& everything) {
+  const Photograph& photograph = scene_.photographs[index];
+  Entry entry{camera_record(photograph, origin_), queue_.array(rgba(scene_.photograph_pixels[index])),
+              queue_.array<std::uint16_t>(0)};
+  if (low_bands_) blur(entry, pixel_angle_rad(photograph.camera), everything);
+  return entry;
+}
+
+void PhotographStore::blur(Entry& entry, float pixel_rad, const DeviceBvh& everything) {
+  const std::size_t width = entry.camera.width, height = entry.camera.height;
+  const DistanceMap map = cast_distances(queue_, everything, entry.camera, options_.surface_tolerance_m);
+  const auto rows = queue_.array<std::uint16_t>(4 * width * height);
+  entry.low = queue_.array<std::uint16_t>(4 * width * height);
+  const std::vector<float> gaussian = gaussian_weights(options_.sigma_px);
+  const auto weights = queue_.array(gaussian);
+  BlurPhotoParams params{};
+  params.width = entry.camera.width;
+  params.height = entry.camera.height;
+  params.radius = static_cast<std::uint32_t>(gaussian.size() - 1);
+  params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
+  params.slope = kSteepestSlope;
+  params.pixel_rad = pixel_rad;
+  const auto& kernel = queue_.kernel("blur_photo");
+  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low, linear_,
+                weights, map.distance, map.id, rows);
+  params.vertical = 1;
+  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, rows, linear_,
+                weights, map.distance, map.id, entry.low);
+  queue_.finish();  // the arrays of this scope are in use until then
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "device/queue.hpp"
+#include "shared/records.h"
+#include "stages/bvh.hpp"
+#include "stages/render.hpp"
+
+namespace hybrid::stages {
+
+// The photographs on the device, each in arrays of its own, loaded when first asked for. Those that fit half
+// of the device's memory stay; the rest are loaded again each time.
+class PhotographStore {
+ public:
+  struct Entry {
+    CameraRecord camera;                 // relative to the local origin
+    device::Array<std::uint8_t> pixels;  // RGBA, sRGB
+    device::Array<std::uint16_t> low;  // half x 4: the low band, linear light; empty unless it was asked for
+  };
+
+  // `everything`: the geometry whose visibility edges the low band respects. Scene and geometry must outlive
+  // the store. Throws ErrorKind::input when photographs and pixels do not match, naming the photograph.
+  PhotographStore(device::Queue& queue, const RenderScene& scene, const RenderOptions& options,
+                  const Vec3& origin, bool low_bands);
+
+  // Kernels: ray_cast and blur_photo when low bands are wanted.
+  const Entry& get(std::size_t index, const DeviceBvh& everything);
+  // Linear light of each sRGB byte, on the device.
+  const device::Array<float>& linear() const { return linear_; }
+
+ private:
+  Entry load(std::size_t index, const DeviceBvh& everything);
+  void blur(Entry& entry, float pixel_rad, const DeviceBvh& everything);
+  std::size_t bytes(std::size_t index) const;
+
+  device::Queue& queue_;
+  const RenderScene& scene_;
+  RenderOptions options_;
+  Vec3 origin_;
+  bool low_bands_;
+  device::Array<float> linear_;
+  std::vector<std::optional<Entry>> resident_;
+  std::size_t resident_bytes_ = 0;
+  std::optional<Entry> visiting_;
+};
+
+// Weights of a Gaussian by distance in pixels, out to three sigma; {1} when sigma is 0.
+std::vector<float> gaussian_weights(double sigma_px);
+
+}  // namespace hybrid::stages

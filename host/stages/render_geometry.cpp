@@ -1,0 +1,176 @@
+#include "stages/render_geometry.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+void store(const Vec3& point, float (&to)[3]) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(point[k]);
+}
+
+Vec3 centre_of(const Splat& splat) {
+  return {splat.centre_m[0], splat.centre_m[1], splat.centre_m[2]};
+}
+
+TriangleRecord triangle_record(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t id) {
+  TriangleRecord record{};
+  store(a, record.a);
+  store(b, record.b);
+  store(c, record.c);
+  record.id = id;
+  return record;
+}
+
+std::vector<TriangleRecord> proxy_triangles(const PolygonModel& proxy, const Vec3& origin) {
+  std::vector<TriangleRecord> records;
+  for (const Triangle& t : triangulate(proxy))
+    records.push_back(triangle_record(proxy.vertices[t.vertices[0]] - origin,
+                                      proxy.vertices[t.vertices[1]] - origin,
+                                      proxy.vertices[t.vertices[2]] - origin, 1 + t.face));
+  return records;
+}
+
+RayCastParams cast_params(const DeviceBvh& geometry, const CameraRecord& camera, double tolerance_m) {
+  RayCastParams params{};
+  params.camera = camera;
+  params.offset_x = params.offset_y = 0.5f;
+  params.tolerance_m = static_cast<float>(tolerance_m);
+  params.root = geometry.root;
+  params.use_camera = 1;
+  return params;
+}
+
+void launch(device::Queue& queue, const DeviceBvh& geometry, const RayCastParams& params,
+            const device::Array<float>& distance, const device::Array<std::uint32_t>& id,
+            const device::Array<float>& surface) {
+  const auto no_directions = queue.array<float>(0);
+  queue.launch("ray_cast", queue.kernel("ray_cast", {{"VW", queue.vector_width()}}),
+               packet_grid(queue, params.cols, params.rows), params, geometry.nodes, geometry.triangles,
+               geometry.spheres, geometry.surfaces, no_directions, distance, id, surface);
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d scene_box(const RenderScene& scene) {
+  Eigen::AlignedBox3d box;
+  for (const Face& face : scene.proxy.faces)
+    for (std::uint32_t v : face.outer)
+      if (v < scene.proxy.vertices.size()) box.extend(scene.proxy.vertices[v]);
+  for (const Splat& splat : scene.splats)
+    if (const Vec3 centre = centre_of(splat); centre.allFinite()) box.extend(centre);
+  return box;
+}
+
+CameraRecord camera_record(const Photograph& photograph, const Vec3& origin) {
+  const Camera& c = photograph.camera;
+  const Mat3 rotation = photograph.cam_from_world.rotation.toRotationMatrix();
+  CameraRecord record{};
+  for (int row = 0; row < 3; ++row)
+    for (int col = 0; col < 3; ++col) record.rotation[3 * row + col] = static_cast<float>(rotation(row, col));
+  store(photograph.cam_from_world * origin, record.translation);
+  store(photograph.centre() - origin, record.centre);
+  record.fx = static_cast<float>(c.fx), record.fy = static_cast<float>(c.fy);
+  record.cx = static_cast<float>(c.cx), record.cy = static_cast<float>(c.cy);
+  record.k1 = static_cast<float>(c.k1), record.k2 = static_cast<float>(c.k2);
+  record.p1 = static_cast<float>(c.p1), record.p2 = static_cast<float>(c.p2);
+  record.max_radius2 = static_cast<float>(c.max_radius2());
+  record.width = static_cast<std::uint32_t>(c.width);
+  record.height = static_cast<std::uint32_t>(c.height);
+  return record;
+}
+
+float pixel_angle_rad(const Camera& camera) {
+  return static_cast<float>(1 / std::sqrt(std::abs(camera.fx * camera.fy)));
+}
+
+DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
+                               const Vec3& origin) {
+  std::vector<TriangleRecord> triangles;
+  std::vector<SphereRecord> spheres;
+  std::vector<SphereSurface> surfaces;
+  if (show != "scan") triangles = proxy_triangles(scene.proxy, origin);
+  if (show != "proxy") {
+    spheres.reserve(scene.splats.size());
+    surfaces.reserve(scene.splats.size());
+    for (std::size_t i = 0; i < scene.splats.size(); ++i) {
+      const Splat& splat = scene.splats[i];
+      if (!centre_of(splat).allFinite() || !(splat.radius_m > 0) || !std::isfinite(splat.radius_m)) continue;
+      SphereRecord sphere{};
+      store(centre_of(splat) - origin, sphere.centre);
+      sphere.radius = splat.radius_m;
+      spheres.push_back(sphere);
+      surfaces.push_back(
+          {{splat.normal[0], splat.normal[1], splat.normal[2]}, kSplatId | static_cast<std::uint32_t>(i)});
+    }
+  }
+  return upload_bvh(queue, build_bvh(triangles, spheres), surfaces);
+}
+
+DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, const Vec3& origin,
+                              const Vec3& eye, double size_m) {
+  std::vector<TriangleRecord> triangles;
+  for (std::size_t i = 0; i < scene.photographs.size(); ++i) {
+    const Photograph& photograph = scene.photographs[i];
+    const Vec3 apex = photograph.centre() - origin;
+    if ((photograph.centre() - eye).norm() < 2 * size_m) continue;
+    const Camera& c = photograph.camera;
+    const Pose world_from_cam = photograph.cam_from_world.inverse();
+    std::array<Vec3, 4> base;
+    const std::array<Vec2, 4> corners{Vec2(0, 0), Vec2(c.width, 0), Vec2(c.width, c.height),
+                                      Vec2(0, c.height)};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3 in_cam((corners[k].x() - c.cx) / c.fx, (corners[k].y() - c.cy) / c.fy, 1);
+      base[k] = apex + size_m * world_from_cam.rotate(in_cam);
+    }
+    const std::uint32_t id = kMarkerId | static_cast<std::uint32_t>(i);
+    for (std::size_t k = 0; k < 4; ++k)
+      triangles.push_back(triangle_record(apex, base[k], base[(k + 1) % 4], id));
+    triangles.push_back(triangle_record(base[0], base[1], base[2], id));
+    triangles.push_back(triangle_record(base[0], base[2], base[3], id));
+  }
+  return upload_bvh(queue, build_bvh(triangles, {}), {});
+}
+
+SurfaceTile::SurfaceTile(device::Queue& queue, std::size_t capacity)
+    : distance(queue.array<float>(capacity)),
+      surface(queue.array<float>(SURFACE_PLANES * capacity)),
+      id(queue.array<std::uint32_t>(capacity)) {}
+
+void cast_tile(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera, const Tile& tile,
+               const std::array<float, 2>& offset, double tolerance_m, SurfaceTile& out) {
+  RayCastParams params = cast_params(geometry, camera, tolerance_m);
+  params.cols = out.cols = static_cast<std::uint32_t>(tile.cols);
+  params.rows = out.rows = static_cast<std::uint32_t>(tile.rows);
+  params.first_col = static_cast<std::uint32_t>(tile.col);
+  params.first_row = static_cast<std::uint32_t>(tile.row);
+  params.offset_x = offset[0];
+  params.offset_y = offset[1];
+  params.want_surface = 1;
+  launch(queue, geometry, params, out.distance, out.id, out.surface);
+}
+
+DistanceMap cast_distances(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera,
+                           double tolerance_m) {
+  const std::size_t count = std::size_t{camera.width} * camera.height;
+  DistanceMap map{queue.array<float>(count), queue.array<std::uint32_t>(count)};
+  RayCastParams params = cast_params(geometry, camera, tolerance_m);
+  params.cols = camera.width;
+  params.rows = camera.height;
+  launch(queue, geometry, params, map.distance, map.id, queue.array<float>(0));
+  queue.finish();
+  return map;
+}
+
+device::Grid packet_grid(const device::Queue& queue, std::size_t cols, std::size_t rows) {
+  const auto width = static_cast<std::size_t>(queue.vector_width());
+  const std::size_t across = rows == 1 ? width : width >= 8 ? 4 : width == 4 ? 2 : 1;
+  const std::size_t down = rows == 1 ? 1 : width / across;
+  return device::grid((cols + across - 1) / across, (rows + down - 1) / down);
+}
+
+}  // namespace hybrid::stages

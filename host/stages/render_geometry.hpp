@@ -1,0 +1,64 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "device/queue.hpp"
+#include "geometry/camera.hpp"
+#include "geometry/tiles.hpp"
+#include "shared/params_ray_cast.h"
+#include "stages/bvh.hpp"
+#include "stages/render.hpp"
+
+namespace hybrid::stages {
+
+// Bit of a hit's id that says splat; below it the splat's index.
+inline constexpr std::uint32_t kSplatId = 0x80000000u;
+// Bit of a hit's id that says photograph marker (ViewRequest::cameras); below it the photograph's index.
+inline constexpr std::uint32_t kMarkerId = 0x40000000u;
+
+// Bounding box of faces and splats; empty for an empty scene. Its centre is the local origin on the device.
+Eigen::AlignedBox3d scene_box(const RenderScene& scene);
+
+// The photograph's or view's camera relative to the local origin.
+CameraRecord camera_record(const Photograph& photograph, const Vec3& origin);
+
+// Angle of one pixel at the image's centre.
+float pixel_angle_rad(const Camera& camera);
+
+// Primary and shadow geometry of what is shown ("proxy" | "scan" | "both"). Splats that are not finite or
+// have no radius are left out.
+DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
+                               const Vec3& origin);
+
+// Pyramids at the photographs' centres, opening along their views, `size_m` long; none for photographs nearer
+// than 2 size_m to `eye`, which would look out of their own marker.
+DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, const Vec3& origin,
+                              const Vec3& eye, double size_m);
+
+// What the rays of one tile hit, on the device; for the layout see kernels/ray_cast.cl.
+struct SurfaceTile {
+  explicit SurfaceTile(device::Queue& queue, std::size_t capacity);
+  std::uint32_t cols = 0, rows = 0;
+  std::size_t count() const { return std::size_t{cols} * rows; }
+  device::Array<float> distance, surface;
+  device::Array<std::uint32_t> id;
+};
+
+// Casts the camera's rays through the pixels of `tile` at `offset` in each pixel. Kernel: ray_cast.
+void cast_tile(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera, const Tile& tile,
+               const std::array<float, 2>& offset, double tolerance_m, SurfaceTile& out);
+
+// Distance and id of every pixel of a camera. Kernel: ray_cast.
+struct DistanceMap {
+  device::Array<float> distance;
+  device::Array<std::uint32_t> id;
+};
+DistanceMap cast_distances(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera,
+                           double tolerance_m);
+
+// Work-items of a kernel on packets (lib/packet.h) over cols x rows.
+device::Grid packet_grid(const device::Queue& queue, std::size_t cols, std::size_t rows);
+
+}  // namespace hybrid::stages

@@ -1,0 +1,35 @@
+#pragma once
+#include <map>
+#include <string>
+
+#include "stages/photograph_store.hpp"
+#include "stages/render.hpp"
+#include "stages/render_geometry.hpp"
+
+namespace hybrid::stages {
+
+// Behind Renderer; named so that the functions of several files can work on it.
+struct RenderState {
+  device::Queue& queue;
+  const RenderScene& scene;
+  RenderOptions options;
+  Vec3 origin;        // of the local frame, world
+  double diagonal_m;  // of the scene's box
+  PhotographStore store;
+  std::map<std::string, DeviceBvh> geometries;  // by what is shown
+
+  RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o);
+
+  // Built when first shown. "both" of a scene that has only one of the two is that one.
+  const DeviceBvh& geometry(const std::string& show);
+  // Whose visibility edges the low bands respect; anything when there are none.
+  const DeviceBvh& everything(const DeviceBvh& shown) {
+    return options.blend == "dual" ? geometry("both") : shown;
+  }
+};
+
+struct Renderer::State : RenderState {
+  using RenderState::RenderState;
+};
+
+}  // namespace hybrid::stages

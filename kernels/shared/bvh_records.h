@@ -1,0 +1,61 @@
+// The bounding volume hierarchy of triangles and spheres as the device sees it, built by host/stages/bvh.cpp.
+// All coordinates are metres relative to the scene's local origin.
+#ifndef HYBRID_SHARED_BVH_RECORDS_H
+#define HYBRID_SHARED_BVH_RECORDS_H
+#include "shared/layout.h"
+
+// A child is a node's index, or a leaf: the leaf bit, the kind bit (set: spheres), the number of primitives
+// less one in 4 bits and the first one in 26 bits. A leaf holds primitives of one kind, consecutive in their
+// array.
+#define BVH_LEAF 0x80000000u
+#define BVH_SPHERES 0x40000000u
+#define BVH_COUNT_SHIFT 26
+#define BVH_COUNT_MASK 15u
+#define BVH_FIRST_MASK 0x03ffffffu
+#define BVH_EMPTY 0xffffffffu
+// Entries of the traversal's stack; the builder keeps trees shallower.
+#define BVH_STACK 64
+
+// An inner node holds the boxes of its two children, so that one fetch decides both.
+typedef struct BvhNode {
+  float low0[3], high0[3];
+  float low1[3], high1[3];
+  HYBRID_UINT child0, child1;
+  HYBRID_UINT pad[2];
+} BvhNode;
+LAYOUT_CHECK(BvhNode, 64);
+
+typedef struct TriangleRecord {
+  float a[3];
+  HYBRID_UINT id;  // what a hit reports: 1 + face index
+  float b[3];
+  float pad0;
+  float c[3];
+  float pad1;
+} TriangleRecord;
+LAYOUT_CHECK(TriangleRecord, 48);
+
+typedef struct SphereRecord {
+  float centre[3];
+  float radius;
+} SphereRecord;
+LAYOUT_CHECK(SphereRecord, 16);
+
+// What a hit on a sphere reports of it, apart from the geometry that traversal reads.
+typedef struct SphereSurface {
+  float normal[3];  // of the sampled surface, unit; zero when unknown
+  HYBRID_UINT id;   // what a hit reports: 0x80000000 + splat index
+} SphereSurface;
+LAYOUT_CHECK(SphereSurface, 16);
+
+// Points of the visible surface travel between kernels as planes of `count` floats each, in this order.
+#define SURFACE_X 0
+#define SURFACE_Y 1
+#define SURFACE_Z 2
+#define SURFACE_NORMAL_X 3
+#define SURFACE_NORMAL_Y 4
+#define SURFACE_NORMAL_Z 5
+#define SURFACE_RADIUS 6
+#define SURFACE_PLANES 7
+
+#endif
