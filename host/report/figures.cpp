@@ -7,16 +7,26 @@
 namespace hybrid::report {
 namespace {
 
+// Leaves out faces and samples that turn their back to the eye, so that one looks into the rooms from outside.
+void keep_fronts(const Vec3& eye, stages::RenderScene& scene) {
+  std::erase_if(scene.proxy.faces, [&](const Face& face) { return face_plane(scene.proxy, face).distance(eye) < 0; });
+  std::erase_if(scene.splats, [&](const stages::Splat& splat) {
+    const Vec3 normal(splat.normal[0], splat.normal[1], splat.normal[2]);
+    const Vec3 centre(splat.centre_m[0], splat.centre_m[1], splat.centre_m[2]);
+    return normal.dot(eye - centre) < 0;
+  });
+}
+
 Image8 draw(device::Queue& queue, const batch::SceneRun& run,
             const std::vector<std::optional<batch::ScanRegistration>>& registrations) {
-  const auto scene = batch::build_render_scene(*run.model, run.products, registrations, {});
-  stages::RenderOptions options;
-  options.samples_per_axis = 2;
-  stages::Renderer renderer(queue, scene, options);
+  auto scene = batch::build_render_scene(*run.model, run.products, registrations, {});
   stages::ViewRequest request;
   request.camera = overview_camera(*run.model, 1280, 900);
   request.texture = false;
-  request.front_only = true;
+  keep_fronts(request.camera.centre(), scene);
+  stages::RenderOptions options;
+  options.samples_per_axis = 2;
+  stages::Renderer renderer(queue, scene, options);
   return batch::to_picture(renderer.render(request).colour);
 }
 
