@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.hpp"
+#include "io/model_info.hpp"
+#include "io/obj.hpp"
+#include "io/scan_info.hpp"
+
+namespace hybrid::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+Json json_of(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json scan_json(const io::ScanInfo& scan) {
+  Json json = {{"format", scan.format},
+               {"name", scan.name},
+               {"points", scan.points},
+               {"returns", scan.returns},
+               {"rows", scan.grid_rows},
+               {"cols", scan.grid_cols},
+               {"minimum_m", json_of(scan.min_m)},
+               {"maximum_m", json_of(scan.max_m)},
+               {"range_m", {scan.min_range_m, scan.max_range_m}},
+               {"intensity", scan.has_intensity},
+               {"colour", scan.has_colour},
+               {"notes", scan.notes}};
+  json["world_from_scan"] = scan.world_from_scan ? Json(row_major(*scan.world_from_scan)) : Json();
+  return json;
+}
+
+Json model_json(const io::ModelInfo& model) {
+  Json faces = Json::array();
+  for (const auto& face : model.faces) {
+    faces.push_back({{"name", face.name},
+                     {"vertices", face.vertices},
+                     {"holes", face.holes},
+                     {"area_m2", face.area_m2},
+                     {"off_plane_m", face.off_plane_m}});
+    if (!face.problem.empty()) faces.back()["problem"] = face.problem;
+  }
+  return {{"vertices", model.vertices},
+          {"area_m2", model.area_m2},
+          {"minimum_m", json_of(model.minimum)},
+          {"maximum_m", json_of(model.maximum)},
+          {"faces", faces}};
+}
+
+Json cameras_json(const io::CameraModelInfo& info) {
+  Json photographs = Json::array();
+  for (const auto& photograph : info.photographs)
+    photographs.push_back({{"name", photograph.name},
+                           {"width", photograph.width},
+                           {"height", photograph.height},
+                           {"centre", json_of(photograph.centre)}});
+  return {{"cameras", info.cameras.size()}, {"photographs", photographs}};
+}
+
+// What the file is follows from its name: a camera folder, a model, else a scan.
+Json describe(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  Json json = {{"file", file.string()}};
+  if (fs::is_directory(file)) {
+    json["cameras"] = cameras_json(io::describe_colmap(file));
+  } else if (extension == ".obj") {
+    json["model"] = model_json(io::describe_model(io::read_obj(file)));
+  } else {
+    json["scans"] = Json::array();
+    for (const auto& scan : io::read_scan_info(file)) json["scans"].push_back(scan_json(scan));
+  }
+  return json;
+}
+
+// The same as "key / key: value" lines; lists of plain values on one line.
+void print_text(const Json& value, const std::string& name, std::string& text) {
+  const bool nested =
+      value.is_object() || (value.is_array() && std::any_of(value.begin(), value.end(), [](const auto& item) {
+                              return item.is_structured();
+                            }));
+  if (!nested) {
+    text += fmt::format("{}: {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
+    return;
+  }
+  for (const auto& [key, inner] : value.items())
+    print_text(inner, name.empty() ? key : name + " / " + key, text);
+}
+
+}  // namespace
+
+void add_info(CLI::App& program, int&) {
+  auto* command = program.add_subcommand(
+      "info", "what is in a scan (.pcd .ply .ptx .exr), a model (.obj) or a COLMAP folder");
+  auto common = std::make_shared<CommonOptions>();
+  auto file = std::make_shared<fs::path>();
+  command->add_option("file", *file, "the file or folder")->required();
+  add_common_options(*command, *common);
+  command->callback([=] {
+    apply(*common);
+    const Json json = describe(*file);
+    if (common->json) {
+      std::cout << json.dump(1) << "\n";
+      return;
+    }
+    std::string text;
+    print_text(json, "", text);
+    std::cout << text;
+  });
+}
+
+}  // namespace hybrid::app
