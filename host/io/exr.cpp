@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/error.hpp"
+#include "io/exr_threads.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::io {
@@ -51,7 +52,7 @@ void write_exr(const std::filesystem::path& file, int width, int height,
                                            step * static_cast<std::size_t>(width)));
   }
   write_atomically(file, [&](const std::filesystem::path& temporary) {
-    Imf::TiledOutputFile out(temporary.c_str(), header);
+    Imf::TiledOutputFile out(temporary.c_str(), header, start_exr_threads());
     out.setFrameBuffer(buffer);
     out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
   });

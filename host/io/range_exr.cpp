@@ -1,7 +1,6 @@
 #include "io/range_exr.hpp"
 
 #include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIntAttribute.h>
 #include <ImfStringAttribute.h>
@@ -11,13 +10,14 @@
 
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <memory>
 
 #include "core/error.hpp"
 #include "io/exr_header.hpp"
+#include "io/exr_threads.hpp"
 #include "io/mapped_file.hpp"
 #include "io/output.hpp"
+#include "io/range_exr_band.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -26,15 +26,14 @@ namespace {
 // PIZ in tiles of 256: on a noisy 3 MP room with 0.01 mm coordinates 14.8 of 28 bytes per sample remain,
 // against 16.4 with ZIP (level 4), writing is 1.4 times faster and reading as fast. In tiles of 64 PIZ loses
 // its lead.
-constexpr unsigned kTile_px = 256;
 constexpr auto kCompression = Imf::PIZ_COMPRESSION;
 
 constexpr const char* kPrefix = "hybrid:";
 constexpr const char* kFormat = "hybrid:format";
 constexpr const char* kFormatName = "range image 1";
-constexpr const char* kElevation =
-    "hybrid:elevation_rad";                             // per row, as text that gives the same doubles again
-constexpr const char* kAzimuth = "hybrid:azimuth_rad";  // per column
+// Per row and per column, as text that gives the same doubles again.
+constexpr const char* kElevation = "hybrid:elevation_rad";
+constexpr const char* kAzimuth = "hybrid:azimuth_rad";
 constexpr const char* kWraps = "hybrid:wraps";
 constexpr const char* kChecksum = "hybrid:xxh3";
 
@@ -87,83 +86,11 @@ std::string checksum(const RangeImage& image) {
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
-// sRGB bytes to linear half floats; a byte differs from its neighbours by more than half's resolution
-// everywhere.
-const std::array<half, 256>& linear_table() {
-  static const auto table = [] {
-    std::array<half, 256> result;
-    for (std::size_t i = 0; i < 256; ++i) {
-      const double v = static_cast<double>(i) / 255;
-      result[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-    }
-    return result;
-  }();
-  return table;
-}
-
-std::uint8_t to_srgb_byte(half linear) {
-  const double v = static_cast<double>(static_cast<float>(linear));
-  const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(encoded > 0 ? std::min(encoded * 255 + 0.5, 255.0) : 0.0);
-}
-
-// The rows of one row of tiles: where the file's types are not the image's, through a buffer of that many
-// rows.
-class Band {
- public:
-  explicit Band(RangeImage& image)
-      : image_(image), width_(static_cast<std::size_t>(image.cols)), mask_(width_ * kTile_px) {
-    if (!image.rgb.empty()) colour_.resize(3 * width_ * kTile_px);
-  }
-
-  Imf::FrameBuffer slices(int first_row) {
-    first_ = width_ * static_cast<std::size_t>(first_row);
-    count_ = std::min(width_ * kTile_px, image_.count() - first_);
-    const Imath::V2i origin(0, first_row);
-    const auto rows = static_cast<std::int64_t>(count_ / width_);
-    Imf::FrameBuffer buffer;
-    const auto add = [&](const char* name, Imf::PixelType type, const void* at, std::size_t step) {
-      buffer.insert(name, Imf::Slice::Make(type, at, origin, image_.cols, rows, step, step * width_));
-    };
-    add("range", Imf::FLOAT, &image_.range_m[first_], 4);
-    add("x", Imf::FLOAT, &image_.x[first_], 4);
-    add("y", Imf::FLOAT, &image_.y[first_], 4);
-    add("z", Imf::FLOAT, &image_.z[first_], 4);
-    add("source", Imf::UINT, &image_.source[first_], 4);
-    add("mask", Imf::UINT, mask_.data(), 4);
-    if (!image_.intensity.empty()) add("intensity", Imf::FLOAT, &image_.intensity[first_], 4);
-    if (!colour_.empty()) {
-      add("R", Imf::HALF, &colour_[0], 3 * sizeof(half));
-      add("G", Imf::HALF, &colour_[1], 3 * sizeof(half));
-      add("B", Imf::HALF, &colour_[2], 3 * sizeof(half));
-    }
-    return buffer;
-  }
-
-  void fill() {
-    for (std::size_t i = 0; i < count_; ++i) mask_[i] = image_.mask[first_ + i];
-    for (std::size_t i = 0; i < count_ && !colour_.empty(); ++i)
-      for (std::size_t c = 0; c < 3; ++c) colour_[3 * i + c] = linear_table()[image_.rgb[first_ + i][c]];
-  }
-
-  void empty() {
-    for (std::size_t i = 0; i < count_; ++i) image_.mask[first_ + i] = static_cast<std::uint8_t>(mask_[i]);
-    for (std::size_t i = 0; i < count_ && !colour_.empty(); ++i)
-      for (std::size_t c = 0; c < 3; ++c) image_.rgb[first_ + i][c] = to_srgb_byte(colour_[3 * i + c]);
-  }
-
- private:
-  RangeImage& image_;
-  std::size_t width_, first_ = 0, count_ = 0;
-  std::vector<std::uint32_t> mask_;
-  std::vector<half> colour_;
-};
-
 Imf::Header make_header(const std::string& file, const RangeImage& image,
                         const std::map<std::string, std::string>& attributes) {
   Imf::Header header(image.cols, image.rows);
   header.compression() = kCompression;
-  header.setTileDescription(Imf::TileDescription(kTile_px, kTile_px));
+  header.setTileDescription(Imf::TileDescription(kRangeTile_px, kRangeTile_px));
   for (const char* name : {"range", "x", "y", "z"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
   for (const char* name : {"mask", "source"}) header.channels().insert(name, Imf::Channel(Imf::UINT));
   if (!image.intensity.empty()) header.channels().insert("intensity", Imf::Channel(Imf::FLOAT));
@@ -206,18 +133,18 @@ class Reader {
   explicit Reader(const std::filesystem::path& path) : file_(path.string()) {
     {
       const MappedFile mapped(path);
-      check_exr_header(file_, mapped.bytes(), kTile_px);
+      check_exr_header(file_, mapped.bytes(), kRangeTile_px);
     }
-    guarded([&] { in_ = std::make_unique<Imf::TiledInputFile>(path.c_str()); });
+    guarded([&] { in_ = std::make_unique<Imf::TiledInputFile>(path.c_str(), start_exr_threads()); });
     if (text(kFormat) != kFormatName)
       fail_input("{}: header: expected {} \"{}\", found {}; this is no range image of this version", file_,
                  kFormat, kFormatName, in_quotes(text(kFormat)));
     const Imf::TileDescription& tiles = header().tileDescription();
-    if (tiles.xSize != kTile_px || tiles.ySize != kTile_px || tiles.mode != Imf::ONE_LEVEL ||
+    if (tiles.xSize != kRangeTile_px || tiles.ySize != kRangeTile_px || tiles.mode != Imf::ONE_LEVEL ||
         header().dataWindow().min != Imath::V2i(0, 0))
       fail_input(
           "{}: header: expected one level of {} x {} tiles from (0, 0), found another layout; write it again",
-          file_, kTile_px, kTile_px);
+          file_, kRangeTile_px, kRangeTile_px);
     if (!in_->isComplete())
       fail_input(
           "{}: tiles: expected all {} x {}, found some missing; the file is cut short: copy or write it "
@@ -239,12 +166,12 @@ class Reader {
     if (has_channel("intensity", Imf::FLOAT)) image.intensity.resize(image.count());
     if (has_channel("R", Imf::HALF) && has_channel("G", Imf::HALF) && has_channel("B", Imf::HALF))
       image.rgb.resize(image.count());
-    Band band(image);
+    RangeExrBand band(image);
     guarded([&] {
       for (int tile_row = 0; tile_row < in_->numYTiles(); ++tile_row) {
-        in_->setFrameBuffer(band.slices(tile_row * static_cast<int>(kTile_px)));
+        in_->setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
         in_->readTiles(0, in_->numXTiles() - 1, tile_row, tile_row);
-        band.empty();
+        band.give_to_image();
       }
     });
     if (checksum(image) != text(kChecksum))
@@ -292,12 +219,12 @@ void write_range_exr(const std::filesystem::path& file, const RangeImage& image,
   check_sizes(file.string(), image);
   const Imf::Header header = make_header(file.string(), image, attributes);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
-    Imf::TiledOutputFile out(temporary.c_str(), header);
+    Imf::TiledOutputFile out(temporary.c_str(), header, start_exr_threads());
     // OpenEXR's slices are not const; writing only reads them.
-    Band band(const_cast<RangeImage&>(image));
+    RangeExrBand band(const_cast<RangeImage&>(image));
     for (int tile_row = 0; tile_row < out.numYTiles(); ++tile_row) {
-      out.setFrameBuffer(band.slices(tile_row * static_cast<int>(kTile_px)));
-      band.fill();
+      out.setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
+      band.take_from_image();
       out.writeTiles(0, out.numXTiles() - 1, tile_row, tile_row);
     }
   });
