@@ -5,7 +5,14 @@
 
 namespace hybrid::io {
 
-// PCD 0.7: ascii, binary, binary_compressed; any field order and types; VIEWPOINT becomes world_from_scan.
+// PCD 0.7: ascii, binary, binary_compressed; any field order and types. Used: x y z, intensity, rgb or rgba
+// (packed) or red green blue; names in any case; other fields are listed in Scan::notes. HEIGHT > 1 is an
+// organised scan, turned to Scan's column-major order. Throws ErrorKind::input naming file, line or byte.
+//
+// VIEWPOINT, unless it is the identity, becomes world_from_scan, and the points are taken to be in the
+// scanner's frame. The format leaves that open, and programs differ: pcl_viewer, pcl_transform_from_viewpoint
+// and CloudCompare's writer read it so; PCL's normal estimation takes the points to be in the frame the
+// viewpoint is given in. The choice is told in Scan::notes.
 Scan read_pcd(const std::filesystem::path& file);
 
 }  // namespace hybrid::io

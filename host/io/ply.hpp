@@ -6,7 +6,10 @@
 
 namespace hybrid::io {
 
-// PLY 1.0 vertices: ascii and both endians, any property order and types, other elements and lists skipped.
+// PLY 1.0 vertices: ascii (one record per line) and both endians, any property order and types, lists, other
+// elements skipped. Used: x y z, intensity (or scalar_intensity), red green blue (bytes, 16-bit words or
+// reals); names in any case; the rest is listed in Scan::notes. Throws ErrorKind::input naming file, line or
+// byte.
 Scan read_ply(const std::filesystem::path& file);
 
 // A point of detail.ply.

@@ -1,0 +1,61 @@
+#include "io/exr.hpp"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfTiledOutputFile.h>
+
+#include <set>
+
+#include "core/error.hpp"
+#include "io/exr_threads.hpp"
+#include "io/output.hpp"
+
+namespace hybrid::io {
+namespace {
+
+constexpr unsigned kTile_px = 64;
+
+void check(const std::filesystem::path& file, int width, int height,
+           const std::vector<ExrChannel>& channels) {
+  if (width < 1 || height < 1)
+    fail(ErrorKind::failed, "{}: expected an image of at least 1 x 1, found {} x {}", file.string(), width,
+         height);
+  if (channels.empty())
+    fail(ErrorKind::failed, "{}: expected at least one channel, found none", file.string());
+  std::set<std::string> names;
+  for (const ExrChannel& channel : channels) {
+    if ((channel.f == nullptr) == (channel.u == nullptr))
+      fail(ErrorKind::failed, "{}: channel {}: expected float or uint values, found both or neither",
+           file.string(), channel.name);
+    if (!names.insert(channel.name).second)
+      fail(ErrorKind::failed, "{}: expected channel {} once, found it again", file.string(), channel.name);
+  }
+}
+
+}  // namespace
+
+void write_exr(const std::filesystem::path& file, int width, int height,
+               const std::vector<ExrChannel>& channels) {
+  check(file, width, height, channels);
+  Imf::Header header(width, height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.setTileDescription(Imf::TileDescription(kTile_px, kTile_px));
+  Imf::FrameBuffer buffer;
+  for (const ExrChannel& channel : channels) {
+    const Imf::PixelType type = channel.f ? Imf::FLOAT : Imf::UINT;
+    const void* values = channel.f ? static_cast<const void*>(channel.f) : channel.u;
+    const std::size_t step = 4 * static_cast<std::size_t>(channel.stride);
+    header.channels().insert(channel.name, Imf::Channel(type));
+    // OpenEXR's slices are not const; writing only reads them.
+    buffer.insert(channel.name, Imf::Slice(type, static_cast<char*>(const_cast<void*>(values)), step,
+                                           step * static_cast<std::size_t>(width)));
+  }
+  write_atomically(file, [&](const std::filesystem::path& temporary) {
+    Imf::TiledOutputFile out(temporary.c_str(), header, start_exr_threads());
+    out.setFrameBuffer(buffer);
+    out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
+  });
+}
+
+}  // namespace hybrid::io

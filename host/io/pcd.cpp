@@ -1,0 +1,219 @@
+#include "io/pcd.hpp"
+
+#include <bit>
+#include <vector>
+
+#include "core/error.hpp"
+#include "io/lzf.hpp"
+#include "io/mapped_file.hpp"
+#include "io/pcd_header.hpp"
+#include "io/scan_builder.hpp"
+#include "io/text_cursor.hpp"
+
+namespace hybrid::io {
+namespace {
+
+// The fields that become a Scan.
+struct UsedFields {
+  const PcdField *x = nullptr, *y = nullptr, *z = nullptr, *intensity = nullptr;
+  const PcdField* packed = nullptr;  // 0xAARRGGBB as uint, int or float bits
+  const PcdField *red = nullptr, *green = nullptr, *blue = nullptr;
+
+  bool three_colours() const { return !packed && red && green && blue; }
+  ColourKind colour() const {
+    if (packed) return ColourKind::byte;
+    return three_colours() ? colour_kind(red->type) : ColourKind::none;
+  }
+};
+
+UsedFields find_fields(const std::string& file, const PcdHeader& header, std::string& unused) {
+  UsedFields used;
+  for (const PcdField& field : header.fields) {
+    const PcdField** slot = nullptr;
+    if (field.count == 1) {
+      if (field.name == "x") slot = &used.x;
+      if (field.name == "y") slot = &used.y;
+      if (field.name == "z") slot = &used.z;
+      if (names_intensity(field.name)) slot = &used.intensity;
+      if ((field.name == "rgb" || field.name == "rgba") && size_of(field.type) == 4) slot = &used.packed;
+      if (field.name == "red") slot = &used.red;
+      if (field.name == "green") slot = &used.green;
+      if (field.name == "blue") slot = &used.blue;
+    }
+    if (slot && *slot)
+      fail_input("{}: FIELDS: expected {} once, found it again; correct the header", file,
+                 in_quotes(field.name));
+    if (slot)
+      *slot = &field;
+    else if (field.name != "_")  // padding
+      unused += (unused.empty() ? "" : " ") + field.name;
+  }
+  if (!used.x || !used.y || !used.z)
+    fail_input("{}: FIELDS: expected x, y and z with COUNT 1, found no {}; is this a point cloud?", file,
+               !used.x ? "x" : (!used.y ? "y" : "z"));
+  return used;
+}
+
+// One sample: number(field) is its value, bits(field) the 32 bits of a packed colour.
+template <typename Number, typename Bits>
+void add_sample(ScanBuilder& builder, const UsedFields& used, const Number& number, const Bits& bits) {
+  builder.add_point(number(*used.x), number(*used.y), number(*used.z));
+  if (used.intensity) builder.add_intensity(number(*used.intensity));
+  if (used.packed) {
+    const std::uint32_t colour = bits(*used.packed);
+    builder.add_colour((colour >> 16) & 255, (colour >> 8) & 255, colour & 255);
+  } else if (used.three_colours()) {
+    builder.add_colour(number(*used.red), number(*used.green), number(*used.blue));
+  }
+}
+
+class PcdReader {
+ public:
+  explicit PcdReader(const std::filesystem::path& file)
+      : mapped_(file),
+        file_(mapped_.name()),
+        text_(without_byte_order_mark(file_, mapped_.bytes())),
+        header_(read_pcd_header(file_, text_)),
+        data_(text_.substr(header_.data_offset)),
+        name_(file.stem().string()) {
+    used_ = find_fields(file_, header_, unused_);
+  }
+
+  Scan read() {
+    Scan scan = header_.data == PcdData::ascii    ? read_ascii()
+                : header_.data == PcdData::binary ? read_binary()
+                                                  : read_compressed();
+    if (header_.width > 1 && header_.height > 1) make_column_major(scan, header_.height, header_.width);
+    set_pose(scan);
+    return scan;
+  }
+
+ private:
+  ScanBuilder builder() const {
+    ScanBuilder result(file_, name_, header_.points,
+                       {.intensity = used_.intensity != nullptr, .colour = used_.colour()});
+    if (!unused_.empty()) result.add_note("fields not used: " + unused_);
+    return result;
+  }
+
+  // Where a byte of the data lies in the file.
+  std::string byte(std::size_t offset) const {
+    const auto start = static_cast<std::size_t>(data_.data() - mapped_.bytes().data());
+    return fmt::format("byte {}", start + offset);
+  }
+
+  Scan read_ascii() const {
+    // A value takes a digit and a separator; the last line may lack its end.
+    check_count_fits(file_, fmt::format("line {}", header_.data_line), "points", header_.points,
+                     2 * header_.point_values, data_.size() + 1);
+    ScanBuilder result = builder();
+    TextCursor cursor(file_, data_, header_.data_line);
+    std::vector<double> values(header_.point_values);
+    const auto number = [&](const PcdField& field) { return values[field.value_offset]; };
+    const auto bits = [&](const PcdField& field) {
+      if (is_real(field.type)) return std::bit_cast<std::uint32_t>(static_cast<float>(number(field)));
+      const bool fits = number(field) > -2147483649.0 && number(field) < 4294967296.0;
+      return fits ? static_cast<std::uint32_t>(static_cast<std::int64_t>(number(field))) : 0u;
+    };
+    for (std::uint64_t i = 0; i < header_.points; ++i) {
+      cursor.skip_blank_lines();
+      const std::uint64_t line = cursor.line();
+      if (cursor.at_end())
+        fail_input(
+            "{}: line {}: expected {} points, found {}; the file is cut short: copy or export it again",
+            file_, line, header_.points, i);
+      const std::size_t found = cursor.read_numbers(values);
+      if (found != values.size())
+        fail_input(
+            "{}: line {}: expected {} values as FIELDS and COUNT say, found {}; correct or remove that line",
+            file_, line, values.size(), found);
+      add_sample(result, used_, number, bits);
+    }
+    if (cursor.commas_seen())
+      result.add_note("values are separated by commas, which PCD does not provide for");
+    cursor.skip_blank_lines();
+    if (!cursor.at_end())
+      result.add_note(fmt::format("line {}: {} bytes after the last point are ignored", cursor.line(),
+                                  cursor.remaining()));
+    return result.finish();
+  }
+
+  // `records`: the points' bytes, point by point, or field by field (compressed).
+  void add_records(ScanBuilder& result, const char* records, bool by_field) const {
+    std::uint64_t i = 0;
+    const auto at = [&](const PcdField& field) {
+      return by_field ? records + header_.points * field.byte_offset + i * size_of(field.type)
+                      : records + i * header_.point_bytes + field.byte_offset;
+    };
+    const auto number = [&](const PcdField& field) { return load_scalar(at(field), field.type, false); };
+    const auto bits = [&](const PcdField& field) { return load_as<std::uint32_t>(at(field), false); };
+    for (; i < header_.points; ++i) add_sample(result, used_, number, bits);
+  }
+
+  // PCL's writer fills the last page with zeros, which are worth no note.
+  void note_rest(ScanBuilder& result, std::size_t used_bytes) const {
+    const std::string_view rest = data_.substr(used_bytes);
+    if (rest.find_first_not_of('\0') == rest.npos) return;
+    result.add_note(
+        fmt::format("{}: {} bytes after the last point are ignored", byte(used_bytes), rest.size()));
+  }
+
+  Scan read_binary() const {
+    check_count_fits(file_, byte(0), "points", header_.points, header_.point_bytes, data_.size());
+    ScanBuilder result = builder();
+    add_records(result, data_.data(), false);
+    note_rest(result, header_.points * header_.point_bytes);
+    return result.finish();
+  }
+
+  Scan read_compressed() const {
+    check_count_fits(file_, byte(0), "sizes", 2, 4, data_.size());
+    const std::uint64_t compressed = load_as<std::uint32_t>(data_.data(), false);
+    const std::uint64_t expanded = load_as<std::uint32_t>(data_.data() + 4, false);
+    const std::string_view input = data_.substr(8);
+    if (compressed > input.size())
+      fail_input(
+          "{}: {}: expected {} compressed bytes, found {}; the file is cut short: copy or export it again",
+          file_, byte(0), compressed, input.size());
+    if (header_.points > expanded / header_.point_bytes || header_.points * header_.point_bytes != expanded)
+      fail_input(
+          "{}: {}: expected {} points of {} bytes, found an uncompressed size of {} bytes; the header is "
+          "wrong",
+          file_, byte(4), header_.points, header_.point_bytes, expanded);
+    check_count_fits(file_, byte(4), "uncompressed bytes", expanded, 1, compressed * kLzfLargestExpansion);
+    std::vector<char> records(expanded);
+    const std::string damage = decompress_lzf(input.substr(0, compressed), records);
+    if (!damage.empty())
+      fail_input("{}: {}: expected LZF data, found {}; the file is damaged: copy or export it again", file_,
+                 byte(8), damage);
+    ScanBuilder result = builder();
+    add_records(result, records.data(), true);
+    note_rest(result, 8 + compressed);
+    return result.finish();
+  }
+
+  void set_pose(Scan& scan) const {
+    const auto& v = header_.viewpoint;
+    const Pose pose{1, Eigen::Quaterniond(v[3], v[4], v[5], v[6]).normalized(), {v[0], v[1], v[2]}};
+    if (pose.translation.isZero(0) && pose.rotation.vec().isZero(0)) return;
+    scan.world_from_scan = pose;
+    scan.notes.emplace_back(
+        "VIEWPOINT is taken as the scanner's pose, and the points as being in the scanner's frame");
+  }
+
+  MappedFile mapped_;
+  const std::string& file_;
+  std::string_view text_;
+  PcdHeader header_;
+  std::string_view data_;
+  std::string name_, unused_;
+  UsedFields used_;
+};
+
+}  // namespace
+
+Scan read_pcd(const std::filesystem::path& file) {
+  return PcdReader(file).read();
+}
+
+}  // namespace hybrid::io

@@ -1,0 +1,249 @@
+#include "io/range_exr.hpp"
+
+#include <ImfChannelList.h>
+#include <ImfHeader.h>
+#include <ImfIntAttribute.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledInputFile.h>
+#include <ImfTiledOutputFile.h>
+#include <xxhash.h>
+
+#include <array>
+#include <charconv>
+#include <memory>
+
+#include "core/error.hpp"
+#include "io/exr_header.hpp"
+#include "io/exr_threads.hpp"
+#include "io/mapped_file.hpp"
+#include "io/output.hpp"
+#include "io/range_exr_band.hpp"
+#include "io/text_cursor.hpp"
+
+namespace hybrid::io {
+namespace {
+
+// PIZ in tiles of 256: on a noisy 3 MP room with 0.01 mm coordinates 14.8 of 28 bytes per sample remain,
+// against 16.4 with ZIP (level 4), writing is 1.4 times faster and reading as fast. In tiles of 64 PIZ loses
+// its lead.
+constexpr auto kCompression = Imf::PIZ_COMPRESSION;
+
+constexpr const char* kPrefix = "hybrid:";
+constexpr const char* kFormat = "hybrid:format";
+constexpr const char* kFormatName = "range image 1";
+// Per row and per column, as text that gives the same doubles again.
+constexpr const char* kElevation = "hybrid:elevation_rad";
+constexpr const char* kAzimuth = "hybrid:azimuth_rad";
+constexpr const char* kWraps = "hybrid:wraps";
+constexpr const char* kChecksum = "hybrid:xxh3";
+
+bool is_own(const std::string& name) {
+  return name == kFormat || name == kElevation || name == kAzimuth || name == kWraps || name == kChecksum;
+}
+
+std::string to_text(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) {
+    char digits[32];
+    const auto [end, code] = std::to_chars(digits, digits + sizeof digits, value);
+    text.append(digits, end);
+    text += ' ';
+  }
+  return text;
+}
+
+std::vector<double> to_values(const std::string& file, const char* name, const std::string& text, int count) {
+  std::vector<double> values;
+  for (const std::string_view word : words(text)) {
+    double value = 0;
+    if (!parse_real(word, value))
+      fail_input("{}: header: {}: expected a number, found {}", file, name, in_quotes(word));
+    values.push_back(value);
+  }
+  if (values.size() != static_cast<std::size_t>(count))
+    fail_input("{}: header: {}: expected {} angles, found {}; the file is damaged", file, name, count,
+               values.size());
+  return values;
+}
+
+// Everything the file stores.
+std::string checksum(const RangeImage& image) {
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  const auto add = [&](const auto& values) {
+    const std::uint64_t bytes = values.size() * sizeof(values[0]);
+    XXH3_128bits_update(state.get(), &bytes, sizeof bytes);
+    XXH3_128bits_update(state.get(), values.data(), bytes);
+  };
+  add(std::array<std::int32_t, 3>{image.rows, image.cols, image.wraps ? 1 : 0});
+  add(image.elevation_rad);
+  add(image.azimuth_rad);
+  for (const auto* values : {&image.range_m, &image.x, &image.y, &image.z, &image.intensity}) add(*values);
+  add(image.mask);
+  add(image.source);
+  add(image.rgb);
+  const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+Imf::Header make_header(const std::string& file, const RangeImage& image,
+                        const std::map<std::string, std::string>& attributes) {
+  Imf::Header header(image.cols, image.rows);
+  header.compression() = kCompression;
+  header.setTileDescription(Imf::TileDescription(kRangeTile_px, kRangeTile_px));
+  for (const char* name : {"range", "x", "y", "z"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  for (const char* name : {"mask", "source"}) header.channels().insert(name, Imf::Channel(Imf::UINT));
+  if (!image.intensity.empty()) header.channels().insert("intensity", Imf::Channel(Imf::FLOAT));
+  if (!image.rgb.empty())
+    for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::HALF));
+  header.insert(kFormat, Imf::StringAttribute(kFormatName));
+  header.insert(kElevation, Imf::StringAttribute(to_text(image.elevation_rad)));
+  header.insert(kAzimuth, Imf::StringAttribute(to_text(image.azimuth_rad)));
+  header.insert(kWraps, Imf::IntAttribute(image.wraps ? 1 : 0));
+  header.insert(kChecksum, Imf::StringAttribute(checksum(image)));
+  for (const auto& [name, value] : attributes) {
+    if (is_own(kPrefix + name))
+      fail(ErrorKind::failed, "{}: attribute {}: the format itself uses this name; choose another", file,
+           name);
+    header.insert(kPrefix + name, Imf::StringAttribute(value));
+  }
+  return header;
+}
+
+void check_sizes(const std::string& file, const RangeImage& image) {
+  if (image.rows < 1 || image.cols < 1)
+    fail(ErrorKind::failed, "{}: expected a range image of at least 1 x 1 samples, found {} x {}", file,
+         image.rows, image.cols);
+  const std::size_t count = image.count();
+  const auto full = [&](std::size_t size) { return size == count; };
+  const auto full_or_empty = [&](std::size_t size) { return size == 0 || size == count; };
+  if (image.elevation_rad.size() != static_cast<std::size_t>(image.rows) ||
+      image.azimuth_rad.size() != static_cast<std::size_t>(image.cols) || !full(image.range_m.size()) ||
+      !full(image.x.size()) || !full(image.y.size()) || !full(image.z.size()) || !full(image.mask.size()) ||
+      !full(image.source.size()) || !full_or_empty(image.intensity.size()) ||
+      !full_or_empty(image.rgb.size()))
+    fail(ErrorKind::failed,
+         "{}: expected every channel to have {} x {} values and an angle per row and column", file,
+         image.rows, image.cols);
+}
+
+// A file that write_range_exr wrote, opened; the library's errors become ours.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : file_(path.string()) {
+    {
+      const MappedFile mapped(path);
+      check_exr_header(file_, mapped.bytes(), kRangeTile_px);
+    }
+    guarded([&] { in_ = std::make_unique<Imf::TiledInputFile>(path.c_str(), start_exr_threads()); });
+    if (text(kFormat) != kFormatName)
+      fail_input("{}: header: expected {} \"{}\", found {}; this is no range image of this version", file_,
+                 kFormat, kFormatName, in_quotes(text(kFormat)));
+    const Imf::TileDescription& tiles = header().tileDescription();
+    if (tiles.xSize != kRangeTile_px || tiles.ySize != kRangeTile_px || tiles.mode != Imf::ONE_LEVEL ||
+        header().dataWindow().min != Imath::V2i(0, 0))
+      fail_input(
+          "{}: header: expected one level of {} x {} tiles from (0, 0), found another layout; write it again",
+          file_, kRangeTile_px, kRangeTile_px);
+    if (!in_->isComplete())
+      fail_input(
+          "{}: tiles: expected all {} x {}, found some missing; the file is cut short: copy or write it "
+          "again",
+          file_, in_->numXTiles(), in_->numYTiles());
+  }
+
+  const Imf::Header& header() const { return in_->header(); }
+
+  RangeImage read() {
+    const Imath::V2i last = header().dataWindow().max;
+    RangeImage image = make_range_image(last.y + 1, last.x + 1);
+    image.elevation_rad = to_values(file_, kElevation, text(kElevation), image.rows);
+    image.azimuth_rad = to_values(file_, kAzimuth, text(kAzimuth), image.cols);
+    const auto* wraps = header().findTypedAttribute<Imf::IntAttribute>(kWraps);
+    image.wraps = wraps != nullptr && wraps->value() != 0;
+    for (const char* name : {"range", "x", "y", "z"}) need_channel(name, Imf::FLOAT);
+    for (const char* name : {"mask", "source"}) need_channel(name, Imf::UINT);
+    if (has_channel("intensity", Imf::FLOAT)) image.intensity.resize(image.count());
+    if (has_channel("R", Imf::HALF) && has_channel("G", Imf::HALF) && has_channel("B", Imf::HALF))
+      image.rgb.resize(image.count());
+    RangeExrBand band(image);
+    guarded([&] {
+      for (int tile_row = 0; tile_row < in_->numYTiles(); ++tile_row) {
+        in_->setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
+        in_->readTiles(0, in_->numXTiles() - 1, tile_row, tile_row);
+        band.give_to_image();
+      }
+    });
+    if (checksum(image) != text(kChecksum))
+      fail_input("{}: content: expected checksum {}, found {}; the file is damaged: copy or write it again",
+                 file_, text(kChecksum), checksum(image));
+    return image;
+  }
+
+ private:
+  template <typename Body>
+  void guarded(const Body& body) const {
+    try {
+      body();
+    } catch (const std::exception& error) {
+      fail_input(
+          "{}: expected a tiled range image as written to range.exr, found another or a damaged file ({})",
+          file_, error.what());
+    }
+  }
+
+  std::string text(const char* name) const {
+    const auto* attribute = header().findTypedAttribute<Imf::StringAttribute>(name);
+    return attribute ? attribute->value() : std::string();
+  }
+
+  bool has_channel(const char* name, Imf::PixelType type) const {
+    const Imf::Channel* channel = header().channels().findChannel(name);
+    return channel && channel->type == type && channel->xSampling == 1 && channel->ySampling == 1;
+  }
+
+  void need_channel(const char* name, Imf::PixelType type) const {
+    if (!has_channel(name, type))
+      fail_input("{}: header: expected a {} channel {}, found none; this is no range image", file_,
+                 type == Imf::FLOAT ? "float" : "uint", name);
+  }
+
+  std::string file_;
+  std::unique_ptr<Imf::TiledInputFile> in_;
+};
+
+}  // namespace
+
+void write_range_exr(const std::filesystem::path& file, const RangeImage& image,
+                     const std::map<std::string, std::string>& attributes) {
+  check_sizes(file.string(), image);
+  const Imf::Header header = make_header(file.string(), image, attributes);
+  write_atomically(file, [&](const std::filesystem::path& temporary) {
+    Imf::TiledOutputFile out(temporary.c_str(), header, start_exr_threads());
+    // OpenEXR's slices are not const; writing only reads them.
+    RangeExrBand band(const_cast<RangeImage&>(image));
+    for (int tile_row = 0; tile_row < out.numYTiles(); ++tile_row) {
+      out.setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
+      band.take_from_image();
+      out.writeTiles(0, out.numXTiles() - 1, tile_row, tile_row);
+    }
+  });
+}
+
+RangeImage read_range_exr(const std::filesystem::path& file) {
+  return Reader(file).read();
+}
+
+std::map<std::string, std::string> read_range_exr_attributes(const std::filesystem::path& file) {
+  const Reader reader(file);
+  std::map<std::string, std::string> result;
+  for (auto at = reader.header().begin(); at != reader.header().end(); ++at) {
+    const std::string name = at.name();
+    const auto* text = dynamic_cast<const Imf::StringAttribute*>(&at.attribute());
+    if (text && name.starts_with(kPrefix) && !is_own(name))
+      result[name.substr(std::string_view(kPrefix).size())] = text->value();
+  }
+  return result;
+}
+
+}  // namespace hybrid::io

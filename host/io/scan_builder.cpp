@@ -1,0 +1,141 @@
+#include "io/scan_builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+
+namespace hybrid::io {
+namespace {
+
+constexpr double kLargeCoordinate_m = 1000;  // float resolves 0.06 mm here
+constexpr std::size_t kOriginSamples = 65536;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+bool fits_float(double value) {
+  return std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max());  // false for NaN
+}
+
+std::uint8_t to_byte(double value) {
+  return static_cast<std::uint8_t>(value > 0 ? std::min(value + 0.5, 255.0) : 0.0);  // NaN: 0
+}
+
+template <typename T>
+void transpose(std::vector<T>& values, std::size_t rows, std::size_t cols) {
+  std::vector<T> turned(values.size());
+  for (std::size_t row = 0; row < rows && !values.empty(); ++row)
+    for (std::size_t col = 0; col < cols; ++col) turned[col * rows + row] = values[row * cols + col];
+  values = std::move(turned);
+}
+
+}  // namespace
+
+ColourKind colour_kind(ScalarType type) {
+  if (is_real(type)) return ColourKind::real;
+  return size_of(type) == 1 ? ColourKind::byte : ColourKind::word;
+}
+
+ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_t count,
+                         const Options& options)
+    : options_(options) {
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
+  if (count > kMost)
+    fail_input("{}: expected at most {} points, found {}; split the file", file, kMost, count);
+  scan_.name = std::move(name);
+  scan_.points.reserve(count);
+  if (options.intensity) scan_.intensity.reserve(count);
+  if (options.colour == ColourKind::byte) scan_.rgb.reserve(count);
+  if (options.colour > ColourKind::byte) colours_.reserve(count);
+}
+
+void ScanBuilder::add_point(double x, double y, double z) {
+  const bool finite = fits_float(x) && fits_float(y) && fits_float(z);
+  const bool zero = x == 0 && y == 0 && z == 0;
+  const bool no_return = !finite || (zero && (options_.zero_is_no_return || !scan_.origin.isZero()));
+  if (!finite) ++not_finite_;
+  if (no_return || !origin_chosen_) {
+    if (!no_return) {
+      waiting_index_.push_back(scan_.points.size());
+      waiting_.push_back({x, y, z});
+    }
+    scan_.points.push_back({kNaN, kNaN, kNaN});
+    if (waiting_.size() == kOriginSamples) choose_origin();
+  } else {
+    scan_.points.push_back(relative({x, y, z}));
+  }
+}
+
+std::array<float, 3> ScanBuilder::relative(const Point& point) const {
+  return {static_cast<float>(point[0] - scan_.origin.x()), static_cast<float>(point[1] - scan_.origin.y()),
+          static_cast<float>(point[2] - scan_.origin.z())};
+}
+
+void ScanBuilder::choose_origin() {
+  origin_chosen_ = true;
+  Vec3 sum = Vec3::Zero();
+  for (const Point& point : waiting_) sum += Vec3(point[0], point[1], point[2]);
+  if (sum.norm() > kLargeCoordinate_m * static_cast<double>(waiting_.size())) {
+    // 1/1024 m off the whole metre: a point that lies exactly on the origin would look like a no-return, and
+    // no coordinate written with fewer than ten decimals does.
+    const Point& first = waiting_.front();
+    scan_.origin = {std::round(first[0]), std::round(first[1]), std::round(first[2]) + 1.0 / 1024};
+  }
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    const Point& point = waiting_[i];
+    const bool zero = point[0] == 0 && point[1] == 0 && point[2] == 0;
+    if (!zero || scan_.origin.isZero()) scan_.points[waiting_index_[i]] = relative(point);
+  }
+  waiting_ = {};
+  waiting_index_ = {};
+}
+
+void ScanBuilder::add_colour(double red, double green, double blue) {
+  if (options_.colour == ColourKind::byte)
+    scan_.rgb.push_back({to_byte(red), to_byte(green), to_byte(blue)});
+  else
+    colours_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
+}
+
+// 16-bit fields often hold bytes, and reals are 0..1 or 0..255: the largest value of the file tells.
+void ScanBuilder::scale_colours() {
+  float largest = 0;
+  for (const auto& colour : colours_) largest = std::max({largest, colour[0], colour[1], colour[2]});
+  double scale = largest <= 255 ? 1 : 1.0 / 257;
+  if (options_.colour == ColourKind::real && largest <= 1) scale = 255;
+  scan_.rgb.reserve(colours_.size());
+  for (const auto& colour : colours_) {
+    const auto byte = [&](int i) {
+      return to_byte(scale * static_cast<double>(colour[static_cast<std::size_t>(i)]));
+    };
+    scan_.rgb.push_back({byte(0), byte(1), byte(2)});
+  }
+  colours_ = {};
+}
+
+Scan ScanBuilder::finish() {
+  if (!waiting_.empty()) choose_origin();
+  if (!colours_.empty()) scale_colours();
+  if (not_finite_ > 0)
+    add_note(
+        fmt::format("{} of {} points are not finite: taken as no-returns", not_finite_, scan_.points.size()));
+  if (scan_.points.empty()) add_note("no points");
+  if (!scan_.origin.isZero())
+    add_note(fmt::format("coordinates are large: kept relative to ({}, {}, {})", scan_.origin.x(),
+                         scan_.origin.y(), scan_.origin.z()));
+  return std::move(scan_);
+}
+
+void make_column_major(Scan& scan, std::uint64_t rows, std::uint64_t cols) {
+  transpose(scan.points, rows, cols);
+  transpose(scan.intensity, rows, cols);
+  transpose(scan.rgb, rows, cols);
+  scan.grid_rows = static_cast<int>(rows);
+  scan.grid_cols = static_cast<int>(cols);
+}
+
+bool names_intensity(const std::string& lower_case_name) {
+  return lower_case_name == "intensity" || lower_case_name == "scalar_intensity";
+}
+
+}  // namespace hybrid::io

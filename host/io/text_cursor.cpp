@@ -1,0 +1,131 @@
+#include "io/text_cursor.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/error.hpp"
+
+namespace hybrid::io {
+namespace {
+
+bool is_line_end(char c) {
+  return c == '\n' || c == '\r';
+}
+
+bool is_separator(char c) {
+  return c == ' ' || c == '\t' || c == ',';
+}
+
+// std::from_chars, which knows nan and inf, and the plus sign it does not know.
+const char* parse(const char* at, const char* end, double& value) {
+  if (end - at > 1 && *at == '+' && at[1] != '-') ++at;
+  const auto [next, code] = std::from_chars(at, end, value);
+  if (code == std::errc::result_out_of_range) {  // too small for double is 0; too large stays an error
+    const std::string_view digits(at, static_cast<std::size_t>(next - at));
+    if (digits.find("e-") == digits.npos && digits.find("E-") == digits.npos) return nullptr;
+    value = 0;
+    return next;
+  }
+  return code == std::errc{} ? next : nullptr;
+}
+
+}  // namespace
+
+TextCursor::TextCursor(std::string file, std::string_view text, std::uint64_t line)
+    : file_(std::move(file)), begin_(text.data()), at_(begin_), end_(begin_ + text.size()), line_(line) {}
+
+void TextCursor::end_line() {
+  if (at_ != end_) {
+    const bool carriage_return = *at_++ == '\r';
+    if (carriage_return && at_ != end_ && *at_ == '\n') ++at_;
+  }
+  ++line_;
+}
+
+std::string_view TextCursor::next_line() {
+  const char* start = at_;
+  at_ = std::find_if(at_, end_, is_line_end);
+  const std::string_view line(start, static_cast<std::size_t>(at_ - start));
+  end_line();
+  return line;
+}
+
+void TextCursor::skip_blank_lines() {
+  while (at_ != end_) {
+    const char* next = std::find_if_not(at_, end_, [](char c) { return c == ' ' || c == '\t'; });
+    if (next != end_ && !is_line_end(*next)) return;
+    at_ = next;
+    if (at_ != end_) end_line();
+  }
+}
+
+bool TextCursor::next_number(double& value) {
+  while (at_ != end_ && is_separator(*at_)) commas_seen_ |= *at_++ == ',';
+  if (at_ == end_ || is_line_end(*at_)) {
+    end_line();
+    return false;
+  }
+  const char* next = parse(at_, end_, value);
+  if (next != nullptr && (next == end_ || is_separator(*next) || is_line_end(*next))) {
+    at_ = next;
+    return true;
+  }
+  const char* word_end = std::find_if(at_, end_, [](char c) { return is_separator(c) || is_line_end(c); });
+  fail_input("{}: line {}: expected a number, found {}; correct or remove that line", file_, line_,
+             in_quotes({at_, static_cast<std::size_t>(word_end - at_)}));
+}
+
+std::size_t TextCursor::read_numbers(std::span<double> values) {
+  std::size_t count = 0;
+  double value = 0;
+  while (next_number(value)) {
+    if (count < values.size()) values[count] = value;
+    ++count;
+  }
+  return count;
+}
+
+void TextCursor::read_all_numbers(std::vector<double>& values) {
+  values.clear();
+  double value = 0;
+  while (next_number(value)) values.push_back(value);
+}
+
+std::vector<std::string_view> words(std::string_view line) {
+  std::vector<std::string_view> result;
+  for (std::size_t at = 0; (at = line.find_first_not_of(" \t", at)) != line.npos;) {
+    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
+    result.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return result;
+}
+
+std::string in_quotes(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text.substr(0, 24)) {
+    if (c >= ' ' && c <= '~')
+      result += c;
+    else
+      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+  }
+  return result + (text.size() > 24 ? "...\"" : "\"");
+}
+
+bool parse_whole(std::string_view word, std::uint64_t& value) {
+  const auto [next, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return code == std::errc{} && next == word.data() + word.size();
+}
+
+bool parse_real(std::string_view word, double& value) {
+  return !word.empty() && parse(word.data(), word.data() + word.size(), value) == word.data() + word.size();
+}
+
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
+}  // namespace hybrid::io
