@@ -87,21 +87,43 @@ bool point_step(IcpPairs& pairs, const Cutoff& cutoff, const IcpOptions& options
   return false;
 }
 
-double overlap_of(const std::vector<float>& distances, const std::vector<float>& areas) {
-  double near = 0, total = 0;
-  for (std::size_t i = 0; i < areas.size(); ++i) {
-    total += areas[i];
-    if (distances[i] < kOverlapM) near += areas[i];
+// The pairs within 5 cm, those the robust weights dropped included: on a proxy with displaced faces the
+// inliers agree among themselves far better than with the truth.
+struct Agreement {
+  double overlap = 0;        // share of the area
+  double mean_square = 0;    // of the heights, m2
+  double superclusters = 0;  // effective number: (sum of areas)^2 / sum of squares
+};
+
+Agreement agreement(const PlanarSamples& samples, const std::vector<float>& distances,
+                    const std::vector<float>& heights) {
+  double total = 0, near = 0, square = 0, squared_areas = 0, of_this = 0;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    // Samples come one supercluster after the other, each with its own normal.
+    if (i > 0 && samples.normals[i] != samples.normals[i - 1]) {
+      squared_areas += of_this * of_this;
+      of_this = 0;
+    }
+    const double area = samples.points[i][3], height = heights[i];
+    total += area;
+    if (!(distances[i] < kOverlapM)) continue;
+    near += area;
+    of_this += area;
+    square += area * height * height;
   }
-  return near / total;
+  squared_areas += of_this * of_this;
+  if (near == 0) return {};
+  return {near / total, square / near, near * near / squared_areas};
 }
 
 // Everything said about the final pose, from the pairs under it.
-void describe(IcpPairs& pairs, const IcpOptions& options, Cutoff& cutoff, Registration& result) {
+void describe(IcpPairs& pairs, const PlanarSamples& samples, const IcpOptions& options, Cutoff& cutoff,
+              Registration& result) {
   const bool plane = options.step == "plane";
   pairs.find(result.world_from_scan);
   const auto distances = pairs.distances(), heights = pairs.heights();
-  result.overlap = overlap_of(distances, pairs.areas());
+  const Agreement agreed = agreement(samples, distances, heights);
+  result.overlap = agreed.overlap;
   if (!cutoff.update(plane ? heights : distances, pairs.areas())) return;
   const double radius = result.world_from_scan.scale * pairs.radius_m();
   const Vec3 pivot = result.world_from_scan * pairs.centre_in_scan();
@@ -109,8 +131,10 @@ void describe(IcpPairs& pairs, const IcpOptions& options, Cutoff& cutoff, Regist
   result.rms_m = std::sqrt(plane ? sums.mean_square() : pairs.point_sums(cutoff.metres()).mean_square());
   result.rms_history_m.push_back(result.rms_m);
   result.degenerate = degenerate_directions(sums, radius, options.free_scale);
-  result.covariance =
-      pose_covariance(sums, pivot, radius, options.free_scale, options.scale_floor_m, pairs.areas().size());
+  const double variance =
+      std::max({agreed.mean_square, sums.mean_square(), options.scale_floor_m * options.scale_floor_m});
+  result.covariance = pose_covariance(sums, variance / std::max(agreed.superclusters, 1.0), pivot, radius,
+                                      options.free_scale);
 }
 
 }  // namespace
@@ -152,7 +176,7 @@ Registration register_to_model(device::Queue& queue, const PlanarSamples& sample
     result.converged = still && cutoff.settled();
     ++result.iterations;
   }
-  describe(pairs, options, cutoff, result);
+  describe(pairs, samples, options, cutoff, result);
   return result;
 }
 

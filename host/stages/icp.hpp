@@ -46,9 +46,11 @@ struct Registration {
   int iterations = 0;
   double rms_m = 0;    // of inlier pairs, weighted: height over the face (plane step), distance (point step)
   double overlap = 0;  // share of the planar area within 5 cm of a compatible face
-  // 6x6 row-major: rotation vector (rad), translation (m); world, left perturbation. Errors count as shared
-  // over patches of 1 m2 (a proxy's faces are off as wholes), so that it does not shrink with the sampling.
-  // Variance 1e6 along degenerate directions.
+  // 6x6 row-major: rotation vector (rad), translation (m); world, left perturbation. From the pairs within
+  // 5 cm, each supercluster's error counting as one (a proxy's faces are off as wholes), so that it does not
+  // shrink with the sampling. Variance 1e6 along degenerate directions. Where opposite faces contradict each
+  // other it says how far, not which of them is right. What displaced faces have in common moves the proxy as
+  // a whole: no residual shows it, and it is not in here.
   std::array<double, 36> covariance{};
   // Directions not determined, in words: "free to slide along (1.00, 0.00, 0.00)", "free to turn about ...",
   // "free to scale". The plane step leaves the start pose as it is along them.

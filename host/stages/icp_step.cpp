@@ -15,8 +15,6 @@ using Solver = Eigen::SelfAdjointEigenSolver<MatrixX>;
 
 constexpr double kMaxRotationRad = 0.35;
 constexpr double kOpenVariance = 1e6;  // along degenerate directions, rad^2 or m^2
-constexpr double kPatchArea = 1;       // m2 over which errors count as shared
-constexpr double kFewestPatches = 12;  // unless the whole scan is smaller than that many patches
 
 // Unknowns in metres at the samples' rms distance: rotation and scale times the radius.
 VectorX units(double radius_m, bool free_scale) {
@@ -120,12 +118,9 @@ std::vector<std::string> degenerate_directions(const PlaneSums& sums, double rad
   return words;
 }
 
-std::array<double, 36> pose_covariance(const PlaneSums& sums, const Vec3& pivot, double radius_m,
-                                       bool free_scale, double floor_m, std::size_t samples) {
+std::array<double, 36> pose_covariance(const PlaneSums& sums, double variance, const Vec3& pivot,
+                                       double radius_m, bool free_scale) {
   const VectorX unit = units(radius_m, free_scale);
-  const double patches =
-      std::min(static_cast<double>(samples), std::max(kFewestPatches, sums.inlier_area / kPatchArea));
-  const double variance = std::max(sums.mean_square(), floor_m * floor_m) / patches;
   const MatrixX at_pivot = unit.asDiagonal() *
                            (variance * inverse_of(normalised(sums, unit), kOpenVariance / variance)) *
                            unit.asDiagonal();

@@ -29,9 +29,8 @@ Pose horn_pose(const PointSums& sums, double scale, bool free_scale);
 // Directions the pairs leave open, in words (icp.hpp).
 std::vector<std::string> degenerate_directions(const PlaneSums& sums, double radius_m, bool free_scale);
 
-// Registration::covariance: from the normal equations, the pairs' mean squared error (at least floor_m
-// squared) and the number of independent patches.
-std::array<double, 36> pose_covariance(const PlaneSums& sums, const Vec3& pivot, double radius_m,
-                                       bool free_scale, double floor_m, std::size_t samples);
+// Registration::covariance, when every direction had all of the pairs facing it with this variance (m2).
+std::array<double, 36> pose_covariance(const PlaneSums& sums, double variance, const Vec3& pivot,
+                                       double radius_m, bool free_scale);
 
 }  // namespace hybrid::stages
