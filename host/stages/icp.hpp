@@ -13,13 +13,15 @@
 namespace hybrid::stages {
 
 struct IcpOptions {
-  std::string step = "plane";    // "point" (the paper's: Horn on closest points) | "plane" (point-to-plane)
+  // "point": Horn on closest points; with robust = "none" and normal_deg = 180 it is the paper's ICP.
+  std::string step = "plane";    // "point" | "plane" (point-to-plane)
   std::string robust = "tukey";  // "none" | "tukey"
   double gate_m = 0;  // pairs farther apart are ignored; 0 = no gate (robust weights narrow by themselves)
-  double normal_deg = 45;  // compatible normals: closest face among those within this angle
+  double normal_deg = 45;  // compatible normals: closest face among those within this angle; 180 = all
   int max_iterations = 60;
-  double tau = 1e-5;         // stop: relative change of the mean squared distance (paper)
-  int max_samples = 200000;  // planar samples used, chosen by area; 0 = all
+  double tau = 1e-5;  // "point" only: stop at this relative change of the mean squared distance (paper)
+  double scale_floor_m = 0.0002;  // Tukey's scale never falls below
+  int max_samples = 200000;       // planar samples used, chosen by area; 0 = all
   bool free_scale = false;
   int seed = 1;
 };
@@ -31,8 +33,10 @@ struct PlanarSamples {
   std::vector<std::array<float, 4>> normals;  // of the supercluster, towards the scanner; w = 0
 };
 
-// Measured planar samples, thinned by *area* (solid angle x r^2 / cos) to about max_samples, projected onto
-// their supercluster's plane (FINDINGS.md). Deterministic.
+// Measured planar samples, thinned by *area* (solid angle x r^2 / cos) to about max_samples (0 = all),
+// projected onto their supercluster's plane (FINDINGS.md); superclusters in order, row by row. One sample is
+// drawn per equal share of the area at a random place in it (`seed`), so that the grid's rows cannot beat
+// with a regular step. Deterministic for any thread count.
 PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
                                     int max_samples, int seed);
 
@@ -40,21 +44,33 @@ struct Registration {
   Pose world_from_scan;
   bool converged = false;
   int iterations = 0;
-  double rms_m = 0;    // of inlier pairs, weighted
+  double rms_m = 0;    // of inlier pairs, weighted: height over the face (plane step), distance (point step)
   double overlap = 0;  // share of the planar area within 5 cm of a compatible face
-  std::array<double, 36>
-      covariance{};  // 6x6 row-major: rotation vector (rad), translation (m); world, left perturbation
-  std::vector<std::string> degenerate;  // directions not determined, in words
+  // 6x6 row-major: rotation vector (rad), translation (m); world, left perturbation. From the pairs within
+  // 5 cm, each supercluster's error counting as one (a proxy's faces are off as wholes), so that it does not
+  // shrink with the sampling. Variance 1e6 along degenerate directions. Where opposite faces contradict each
+  // other it says how far, not which of them is right. What displaced faces have in common moves the proxy as
+  // a whole: no residual shows it, and it is not in here.
+  std::array<double, 36> covariance{};
+  // Directions not determined, in words: "free to slide along (1.00, 0.00, 0.00)", "free to turn about ...",
+  // "free to scale". The plane step leaves the start pose as it is along them.
+  std::vector<std::string> degenerate;
+  std::vector<double> rms_history_m;  // rms_m before each step, and of the result
 };
 
 // METHOD 6 (paper 2.3): closest points on the model's polygons found on the device each iteration. Kernels:
-// closest_point, icp_sums. Throws ErrorKind::input: no planar samples, no faces.
+// closest_point, icp_sums. The plane step (FINDINGS.md): Tukey weights whose scale 1.4826 median |height| may
+// at most halve per iteration, 6x6 (7x7 with free_scale) normal equations, rotation at most 0.35 rad per
+// step, until a step is below 1e-6 rad and 5e-6 m with the scale settled. The start's scale is kept unless
+// free_scale. Throws ErrorKind::input: no planar samples, no faces, a start that is not finite, no sample
+// with a compatible face.
 Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
                                const Pose& start, const IcpOptions& options = {});
 
 // Distance from every measured node to the closest compatible face (NaN for nodes without a measured sample),
-// world scale, metres. `normal_deg` < 0 ignores normals. Kernel: closest_point. Used for residual pictures,
-// for the shares within 5 and 10 cm, and to see which planar samples a face explains.
+// world scale, metres. `normal_deg` < 0 ignores normals; so do nodes outside superclusters, which have none.
+// NaN too where no face is compatible. Kernel: closest_point. Used for residual pictures, for the shares
+// within 5 and 10 cm, and to see which planar samples a face explains. Same bytes for any `tile`.
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
                                      const PlaneSegmentation& segmentation, const PolygonModel& model,
                                      const Pose& world_from_scan, double normal_deg, int tile = 1024);

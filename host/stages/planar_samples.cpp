@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "lib/random.h"
+#include "stages/icp.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+// Grazing samples would stand for areas they hardly know: at most 20 times the area seen head on.
+constexpr double kMinCosine = 0.05;
+
+// Half the way to both neighbours; the image's other step where there is only one row or column.
+double step_at(const std::vector<double>& angles, int i, double fallback) {
+  const int last = static_cast<int>(angles.size()) - 1;
+  if (last < 1) return fallback > 0 ? fallback : 1;
+  const int low = std::max(i - 1, 0), high = std::min(i + 1, last);
+  return std::abs(angles[static_cast<std::size_t>(high)] - angles[static_cast<std::size_t>(low)]) /
+         (high - low);
+}
+
+struct Areas {
+  const RangeImage& image;
+  const PlaneSegmentation& segmentation;
+
+  // Area in m2 the node stands for; 0 for nodes that are no measured planar samples.
+  double operator()(int row, int col) const {
+    const std::size_t i = image.index(row, col);
+    const std::uint32_t label = segmentation.sample_label[i];
+    if (label == 0 || image.mask[i] != kMeasured) return 0;
+    const Vec3 p = image.point(i);
+    const double range = p.norm();
+    if (!(range > 0)) return 0;
+    const double cosine = std::abs(segmentation.superclusters[label - 1].plane.normal.dot(p)) / range;
+    const double elevation = image.elevation_rad[static_cast<std::size_t>(row)];
+    return range * range * std::cos(elevation) * step_at(image.elevation_rad, row, image.azimuth_step_rad()) *
+           step_at(image.azimuth_rad, col, image.elevation_step_rad()) / std::max(cosine, kMinCosine);
+  }
+};
+
+struct Chosen {
+  std::size_t node;
+  double area;
+};
+
+// Draws of one row whose share of the area begins at `before`: draw k lies in [k, k + 1) shares.
+std::vector<Chosen> draw_row(const Areas& area_of, int row, double before, double share, std::uint32_t seed) {
+  std::vector<Chosen> chosen;
+  double end = before;
+  auto next = static_cast<std::uint64_t>(std::max(std::floor(before / share) - 1, 0.0));
+  const auto place = [&](std::uint64_t k) {
+    return (static_cast<double>(k) + random_bits(seed, static_cast<std::uint32_t>(k), 0) / 4294967296.0) *
+           share;
+  };
+  while (place(next) < before) ++next;
+  for (int col = 0; col < area_of.image.cols; ++col) {
+    const double area = area_of(row, col);
+    if (area == 0) continue;
+    end += area;
+    int draws = 0;
+    for (; place(next) < end; ++next) ++draws;
+    if (draws > 0) chosen.push_back({area_of.image.index(row, col), draws * share});
+  }
+  return chosen;
+}
+
+std::vector<Chosen> all_of_row(const Areas& area_of, int row) {
+  std::vector<Chosen> chosen;
+  for (int col = 0; col < area_of.image.cols; ++col)
+    if (const double area = area_of(row, col); area > 0)
+      chosen.push_back({area_of.image.index(row, col), area});
+  return chosen;
+}
+
+}  // namespace
+
+PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                    int max_samples, int seed) {
+  if (segmentation.sample_label.size() != image.count())
+    fail(ErrorKind::failed, "choose_planar_samples: {} labels for {} nodes", segmentation.sample_label.size(),
+         image.count());
+  const Areas area_of{image, segmentation};
+  const auto rows = static_cast<std::size_t>(image.rows);
+  std::vector<double> row_area(rows), before(rows);
+  std::vector<std::size_t> row_count(rows);
+  parallel_for(rows, [&](std::size_t row) {
+    for (int col = 0; col < image.cols; ++col) {
+      const double area = area_of(static_cast<int>(row), col);
+      row_area[row] += area;
+      row_count[row] += area > 0;
+    }
+  });
+  std::exclusive_scan(row_area.begin(), row_area.end(), before.begin(), 0.0);
+  const std::size_t count = std::accumulate(row_count.begin(), row_count.end(), std::size_t{0});
+  const double total = rows ? before.back() + row_area.back() : 0;
+
+  const bool all = max_samples <= 0 || count <= static_cast<std::size_t>(max_samples);
+  std::vector<std::vector<Chosen>> by_row(rows);
+  parallel_for(rows, [&](std::size_t row) {
+    if (row_count[row] == 0) return;
+    by_row[row] = all ? all_of_row(area_of, static_cast<int>(row))
+                      : draw_row(area_of, static_cast<int>(row), before[row], total / max_samples,
+                                 static_cast<std::uint32_t>(seed));
+  });
+  std::vector<Chosen> chosen;
+  for (const auto& row : by_row) chosen.insert(chosen.end(), row.begin(), row.end());
+  // One supercluster after the other: neighbouring lanes of closest_point then pass over the same faces.
+  std::stable_sort(chosen.begin(), chosen.end(), [&](const Chosen& a, const Chosen& b) {
+    return segmentation.sample_label[a.node] < segmentation.sample_label[b.node];
+  });
+
+  PlanarSamples samples;
+  for (const Chosen& one : chosen) {
+    const Plane& plane = segmentation.superclusters[segmentation.sample_label[one.node] - 1].plane;
+    const Vec3 p = image.point(one.node), on_plane = p - plane.distance(p) * plane.normal;
+    const Vec3f point = on_plane.cast<float>(), normal = plane.normal.cast<float>();
+    samples.points.push_back({point.x(), point.y(), point.z(), static_cast<float>(one.area)});
+    samples.normals.push_back({normal.x(), normal.y(), normal.z(), 0});
+  }
+  return samples;
+}
+
+}  // namespace hybrid::stages
