@@ -16,9 +16,9 @@ struct Run {
 };
 
 struct Patches {
-  std::vector<Run> runs;                // row by row, left to right
-  std::vector<std::size_t> row_begin;   // rows + 1
-  std::vector<std::uint32_t> parent;    // union-find over runs
+  std::vector<Run> runs;               // row by row, left to right
+  std::vector<std::size_t> row_begin;  // rows + 1
+  std::vector<std::uint32_t> parent;   // union-find over runs
 
   std::uint32_t root(std::uint32_t run) {
     while (parent[run] != run) run = parent[run] = parent[parent[run]];
@@ -79,8 +79,8 @@ Patches find_patches(const RangeImage& image, const std::vector<std::uint32_t>& 
   return patches;
 }
 
-// Edges of a small patch's rim by the label on the other side. A patch of a few samples meets few labels: what
-// comes after the eighth counts as rim only.
+// Edges of a small patch's rim by the label on the other side. A patch of a few samples meets few labels:
+// what comes after the eighth counts as rim only.
 struct Rim {
   std::array<std::uint32_t, 8> label{};
   std::array<int, 8> edges{};
@@ -114,15 +114,7 @@ std::vector<Rim> find_rims(const RangeImage& image, const Patches& patches,
   for (std::size_t row = 0; row < static_cast<std::size_t>(image.rows); ++row) {
     const std::size_t first = patches.row_begin[row], last = patches.row_begin[row + 1] - 1;
     for (std::size_t i = first; i < last; ++i) meet(patches.runs[i], patches.runs[i + 1], 1);
-    if (image.wraps) {
-      meet(patches.runs[last], patches.runs[first], 1);
-    } else {
-      add(patches.runs[first], 0, 1);
-      add(patches.runs[last], 0, 1);
-    }
-    if (row == 0 || row + 1 == static_cast<std::size_t>(image.rows))
-      for (std::size_t i = first; i <= last; ++i)
-        add(patches.runs[i], 0, patches.runs[i].end - patches.runs[i].begin);
+    if (image.wraps) meet(patches.runs[last], patches.runs[first], 1);
     if (row + 1 < static_cast<std::size_t>(image.rows))
       touching(patches, row, [&](std::size_t a, std::size_t b, int overlap) {
         meet(patches.runs[a], patches.runs[b], overlap);
@@ -151,7 +143,8 @@ void clean(const RangeImage& image, int least, Kind kind, std::vector<std::uint3
   for (const Run& run : patches.runs) size[run.patch] += run.end - run.begin;
   std::vector<std::uint32_t> slot(patches.runs.size(), kNoRim), owner;
   for (std::uint32_t i = 0; i < patches.runs.size(); ++i)
-    if (patches.runs[i].patch == i && size[i] < least && (patches.runs[i].label == 0) == (kind == Kind::holes)) {
+    if (patches.runs[i].patch == i && size[i] < least &&
+        (patches.runs[i].label == 0) == (kind == Kind::holes)) {
       slot[i] = static_cast<std::uint32_t>(owner.size());
       owner.push_back(i);
     }

@@ -28,11 +28,12 @@ struct Directions {
     return false;
   }
 };
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Directions>, Directions, 2>;
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Directions>, Directions, 2>;
 
 // Measured members inside the cleaned mask of each label, with a node beside them that is none, within kBand
-// nodes of the mask's edge. A contour point is half a node off the edge, so no other member is nearer to it than
-// kBand - 1/2 nodes; one of these is, unless dropouts emptied the band there.
+// nodes of the mask's edge. A contour point is half a node off the edge, so no other member is nearer to it
+// than kBand - 1/2 nodes; one of these is, unless dropouts emptied the band there.
 constexpr int kBand = 3;
 
 // All nodes up to `reach` rows and columns away have this node's label.

@@ -61,9 +61,11 @@ bool bends(const std::vector<Vec3>& samples, double min_curvature) {
   const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
   const double error_linear = squares - linear.dot(right.head<3>());
   const double error_quadratic = squares - quadratic.dot(right);
-  const double variance = std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
+  const double variance =
+      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
   const double fall = error_linear - error_quadratic;
-  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear) return false;
+  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
+    return false;
   const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
   const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
   return curvature > min_curvature;
@@ -101,8 +103,8 @@ bool bridges(const SquarePlanes& squares, const SquareGrid& grid, const Vec3& no
              0.5 * angle_between(normal, square_normal(squares.squares[square]));
 }
 
-// Most of the rim is in contact with squares that, on the mean, turn away (or all towards): one such normal may be
-// noise, their mean is not.
+// Most of the rim is in contact with squares that, on the mean, turn away (or all towards): one such normal
+// may be noise, their mean is not.
 bool is_facet(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
               const SuperclusterOptions& options, const PlaneRegions& regions, std::uint32_t id) {
   const PlaneRegion& region = regions.regions[id - 1];
@@ -120,7 +122,8 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       if (owner != 0 && regions.regions[owner - 1].squares.size() > kMuchLarger * region.squares.size())
         continue;
       const SquareRecord &here = squares.squares[square], &next = squares.squares[other];
-      if (!in_contact(image, squares, options, here, next) || bridges(squares, grid, normal, other, direction))
+      if (!in_contact(image, squares, options, here, next) ||
+          bridges(squares, grid, normal, other, direction))
         continue;
       contacts += 1;
       const Vec3 step = square_centroid(next) - square_centroid(here);
@@ -139,9 +142,8 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
   std::vector<std::uint8_t> curved(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
     const auto id = static_cast<std::uint32_t>(i + 1);
-    curved[i] =
-        is_facet(image, squares, grid, options, regions, id) ||
-        bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+    curved[i] = is_facet(image, squares, grid, options, regions, id) ||
+                bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
   });
   for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved = curved[i] != 0;
 }

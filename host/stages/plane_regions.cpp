@@ -22,12 +22,10 @@ bool agrees(const PlaneFit& region, const SquareRecord& square, const Superclust
   const double offset_sigma = std::hypot(region.offset_sigma_m(centroid), square_sigma);
   if (std::abs(region.plane.distance(centroid)) > options.waviness_m + options.offset_sigmas * offset_sigma)
     return false;
-  const double angle_sigma =
-      std::hypot(region.normal_sigma_rad(), static_cast<double>(square.sigma_normal));
+  const double angle_sigma = std::hypot(region.normal_sigma_rad(), static_cast<double>(square.sigma_normal));
   const double limit = std::max(radians(options.angle_deg), options.angle_sigmas * angle_sigma);
   const Vec3 normal = square_normal(square);
-  const double angle =
-      std::atan2(region.plane.normal.cross(normal).norm(), region.plane.normal.dot(normal));
+  const double angle = std::atan2(region.plane.normal.cross(normal).norm(), region.plane.normal.dot(normal));
   return angle <= limit;
 }
 

@@ -93,8 +93,8 @@ std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage&
     params.noise_m = static_cast<float>(options.label_sigmas * squares.sigma_m);
     params.waviness_m = static_cast<float>(options.waviness_m);
     params.min_cosine = kLabelCosine;
-    queue.launch("label_samples", queue.kernel("label_samples"), device::grid(rect.cols, rect.rows), params, x,
-                 y, z, candidates, own_plane, plane_table, labels);
+    queue.launch("label_samples", queue.kernel("label_samples"), device::grid(rect.cols, rect.rows), params,
+                 x, y, z, candidates, own_plane, plane_table, labels);
     queue.read_rect(labels, result.data(), width, rect);
   }
   return result;

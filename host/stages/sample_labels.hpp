@@ -8,25 +8,28 @@ namespace hybrid::stages {
 
 // Which planes compete for the samples of each square.
 struct LabelContest {
-  std::vector<std::uint32_t> candidates;  // LABEL_CANDIDATES per square: region + 1; 0 ends the list
+  std::vector<std::uint32_t> candidates;        // LABEL_CANDIDATES per square: region + 1; 0 ends the list
   std::vector<std::array<float, 4>> own_plane;  // per square: a planar square of no region, else 0
 };
 
 // The regions of the 5 x 5 squares around each square, the nearest first.
-LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions);
+LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid,
+                             const PlaneRegions& regions);
 
-// Region + 1 per sample by kernel label_samples; planes are per region (curved ones compete, and win nothing).
+// Region + 1 per sample by kernel label_samples; planes are per region (curved ones compete, and win
+// nothing).
 std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage& image,
                                          const SquarePlanes& squares, const SquareGrid& grid,
                                          const LabelContest& contest, const std::vector<Plane>& planes,
                                          const PlaneRegions& regions, const SuperclusterOptions& options);
 
-// Least squares over each region's measured samples, weighted 1 / max(|n.u|, c)^2 because range noise is along
-// the ray (METHOD 2). Regions with fewer than 3 samples keep their plane.
+// Least squares over each region's measured samples, weighted 1 / max(|n.u|, c)^2 because range noise is
+// along the ray (METHOD 2). Regions with fewer than 3 samples keep their plane.
 void refit_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
                   std::vector<Plane>& planes);
 
-// Samples, centroid, rms and area of each region over its measured samples; `id` and `squares` are left alone.
+// Samples, centroid, rms and area of each region over its measured samples; `id` and `squares` are left
+// alone.
 std::vector<Supercluster> measure_planes(const RangeImage& image, int square,
                                          const std::vector<std::uint32_t>& labels,
                                          const std::vector<Plane>& planes);

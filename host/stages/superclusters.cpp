@@ -14,14 +14,16 @@ namespace hybrid::stages {
 namespace {
 
 constexpr float kReachCosine = 0.05f;  // c of the distance test
-constexpr int kLabelPasses = 2;        // the second one competes with planes refitted to the first one's labels
+constexpr int kLabelPasses = 2;  // the second one competes with planes refitted to the first one's labels
 
 void check_extent(const RangeImage& image, const SquarePlanes& squares) {
   const int n = squares.square;
   if (n < 1 || squares.rows != (image.rows + n - 1) / n || squares.cols != (image.cols + n - 1) / n ||
-      squares.squares.size() != static_cast<std::size_t>(squares.rows) * static_cast<std::size_t>(squares.cols))
+      squares.squares.size() !=
+          static_cast<std::size_t>(squares.rows) * static_cast<std::size_t>(squares.cols))
     fail(ErrorKind::failed,
-         "grow_superclusters: {} x {} squares of side {} ({} records) do not cover an image of {} x {} samples",
+         "grow_superclusters: {} x {} squares of side {} ({} records) do not cover an image of {} x {} "
+         "samples",
          squares.rows, squares.cols, n, squares.squares.size(), image.rows, image.cols);
 }
 
@@ -96,7 +98,7 @@ PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, 
     result.square_label[i] = id[regions.of_square[i]];
     // A member may have found no plane of its own (absorb_squares).
     const std::uint32_t state = squares.squares[i].state;
-    result.square_class[i] = result.square_label[i] != 0     ? kSuperclusterMember
+    result.square_class[i] = result.square_label[i] != 0    ? kSuperclusterMember
                              : state == SQUARE_UNDERSAMPLED ? kUndersampled
                              : state == SQUARE_PLANAR       ? kPlanarTooSmall
                                                             : kNonPlanar;
@@ -112,13 +114,37 @@ const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table() {
       // The last field is spelt out because GCC 12 crashes on its default here.
       {"angle", "deg", &O::angle_deg, 0.1, 45, "largest angle between neighbouring normals", {}},
       {"angle_sigmas", "", &O::angle_sigmas, 0, 10, "... or this many of its standard deviations", {}},
-      {"distance_factor", "", &O::distance_factor, 1, 10, "largest distance of neighbouring centroids, in squares", {}},
-      {"offset_sigmas", "", &O::offset_sigmas, 1, 10, "largest offset of neighbours out of plane, in sigmas", {}},
+      {"distance_factor",
+       "",
+       &O::distance_factor,
+       1,
+       10,
+       "largest distance of neighbouring centroids, in squares",
+       {}},
+      {"offset_sigmas",
+       "",
+       &O::offset_sigmas,
+       1,
+       10,
+       "largest offset of neighbours out of plane, in sigmas",
+       {}},
       {"min_squares", "squares", &O::min_squares, 1, 1e6, "superclusters with fewer squares are dropped", {}},
-      {"label_sigmas", "", &O::label_sigmas, 1, 10, "a plane's samples lie within this many sigmas of noise", {}},
+      {"label_sigmas",
+       "",
+       &O::label_sigmas,
+       1,
+       10,
+       "a plane's samples lie within this many sigmas of noise",
+       {}},
       {"waviness", "m", &O::waviness_m, 0, 0.5, "... and this: how far real walls stray from a plane", {}},
       {"min_curvature", "1/m", &O::min_curvature, 0.001, 100, "regions that bend more are no planes", {}},
-      {"max_crease_share", "", &O::max_crease_share, 0, 1, "share of a rim in shallow creases that makes a facet", {}},
+      {"max_crease_share",
+       "",
+       &O::max_crease_share,
+       0,
+       1,
+       "share of a rim in shallow creases that makes a facet",
+       {}},
       {"tile", "samples", &O::tile, 16, 65536, "side of a tile on the device", {}},
   };
   return table;

@@ -22,8 +22,8 @@ struct LabelSamplesCase {
   using Output = std::vector<std::uint32_t>;
   struct Expected {
     std::vector<std::uint32_t> labels;
-    // How far the decision is from turning over, m. Below kMargin float may decide otherwise: products of 6 m have
-    // 5e-7 m of rounding each, divided by a cosine of at least 0.05.
+    // How far the decision is from turning over, m. Below kMargin float may decide otherwise: products of 6 m
+    // have 5e-7 m of rounding each, divided by a cosine of at least 0.05.
     std::vector<double> margin;
   };
   static constexpr double kMargin = 5e-5;
@@ -86,8 +86,8 @@ struct LabelSamplesCase {
     const auto own_plane = queue.array(input.own_plane);
     const auto planes = queue.array(input.planes);
     auto labels = queue.array<std::uint32_t>(input.x.size());
-    queue.launch(kName, queue.kernel(kName), device::grid(input.params.cols, input.params.rows), input.params, x,
-                 y, z, candidates, own_plane, planes, labels);
+    queue.launch(kName, queue.kernel(kName), device::grid(input.params.cols, input.params.rows), input.params,
+                 x, y, z, candidates, own_plane, planes, labels);
     return queue.read(labels);
   }
   static Expected reference(const Input& input);  // reference/label_samples.cpp

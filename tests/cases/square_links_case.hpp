@@ -19,8 +19,8 @@ struct SquareLinksCase {
   using Output = std::vector<float>;
   struct Expected {
     std::vector<double> links;
-    // Relative distance of the nearest test from its limit. Below kMargin float may decide otherwise: positions
-    // of 5 m have 5e-7 m of rounding, the tightest offset limit is 4 mm.
+    // Relative distance of the nearest test from its limit. Below kMargin float may decide otherwise:
+    // positions of 5 m have 5e-7 m of rounding, the tightest offset limit is 4 mm.
     std::vector<double> margin;
   };
   static constexpr double kMargin = 1e-3, kTolerance = 1e-3;
@@ -35,7 +35,8 @@ struct SquareLinksCase {
     std::normal_distribution<float> noise(0, 1);
     std::uniform_real_distribution<float> uniform(0, 1);
     for (std::uint32_t i = 0; i < rows * cols; ++i) {
-      const float azimuth = step * static_cast<float>(i % cols), elevation = 0.5f - step * static_cast<float>(i / cols);
+      const float azimuth = step * static_cast<float>(i % cols),
+                  elevation = 0.5f - step * static_cast<float>(i / cols);
       const float range = 5 + 0.004f * noise(random) + (uniform(random) < 0.1f ? 0.3f : 0.0f);
       const float ray[3] = {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                             std::sin(elevation)};
@@ -57,7 +58,8 @@ struct SquareLinksCase {
   static Output run(device::Queue& queue, const Input& input) {
     const auto squares = queue.array(input.squares);
     auto links = queue.array<float>(2 * input.squares.size());
-    queue.launch(kName, queue.kernel(kName), device::grid(input.squares.size()), input.params, squares, links);
+    queue.launch(kName, queue.kernel(kName), device::grid(input.squares.size()), input.params, squares,
+                 links);
     return queue.read(links);
   }
   static Expected reference(const Input& input);  // reference/square_links.cpp

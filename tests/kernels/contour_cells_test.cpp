@@ -27,7 +27,8 @@ TEST(ContourCells, no_labels_or_one_label_make_no_contour) {
   auto input = ContourCellsCase::make(1009, 2);
   for (const std::uint32_t label : {0u, 7u}) {
     std::fill(input.labels.begin(), input.labels.end(), label);
-    for (const std::uint16_t code : ContourCellsCase::run(queue(), input)) ASSERT_EQ(code, label ? 0xffff : 0);
+    for (const std::uint16_t code : ContourCellsCase::run(queue(), input))
+      ASSERT_EQ(code, label ? 0xffff : 0);
   }
 }
 

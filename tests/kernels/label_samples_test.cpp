@@ -40,8 +40,8 @@ TEST(LabelSamples, labels_nothing_when_all_is_nan) {
 }
 
 TEST(LabelSamples, gives_the_same_bits_at_two_work_group_sizes) {
-  const auto [a, b] =
-      at_two_work_group_sizes([] { return LabelSamplesCase::run(queue(), LabelSamplesCase::make(1009, 11)); });
+  const auto [a, b] = at_two_work_group_sizes(
+      [] { return LabelSamplesCase::run(queue(), LabelSamplesCase::make(1009, 11)); });
   EXPECT_TRUE(same_bits(a, b));
 }
 

@@ -19,7 +19,8 @@ TEST(SquareLinks, agrees_with_its_reference_at_every_size) {
       ASSERT_EQ(got.size(), expected.links.size());
       for (std::size_t i = 0; i < got.size(); ++i) {
         if (expected.margin[i] < SquareLinksCase::kMargin) continue;
-        ASSERT_NEAR(got[i], expected.links[i], SquareLinksCase::kTolerance) << "size " << size << " link " << i;
+        ASSERT_NEAR(got[i], expected.links[i], SquareLinksCase::kTolerance)
+            << "size " << size << " link " << i;
       }
     }
   }
@@ -27,7 +28,8 @@ TEST(SquareLinks, agrees_with_its_reference_at_every_size) {
 
 TEST(SquareLinks, case_meets_links_and_breaks_of_every_kind) {
   const auto expected = SquareLinksCase::reference(SquareLinksCase::make(1009, 5));
-  const auto linked = std::count_if(expected.links.begin(), expected.links.end(), [](double c) { return c >= 0; });
+  const auto linked =
+      std::count_if(expected.links.begin(), expected.links.end(), [](double c) { return c >= 0; });
   EXPECT_GT(linked, 200);
   EXPECT_LT(linked, 1500);
 }

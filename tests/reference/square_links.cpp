@@ -46,7 +46,8 @@ SquareLinksCase::Expected SquareLinksCase::reference(const Input& input) {
         link(p, input.squares[i], input.squares[row * p.cols + (col + 1) % p.cols], true, out.links[2 * i],
              out.margin[2 * i]);
       if (row + 1 < p.rows)
-        link(p, input.squares[i], input.squares[i + p.cols], false, out.links[2 * i + 1], out.margin[2 * i + 1]);
+        link(p, input.squares[i], input.squares[i + p.cols], false, out.links[2 * i + 1],
+             out.margin[2 * i + 1]);
     }
   return out;
 }
