@@ -15,6 +15,7 @@ constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameter
 constexpr double kLeastShareGained = 0.04;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
+constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
 // Every stride-th sample of the region's squares that lies on its plane, as (a, b, height).
@@ -92,15 +93,17 @@ bool in_contact(const RangeImage& image, const SquarePlanes& squares, const Supe
   return std::max(std::abs(step.dot(na)), std::abs(step.dot(nb))) < distance * std::sin(angle) + noise;
 }
 
-// A square that bridges a small step is turned as well, but the one beyond it is parallel again.
-bool bridges(const SquarePlanes& squares, const SquareGrid& grid, const Vec3& normal, std::size_t square,
-             int direction) {
+// A square that straddles a small step is turned, but the one beyond it is parallel again; one that straddles
+// a corner is turned a little, the one beyond it far more than a curved surface would go on.
+bool straddles(const SquarePlanes& squares, const SquareGrid& grid, const Vec3& normal, std::size_t square,
+               int direction) {
   const std::int64_t beyond = grid.neighbour(square, direction);
   if (beyond == SquareGrid::kNone) return false;
   const SquareRecord& after = squares.squares[static_cast<std::size_t>(beyond)];
-  return after.state == SQUARE_PLANAR &&
-         angle_between(normal, square_normal(after)) <
-             0.5 * angle_between(normal, square_normal(squares.squares[square]));
+  if (after.state != SQUARE_PLANAR) return false;
+  const double here = angle_between(normal, square_normal(squares.squares[square]));
+  const double there = angle_between(normal, square_normal(after));
+  return there < 0.5 * here || there > std::max(4 * here, kCreaseTo);
 }
 
 // Most of the rim is in contact with squares that, on the mean, turn away (or all towards): one such normal
@@ -123,7 +126,7 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
         continue;
       const SquareRecord &here = squares.squares[square], &next = squares.squares[other];
       if (!in_contact(image, squares, options, here, next) ||
-          bridges(squares, grid, normal, other, direction))
+          straddles(squares, grid, normal, other, direction))
         continue;
       contacts += 1;
       const Vec3 step = square_centroid(next) - square_centroid(here);
@@ -131,6 +134,8 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       bend += square_normal(next).dot(outward);
       variance += next.sigma_normal * next.sigma_normal;
     }
+  // A wide region bends visibly itself when it is curved: bends() decides.
+  if (region.squares.size() > kWidestFacet / 2 * static_cast<std::size_t>(rim)) return false;
   return contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
          std::abs(bend) > kBendSigmas * std::sqrt(variance);
 }

@@ -121,6 +121,21 @@ TEST(Superclusters, dense_scan_with_its_slivers_near_the_zenith) {
   for (const std::size_t face : result.majority) EXPECT_NE(face, std::size_t{kColumn});
 }
 
+// Regression: large squares straddle the corner of floor and wall with a slight, consistent tilt, which once
+// made a facet of the whole floor.
+TEST(Superclusters, large_squares_that_straddle_corners_make_no_facet_of_the_floor) {
+  BoxRoom room;
+  room.full_turn = false;
+  room.rows = 900;
+  room.cols = 1850;
+  room.highest_deg = -12;
+  const auto scan = scan_room(room);
+  const auto segmentation = segment(scan, room.noise_m, {}, 16);
+  ASSERT_FALSE(segmentation.superclusters.empty());
+  EXPECT_NEAR(segmentation.superclusters[0].plane.offset_m, -1.6, 1e-3);
+  EXPECT_GT(score(scan, segmentation).right, 0.99);
+}
+
 TEST(Superclusters, planes_are_accurate_and_described) {
   const BoxRoom room;
   const auto scan = scan_room(room);
