@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostSamples = 4000;  // of a region in the quadratic fit
 constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameters
-constexpr double kLeastShareGained = 0.04;  // of the squared residuals
+constexpr double kLeastShareGained = 0.01;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
@@ -146,11 +146,12 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
                          const SuperclusterOptions& options, PlaneRegions& regions) {
   std::vector<std::uint8_t> curved(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
+    if (regions.regions[i].curved || regions.regions[i].squares.empty()) return;
     const auto id = static_cast<std::uint32_t>(i + 1);
     curved[i] = is_facet(image, squares, grid, options, regions, id) ||
                 bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
   });
-  for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved = curved[i] != 0;
+  for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved |= curved[i] != 0;
 }
 
 }  // namespace hybrid::stages
