@@ -40,8 +40,8 @@ static inline float link_cost(const global SquareRecord* a, const global SquareR
       reach / fmax(cosine, params.min_cosine) + params.offset_sigmas * params.sigma_m;
 
   const float offset = fmax(fabs(dot(step, na)), fabs(dot(step, nb)));
-  const float offset_limit = params.offset_sigmas * sqrt(params.sigma_m * params.sigma_m +
-                                                         distance * distance * variance_normal);
+  const float offset_limit =
+      params.offset_sigmas * sqrt(params.sigma_m * params.sigma_m + distance * distance * variance_normal);
   const int linked = angle < angle_limit && distance < distance_limit && offset < offset_limit;
   return linked ? fmax(angle / angle_limit, offset / offset_limit) : -1.0f;
 }

@@ -12,7 +12,8 @@ namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-// Golden-ratio steps in hue keep successive ids apart; three levels of paleness tell those that come round again.
+// Golden-ratio steps in hue keep successive ids apart; three levels of paleness tell those that come round
+// again.
 Colour pastel(std::uint32_t id) {
   const double hue = std::fmod(static_cast<double>(id) * 0.6180339887498949, 1.0) * 6;
   const double saturation = 0.30 + 0.12 * (id / 5 % 3), value = 0.98 - 0.10 * (id / 3 % 3);
@@ -28,9 +29,12 @@ Colour pastel(std::uint32_t id) {
 
 Colour class_colour(std::uint8_t square_class) {
   switch (square_class) {
-    case kUndersampled: return {0, 0, 0};
-    case kPlanarTooSmall: return {20, 30, 110};
-    default: return {15, 75, 30};
+    case kUndersampled:
+      return {0, 0, 0};
+    case kPlanarTooSmall:
+      return {20, 30, 110};
+    default:
+      return {15, 75, 30};
   }
 }
 
@@ -46,9 +50,9 @@ Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentat
     for (int col = 0; col < image.cols; ++col) {
       const std::size_t i = image.index(row, col);
       if (image.mask[i] == kEmpty) continue;
-      const std::size_t square =
-          static_cast<std::size_t>(row / segmentation.square) * static_cast<std::size_t>(segmentation.square_cols) +
-          static_cast<std::size_t>(col / segmentation.square);
+      const std::size_t square = static_cast<std::size_t>(row / segmentation.square) *
+                                     static_cast<std::size_t>(segmentation.square_cols) +
+                                 static_cast<std::size_t>(col / segmentation.square);
       const std::uint32_t label = segmentation.sample_label[i];
       const Colour colour = label != 0 ? pastel(label) : class_colour(segmentation.square_class[square]);
       std::copy(colour.begin(), colour.end(), picture.at(col, row));
@@ -73,7 +77,8 @@ Image8 range_picture(const RangeImage& image) {
       image.count(),
       [&](std::size_t i) {
         if (!(image.range_m[i] > 0) || !std::isfinite(image.range_m[i])) return;
-        const double depth = std::clamp((std::log(static_cast<double>(image.range_m[i])) - near) / (far - near), 0.0, 1.0);
+        const double depth =
+            std::clamp((std::log(static_cast<double>(image.range_m[i])) - near) / (far - near), 0.0, 1.0);
         picture.pixels[i] = static_cast<std::uint8_t>(std::lround(250 - 215 * depth));
       },
       1 << 14);

@@ -1,7 +1,7 @@
 #include "stages/contour_mask.hpp"
 
 #include <algorithm>
-#include <map>
+#include <array>
 #include <numeric>
 
 #include "core/parallel.hpp"
@@ -16,9 +16,9 @@ struct Run {
 };
 
 struct Patches {
-  std::vector<Run> runs;                // row by row, left to right
-  std::vector<std::size_t> row_begin;   // rows + 1
-  std::vector<std::uint32_t> parent;    // union-find over runs
+  std::vector<Run> runs;               // row by row, left to right
+  std::vector<std::size_t> row_begin;  // rows + 1
+  std::vector<std::uint32_t> parent;   // union-find over runs
 
   std::uint32_t root(std::uint32_t run) {
     while (parent[run] != run) run = parent[run] = parent[parent[run]];
@@ -79,14 +79,32 @@ Patches find_patches(const RangeImage& image, const std::vector<std::uint32_t>& 
   return patches;
 }
 
-// Rim of every small patch: edges by the label on the other side.
-using Rim = std::map<std::uint32_t, std::int64_t>;
+// Edges of a small patch's rim by the label on the other side. A patch of a few samples meets few labels:
+// what comes after the eighth counts as rim only.
+struct Rim {
+  std::array<std::uint32_t, 8> label{};
+  std::array<int, 8> edges{};
+  int total = 0;
 
-std::map<std::uint32_t, Rim> find_rims(const RangeImage& image, const Patches& patches,
-                                       const std::vector<std::int64_t>& size, int least) {
-  std::map<std::uint32_t, Rim> rims;
+  void add(std::uint32_t other, int count) {
+    total += count;
+    for (std::size_t k = 0; k < label.size(); ++k)
+      if (edges[k] == 0 || label[k] == other) {
+        label[k] = other;
+        edges[k] += count;
+        return;
+      }
+  }
+};
+
+// Per run: index of its patch's rim, or kNoRim where the patch is none of the small ones sought.
+constexpr std::uint32_t kNoRim = 0xffffffffu;
+
+std::vector<Rim> find_rims(const RangeImage& image, const Patches& patches,
+                           const std::vector<std::uint32_t>& slot, std::size_t count) {
+  std::vector<Rim> rims(count);
   const auto add = [&](const Run& from, std::uint32_t other, int edges) {
-    if (size[from.patch] < least) rims[from.patch][other] += edges;
+    if (slot[from.patch] != kNoRim) rims[slot[from.patch]].add(other, edges);
   };
   const auto meet = [&](const Run& a, const Run& b, int edges) {
     if (a.patch == b.patch) return;
@@ -96,15 +114,7 @@ std::map<std::uint32_t, Rim> find_rims(const RangeImage& image, const Patches& p
   for (std::size_t row = 0; row < static_cast<std::size_t>(image.rows); ++row) {
     const std::size_t first = patches.row_begin[row], last = patches.row_begin[row + 1] - 1;
     for (std::size_t i = first; i < last; ++i) meet(patches.runs[i], patches.runs[i + 1], 1);
-    if (image.wraps) {
-      meet(patches.runs[last], patches.runs[first], 1);
-    } else {
-      add(patches.runs[first], 0, 1);
-      add(patches.runs[last], 0, 1);
-    }
-    if (row == 0 || row + 1 == static_cast<std::size_t>(image.rows))
-      for (std::size_t i = first; i <= last; ++i)
-        add(patches.runs[i], 0, patches.runs[i].end - patches.runs[i].begin);
+    if (image.wraps) meet(patches.runs[last], patches.runs[first], 1);
     if (row + 1 < static_cast<std::size_t>(image.rows))
       touching(patches, row, [&](std::size_t a, std::size_t b, int overlap) {
         meet(patches.runs[a], patches.runs[b], overlap);
@@ -113,35 +123,36 @@ std::map<std::uint32_t, Rim> find_rims(const RangeImage& image, const Patches& p
   return rims;
 }
 
-// What a small patch becomes; its own label when it stays.
-std::uint32_t replacement(std::uint32_t label, const Rim& rim, bool holes) {
-  std::uint32_t best = 0;
-  std::int64_t most = 0, total = 0;
-  for (const auto& [other, edges] : rim) {
-    total += edges;
-    if (edges > most) {
-      most = edges;
-      best = other;
+// What a small patch becomes: its own label when it stays. Ties go to the smaller label.
+std::uint32_t replacement(std::uint32_t own, const Rim& rim) {
+  std::uint32_t best = own;
+  int most = 0;
+  for (std::size_t k = 0; k < rim.label.size(); ++k)
+    if (rim.edges[k] > most || (rim.edges[k] == most && most > 0 && rim.label[k] < best)) {
+      most = rim.edges[k];
+      best = rim.label[k];
     }
-  }
-  return holes && 4 * most < 3 * total ? label : best;
+  return own == 0 && 4 * most < 3 * rim.total ? own : best;
 }
 
-// One pass over the specks (holes = false) or over the holes.
-void clean(const RangeImage& image, int least, bool holes, std::vector<std::uint32_t>& labels) {
+enum class Kind { specks, holes };
+
+void clean(const RangeImage& image, int least, Kind kind, std::vector<std::uint32_t>& labels) {
   const Patches patches = find_patches(image, labels);
   std::vector<std::int64_t> size(patches.runs.size(), 0);
   for (const Run& run : patches.runs) size[run.patch] += run.end - run.begin;
-  // Patches of the other kind are made large, so that they collect no rim.
+  std::vector<std::uint32_t> slot(patches.runs.size(), kNoRim), owner;
+  for (std::uint32_t i = 0; i < patches.runs.size(); ++i)
+    if (patches.runs[i].patch == i && size[i] < least &&
+        (patches.runs[i].label == 0) == (kind == Kind::holes)) {
+      slot[i] = static_cast<std::uint32_t>(owner.size());
+      owner.push_back(i);
+    }
+  const auto rims = find_rims(image, patches, slot, owner.size());
   for (const Run& run : patches.runs)
-    if ((run.label == 0) != holes) size[run.patch] = least;
-  std::map<std::uint32_t, std::uint32_t> becomes;
-  for (const auto& [patch, rim] : find_rims(image, patches, size, least))
-    becomes[patch] = replacement(patches.runs[patch].label, rim, holes);
-  for (const Run& run : patches.runs)
-    if (const auto found = becomes.find(run.patch); found != becomes.end())
+    if (slot[run.patch] != kNoRim)
       std::fill_n(labels.begin() + static_cast<std::ptrdiff_t>(image.index(run.row, run.begin)),
-                  run.end - run.begin, found->second);
+                  run.end - run.begin, replacement(run.label, rims[slot[run.patch]]));
 }
 
 }  // namespace
@@ -150,8 +161,8 @@ std::vector<std::uint32_t> clean_labels(const RangeImage& image, const std::vect
                                         int least) {
   std::vector<std::uint32_t> cleaned = labels;
   if (image.count() == 0) return cleaned;
-  clean(image, least, false, cleaned);
-  clean(image, least, true, cleaned);
+  clean(image, least, Kind::specks, cleaned);
+  clean(image, least, Kind::holes, cleaned);
   return cleaned;
 }
 

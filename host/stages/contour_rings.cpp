@@ -22,7 +22,8 @@ std::uint32_t pole_label(const RangeImage& image, const std::vector<std::uint32_
 
 // Nodes of the tile's cells: one row and one column more than cells.
 std::vector<std::uint32_t> gather_nodes(const RangeImage& image, const std::vector<std::uint32_t>& labels,
-                                        std::uint32_t upper_pole, std::uint32_t lower_pole, const Tile& tile) {
+                                        std::uint32_t upper_pole, std::uint32_t lower_pole,
+                                        const Tile& tile) {
   const std::size_t width = static_cast<std::size_t>(tile.cols) + 1;
   std::vector<std::uint32_t> nodes((static_cast<std::size_t>(tile.rows) + 1) * width);
   parallel_for(static_cast<std::size_t>(tile.rows) + 1, [&](std::size_t r) {
@@ -50,8 +51,8 @@ bool inside(std::uint32_t code, int corner) {
   return (code >> (corner & 3) & 1u) != 0;
 }
 
-// A contour leaves its mask to the right: through a cell it runs from an edge where, clockwise, inside turns to
-// outside, back over the inside corners to the edge where they began.
+// A contour leaves its mask to the right: through a cell it runs from an edge where, clockwise, inside turns
+// to outside, back over the inside corners to the edge where they began.
 bool starts_at(std::uint32_t code, int edge) {
   return inside(code, edge) && !inside(code, edge + 1);
 }
@@ -68,8 +69,9 @@ struct Tracer {
   std::vector<std::uint8_t> visited;  // per cell: set of start edges
 
   std::size_t find(std::uint64_t index) const {
-    const auto at = std::lower_bound(cells.begin(), cells.end(), index,
-                                     [](const auto& cell, std::uint64_t value) { return cell.index < value; });
+    const auto at =
+        std::lower_bound(cells.begin(), cells.end(), index,
+                         [](const auto& cell, std::uint64_t value) { return cell.index < value; });
     return static_cast<std::size_t>(at - cells.begin());
   }
 
@@ -82,15 +84,20 @@ struct Tracer {
   double azimuth(int col) const {
     const auto& table = image.azimuth_rad;
     if (col >= 0 && col < image.cols) return table[static_cast<std::size_t>(col)];
-    if (image.wraps) return col < 0 ? table.back() - 2 * std::numbers::pi : table.front() + 2 * std::numbers::pi;
+    if (image.wraps)
+      return col < 0 ? table.back() - 2 * std::numbers::pi : table.front() + 2 * std::numbers::pi;
     return col < 0 ? table.front() - image.azimuth_step_rad() : table.back() + image.azimuth_step_rad();
   }
   std::array<double, 2> point(int row, int col, int edge) const {
     switch (edge) {
-      case kUpperEdge: return {(azimuth(col - 1) + azimuth(col)) / 2, elevation(row - 1)};
-      case kRightEdge: return {azimuth(col), (elevation(row - 1) + elevation(row)) / 2};
-      case kLowerEdge: return {(azimuth(col - 1) + azimuth(col)) / 2, elevation(row)};
-      default: return {azimuth(col - 1), (elevation(row - 1) + elevation(row)) / 2};
+      case kUpperEdge:
+        return {(azimuth(col - 1) + azimuth(col)) / 2, elevation(row - 1)};
+      case kRightEdge:
+        return {azimuth(col), (elevation(row - 1) + elevation(row)) / 2};
+      case kLowerEdge:
+        return {(azimuth(col - 1) + azimuth(col)) / 2, elevation(row)};
+      default:
+        return {azimuth(col - 1), (elevation(row - 1) + elevation(row)) / 2};
     }
   }
 

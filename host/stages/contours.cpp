@@ -28,27 +28,39 @@ struct Directions {
     return false;
   }
 };
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Directions>, Directions, 2>;
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Directions>, Directions, 2>;
 
-// Measured members inside the cleaned mask of each label with a node beside them that is not: the nearest member
-// of any contour point is one of these.
+// Measured members inside the cleaned mask of each label, with a node beside them that is none, within kBand
+// nodes of the mask's edge. A contour point is half a node off the edge, so no other member is nearer to it
+// than kBand - 1/2 nodes; one of these is, unless dropouts emptied the band there.
+constexpr int kBand = 3;
+
+// All nodes up to `reach` rows and columns away have this node's label.
+bool within(const RangeImage& image, const std::vector<std::uint32_t>& labels, int row, int col, int reach) {
+  if (row < reach || row + reach >= image.rows) return false;
+  const std::uint32_t label = labels[image.index(row, col)];
+  const bool inside = col >= reach && col + reach < image.cols;
+  if (!inside && !image.wraps) return false;
+  for (int r = row - reach; r <= row + reach; ++r)
+    for (int c = col - reach; c <= col + reach; ++c) {
+      const int at = inside ? c : (c % image.cols + image.cols) % image.cols;
+      if (labels[image.index(r, at)] != label) return false;
+    }
+  return true;
+}
+
 std::vector<std::vector<std::uint64_t>> rim_samples(const RangeImage& image,
                                                     const std::vector<std::uint32_t>& members,
+                                                    const std::vector<std::uint32_t>& mask,
                                                     std::size_t label_count) {
   std::vector<std::vector<std::uint64_t>> rows(static_cast<std::size_t>(image.rows));
-  const auto member = [&](int row, int col) -> std::uint32_t {
-    if (image.wraps) col = (col + image.cols) % image.cols;
-    return row < 0 || row >= image.rows || col < 0 || col >= image.cols ? 0 : members[image.index(row, col)];
-  };
   parallel_for(rows.size(), [&](std::size_t r) {
     const int row = static_cast<int>(r);
-    for (int col = 0; col < image.cols; ++col) {
-      const std::uint32_t label = members[image.index(row, col)];
-      if (label == 0) continue;
-      bool rim = false;
-      for (int k = 0; k < 9 && !rim; ++k) rim = member(row + k / 3 - 1, col + k % 3 - 1) != label;
-      if (rim) rows[r].push_back(image.index(row, col));
-    }
+    for (int col = 0; col < image.cols; ++col)
+      if (members[image.index(row, col)] != 0 && !within(image, members, row, col, 1) &&
+          !within(image, mask, row, col, kBand))
+        rows[r].push_back(image.index(row, col));
   });
   std::vector<std::vector<std::uint64_t>> of_label(label_count);
   for (const auto& row : rows)
@@ -188,7 +200,7 @@ std::vector<std::uint8_t> trace_contours(device::Queue& queue, const RangeImage&
       },
       1 << 14);
   const ContourCells cells = find_contour_cells(queue, image, mask, count, options.tile);
-  const auto rims = rim_samples(image, members, count);
+  const auto rims = rim_samples(image, members, mask, count);
   parallel_for(count, [&](std::size_t i) {
     Supercluster& supercluster = segmentation.superclusters[i];
     supercluster.contours =

@@ -30,7 +30,7 @@ bool coplanar(const PlaneFit& a, const PlaneFit& b, const SuperclusterOptions& o
   return angle <= limit && near_plane(a, b, options) && near_plane(b, a, options);
 }
 
-// At most kMostRim squares on the region's rim, evenly chosen.
+// Squares of the region that have a neighbour outside it.
 std::vector<std::uint32_t> rim(const SquareGrid& grid, const PlaneRegions& regions, std::uint32_t id) {
   std::vector<std::uint32_t> squares;
   for (const std::uint32_t square : regions.regions[id - 1].squares)
@@ -40,10 +40,7 @@ std::vector<std::uint32_t> rim(const SquareGrid& grid, const PlaneRegions& regio
       squares.push_back(square);
       break;
     }
-  const std::size_t stride = (squares.size() + kMostRim - 1) / kMostRim;
-  std::vector<std::uint32_t> chosen;
-  for (std::size_t i = 0; i < squares.size(); i += stride) chosen.push_back(squares[i]);
-  return chosen;
+  return squares;
 }
 
 struct Gap {
@@ -51,12 +48,16 @@ struct Gap {
   int rows = 0, cols = 0;  // to the square it ends at; columns the short way round
 };
 
+// The nearest pair among at most kMostRim squares of each rim, evenly chosen.
 Gap nearest_squares(const SquareGrid& grid, const std::vector<std::uint32_t>& from,
                     const std::vector<std::uint32_t>& to) {
   Gap best;
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
-  for (const std::uint32_t a : from)
-    for (const std::uint32_t b : to) {
+  const std::size_t from_stride = (from.size() + kMostRim - 1) / kMostRim;
+  const std::size_t to_stride = (to.size() + kMostRim - 1) / kMostRim;
+  for (std::size_t i = 0; i < from.size(); i += from_stride)
+    for (std::size_t j = 0; j < to.size(); j += to_stride) {
+      const std::uint32_t a = from[i], b = to[j];
       const int row = static_cast<int>(a) / grid.cols, col = static_cast<int>(a) % grid.cols;
       const int rows = static_cast<int>(b) / grid.cols - row;
       int cols = static_cast<int>(b) % grid.cols - col;
@@ -114,14 +115,18 @@ void merge_coplanar_regions(const RangeImage& image, const SquarePlanes& squares
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::uint32_t large = order[i];
     if (regions.regions[large - 1].curved || regions.regions[large - 1].squares.size() < least) continue;
+    std::vector<std::uint32_t> large_rim = rim(grid, regions, large);
     for (bool changed = true; changed;) {
       changed = false;
       for (std::size_t j = i + 1; j < order.size(); ++j) {
         const PlaneRegion& a = regions.regions[large - 1];
         const PlaneRegion& b = regions.regions[order[j] - 1];
         if (b.curved || b.squares.empty() || !coplanar(a.fit, b.fit, options)) continue;
-        const Gap gap = nearest_squares(grid, rim(grid, regions, large), rim(grid, regions, order[j]));
+        const auto small_rim = rim(grid, regions, order[j]);
+        const Gap gap = nearest_squares(grid, large_rim, small_rim);
         if (seen_through(image, squares, a.fit.plane, gap, options) > kMostSeenThrough) continue;
+        // Squares where the two touched stay in the list: they are on no rim now, but do no harm.
+        large_rim.insert(large_rim.end(), small_rim.begin(), small_rim.end());
         take(regions, large, order[j]);
         changed = true;
       }

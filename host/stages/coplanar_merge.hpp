@@ -4,9 +4,9 @@
 namespace hybrid::stages {
 
 // Joins regions that are one plane broken by an occluder: their planes agree at each other's centroids within
-// waviness and covariance (at most 2 cm and 5 degrees), and between their nearest squares the scan never looks
-// through the plane: samples there lie on it, in front of it or are missing. The larger region, of at least
-// min_squares, takes the smaller one; curved regions stay out.
+// waviness and covariance (at most 2 cm and 5 degrees), and between their nearest squares the scan never
+// looks through the plane: samples there lie on it, in front of it or are missing. The larger region, of at
+// least min_squares, takes the smaller one; curved regions stay out.
 void merge_coplanar_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                             const SuperclusterOptions& options, PlaneRegions& regions);
 

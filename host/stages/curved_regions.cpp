@@ -12,9 +12,10 @@ namespace {
 
 constexpr std::size_t kMostSamples = 4000;  // of a region in the quadratic fit
 constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameters
-constexpr double kLeastShareGained = 0.04;  // of the squared residuals
+constexpr double kLeastShareGained = 0.01;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
+constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
 // Every stride-th sample of the region's squares that lies on its plane, as (a, b, height).
@@ -61,9 +62,11 @@ bool bends(const std::vector<Vec3>& samples, double min_curvature) {
   const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
   const double error_linear = squares - linear.dot(right.head<3>());
   const double error_quadratic = squares - quadratic.dot(right);
-  const double variance = std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
+  const double variance =
+      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
   const double fall = error_linear - error_quadratic;
-  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear) return false;
+  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
+    return false;
   const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
   const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
   return curvature > min_curvature;
@@ -90,19 +93,21 @@ bool in_contact(const RangeImage& image, const SquarePlanes& squares, const Supe
   return std::max(std::abs(step.dot(na)), std::abs(step.dot(nb))) < distance * std::sin(angle) + noise;
 }
 
-// A square that bridges a small step is turned as well, but the one beyond it is parallel again.
-bool bridges(const SquarePlanes& squares, const SquareGrid& grid, const Vec3& normal, std::size_t square,
-             int direction) {
+// A square that straddles a small step is turned, but the one beyond it is parallel again; one that straddles
+// a corner is turned a little, the one beyond it far more than a curved surface would go on.
+bool straddles(const SquarePlanes& squares, const SquareGrid& grid, const Vec3& normal, std::size_t square,
+               int direction) {
   const std::int64_t beyond = grid.neighbour(square, direction);
   if (beyond == SquareGrid::kNone) return false;
   const SquareRecord& after = squares.squares[static_cast<std::size_t>(beyond)];
-  return after.state == SQUARE_PLANAR &&
-         angle_between(normal, square_normal(after)) <
-             0.5 * angle_between(normal, square_normal(squares.squares[square]));
+  if (after.state != SQUARE_PLANAR) return false;
+  const double here = angle_between(normal, square_normal(squares.squares[square]));
+  const double there = angle_between(normal, square_normal(after));
+  return there < 0.5 * here || there > std::max(4 * here, kCreaseTo);
 }
 
-// Most of the rim is in contact with squares that, on the mean, turn away (or all towards): one such normal may be
-// noise, their mean is not.
+// Most of the rim is in contact with squares that, on the mean, turn away (or all towards): one such normal
+// may be noise, their mean is not.
 bool is_facet(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
               const SuperclusterOptions& options, const PlaneRegions& regions, std::uint32_t id) {
   const PlaneRegion& region = regions.regions[id - 1];
@@ -120,7 +125,8 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       if (owner != 0 && regions.regions[owner - 1].squares.size() > kMuchLarger * region.squares.size())
         continue;
       const SquareRecord &here = squares.squares[square], &next = squares.squares[other];
-      if (!in_contact(image, squares, options, here, next) || bridges(squares, grid, normal, other, direction))
+      if (!in_contact(image, squares, options, here, next) ||
+          straddles(squares, grid, normal, other, direction))
         continue;
       contacts += 1;
       const Vec3 step = square_centroid(next) - square_centroid(here);
@@ -128,6 +134,8 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       bend += square_normal(next).dot(outward);
       variance += next.sigma_normal * next.sigma_normal;
     }
+  // A wide region bends visibly itself when it is curved: bends() decides.
+  if (region.squares.size() > kWidestFacet / 2 * static_cast<std::size_t>(rim)) return false;
   return contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
          std::abs(bend) > kBendSigmas * std::sqrt(variance);
 }
@@ -138,12 +146,12 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
                          const SuperclusterOptions& options, PlaneRegions& regions) {
   std::vector<std::uint8_t> curved(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
+    if (regions.regions[i].curved || regions.regions[i].squares.empty()) return;
     const auto id = static_cast<std::uint32_t>(i + 1);
-    curved[i] =
-        is_facet(image, squares, grid, options, regions, id) ||
-        bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+    curved[i] = is_facet(image, squares, grid, options, regions, id) ||
+                bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
   });
-  for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved = curved[i] != 0;
+  for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved |= curved[i] != 0;
 }
 
 }  // namespace hybrid::stages

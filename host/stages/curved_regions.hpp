@@ -3,12 +3,14 @@
 
 namespace hybrid::stages {
 
-// Marks the regions that are facets of curved surfaces (columns, vaults): chains of links and the tolerance
-// for waviness let a strip of a cylinder pass as a plane. A region is curved when
+// Marks (and never unmarks) the regions that are facets of curved surfaces (columns, vaults): chains of links
+// and the tolerance for waviness let a strip of a cylinder pass as a plane. A region is curved when
 // - a quadratic height field over its plane fits significantly better and bends more than min_curvature, or
-// - more than max_crease_share of its rim is in continuous contact with planar squares that, on the mean, bend
-//   away from it (or towards it) by 2.5 to 30 degrees: the next facets. Contact with a region many times larger
-//   does not count: that is a wall with a shallow kink; nor do squares that bridge a small step.
+// - more than max_crease_share of its rim is in continuous contact with planar squares that, on the mean,
+// bend
+//   away from it (or towards it) by 2.5 to 30 degrees: the next facets. Only narrow regions are asked.
+//   Contact with a region many times larger does not count: that is a wall with a shallow kink; nor do
+//   squares that straddle a small step or a corner.
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions);
 

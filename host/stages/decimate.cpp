@@ -25,11 +25,12 @@ void check_extents(const RangeImage& image, const PlaneSegmentation& segmentatio
                                               static_cast<std::size_t>(segmentation.square_cols);
   if (squares_fit && segmentation.sample_label.size() == image.count() && boundary.size() == image.count())
     return;
-  fail(ErrorKind::failed,
-       "decimate: an image of {} x {} samples, but {} sample labels, {} boundary flags and {} x {} squares of "
-       "side {}",
-       image.rows, image.cols, segmentation.sample_label.size(), boundary.size(), segmentation.square_rows,
-       segmentation.square_cols, n);
+  fail(
+      ErrorKind::failed,
+      "decimate: an image of {} x {} samples, but {} sample labels, {} boundary flags and {} x {} squares of "
+      "side {}",
+      image.rows, image.cols, segmentation.sample_label.size(), boundary.size(), segmentation.square_rows,
+      segmentation.square_cols, n);
 }
 
 }  // namespace
@@ -59,8 +60,8 @@ Decimation decimate(device::Queue& queue, const RangeImage& image, const PlaneSe
     params.square = static_cast<std::uint32_t>(segmentation.square);
     params.square_cols = static_cast<std::uint32_t>(segmentation.square_cols);
     params.discard_in_mixed_squares = options.discard_in_mixed_squares ? 1 : 0;
-    queue.launch("decimate", queue.kernel("decimate"), device::grid(rect.cols, rect.rows), params, mask, label,
-                 flags, square_class, fate);
+    queue.launch("decimate", queue.kernel("decimate"), device::grid(rect.cols, rect.rows), params, mask,
+                 label, flags, square_class, fate);
     queue.read_rect(fate, result.fate.data(), width, rect);
   }
   for (const std::uint8_t fate : result.fate) {
@@ -73,7 +74,8 @@ Decimation decimate(device::Queue& queue, const RangeImage& image, const PlaneSe
 
 void keep_unexplained(const std::vector<std::uint8_t>& explained, Decimation& decimation) {
   if (explained.size() != decimation.fate.size())
-    fail(ErrorKind::failed, "keep_unexplained: {} flags for {} nodes", explained.size(), decimation.fate.size());
+    fail(ErrorKind::failed, "keep_unexplained: {} flags for {} nodes", explained.size(),
+         decimation.fate.size());
   for (std::size_t i = 0; i < explained.size(); ++i)
     if (decimation.fate[i] == kDiscarded && !explained[i]) {
       decimation.fate[i] = kUnexplained;

@@ -28,8 +28,8 @@ struct Decimation {
 };
 
 struct DecimateOptions {
-  // The paper keeps all samples of squares that are not members. True: their samples that label_samples gave to a
-  // supercluster (beside edges, around clutter) are interior, too.
+  // The paper keeps all samples of squares that are not members. True: their samples that label_samples gave
+  // to a supercluster (beside edges, around clutter) are interior, too.
   bool discard_in_mixed_squares = false;
   int tile = 1024;
 };

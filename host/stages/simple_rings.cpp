@@ -107,8 +107,8 @@ class Crossings {
       if (bad) found_.push_back({e, f});
       return;
     }
-    // Touching vertex to vertex is allowed between rings; so is leaving such a vertex in any direction but along
-    // the other edge.
+    // Touching vertex to vertex is allowed between rings; so is leaving such a vertex in any direction but
+    // along the other edge.
     const RingVertex &a = start(e), &b = finish(e), &c = start(f), &d = finish(f);
     bool bad;
     if (equal(a, c))

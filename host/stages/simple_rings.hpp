@@ -6,8 +6,8 @@
 
 namespace hybrid::stages {
 
-// A ring on its supercluster's plane. The plane coordinates are whole nanometres, so that every test on them is
-// exact in 128-bit integers.
+// A ring on its supercluster's plane. The plane coordinates are whole nanometres, so that every test on them
+// is exact in 128-bit integers.
 struct RingVertex {
   std::int64_t x = 0, y = 0;
   Vec3 point = Vec3::Zero();
@@ -34,10 +34,10 @@ double signed_area2(const FlatRing& ring);
 // equal vertices.
 bool are_simple(const std::vector<FlatRing>& rings);
 
-// Drops the vertices at which rings cross themselves or each other, until none does: the shorter loop a crossing
-// cuts off, or the ends of the crossing edges. A ring that would lose more than a quarter of its vertices is
-// given up: an outer one becomes its convex hull, an inner one is dropped. Rings whose area vanishes or turns
-// over are dropped. Afterwards are_simple(rings) holds.
+// Drops the vertices at which rings cross themselves or each other, until none does: the shorter loop a
+// crossing cuts off, or the ends of the crossing edges. A ring that would lose more than a quarter of its
+// vertices is given up: an outer one becomes its convex hull, an inner one is dropped. Rings whose area
+// vanishes or turns over are dropped. Afterwards are_simple(rings) holds.
 void make_simple(std::vector<FlatRing>& rings);
 
 }  // namespace hybrid::stages

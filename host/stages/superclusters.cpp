@@ -158,6 +158,8 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   mark_curved_regions(image, squares, grid, options, regions);
   merge_coplanar_regions(image, squares, grid, options, regions);
   absorb_squares(image, squares, grid, options, regions);
+  // Again: fragments of a column too small to show that they bend may have merged into one that does.
+  mark_curved_regions(image, squares, grid, options, regions);
   drop_small_regions(options.min_squares, regions);
 
   std::vector<Plane> planes;

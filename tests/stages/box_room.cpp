@@ -20,7 +20,8 @@ void nearer(Hit& hit, double range, RoomPlane face) {
   if (range > 1e-6 && range < hit.range) hit = {range, face};
 }
 
-// Room walls from inside: where the ray leaves the box, with the face it leaves through (faces: +x -x +y -y +z -z).
+// Room walls from inside: where the ray leaves the box, with the face it leaves through (faces: +x -x +y -y
+// +z -z).
 Hit leave_box(const Vec3& from, const Vec3& to, const Vec3& ray, const RoomPlane (&faces)[6]) {
   Hit hit;
   for (int axis = 0; axis < 3; ++axis) {
@@ -63,9 +64,12 @@ Hit cast(const BoxRoom& room, const Vec3& ray) {
       hit = leave_box(from, to, ray,
                       {kSmallFaces, kSmallFaces, kSmallFaces, kNicheBack, kSmallFaces, kSmallFaces});
   }
-  if (room.panel_m > 0)
-    hit_box(hit, {kEast - room.panel_m, -1.0, -0.8}, {kEast + 1, 0.9, 0.7}, ray,
-            {kSmallFaces, kPanel, kSmallFaces, kSmallFaces, kSmallFaces, kSmallFaces});
+  const RoomPlane panel[6] = {kSmallFaces, kPanel, kSmallFaces, kSmallFaces, kSmallFaces, kSmallFaces};
+  const double gap = room.panel_gap_m / 2;
+  if (room.panel_m > 0) {
+    hit_box(hit, {kEast - room.panel_m, -1.0, -0.8}, {kEast + 1, -gap, 0.7}, ray, panel);
+    hit_box(hit, {kEast - room.panel_m, gap, -0.8}, {kEast + 1, 0.9, 0.7}, ray, panel);
+  }
   if (room.occluder)
     hit_box(hit, {0.2, 1.2, kBottom - 1}, {0.45, 1.3, kTop + 1}, ray,
             {kSmallFaces, kSmallFaces, kSmallFaces, kSmallFaces, kSmallFaces, kSmallFaces});
@@ -100,7 +104,8 @@ void refit(const std::vector<Vec3>& points, SquareRecord& record) {
   record.inliers = static_cast<std::uint32_t>(points.size());
 }
 
-std::vector<Vec3> near_plane(const std::vector<Vec3>& points, const Vec3& normal, double offset, double sigma) {
+std::vector<Vec3> near_plane(const std::vector<Vec3>& points, const Vec3& normal, double offset,
+                             double sigma) {
   std::vector<Vec3> kept;
   for (const Vec3& p : points)
     if (std::abs(normal.dot(p) - offset) <=
@@ -116,9 +121,7 @@ SquareRecord fit_square(const std::vector<Vec3>& points, int nodes, double sigma
   record.state = SQUARE_NON_PLANAR;
   std::vector<Vec3> best;
   for (std::uint32_t k = 0; k < 32; ++k) {
-    const auto pick = [&](std::uint32_t draw) {
-      return points[random_below(7 + k, id, draw, record.valid)];
-    };
+    const auto pick = [&](std::uint32_t draw) { return points[random_below(7 + k, id, draw, record.valid)]; };
     const Vec3 a = pick(0);
     const Vec3 normal = (pick(1) - a).cross(pick(2) - a);
     if (!(normal.norm() > 1e-12)) continue;
@@ -151,8 +154,12 @@ RoomScan scan_room(const BoxRoom& room) {
   std::normal_distribution<double> noise(0, 1);
   std::uniform_real_distribution<double> uniform(0, 1);
   for (std::size_t i = 0; i < image.count(); ++i) {
-    const double el = image.elevation_rad[i / static_cast<std::size_t>(room.cols)];
-    const double az = image.azimuth_rad[i % static_cast<std::size_t>(room.cols)];
+    const double stray = room.jitter * (2 * uniform(random) - 1),
+                 sideways = room.jitter * (2 * uniform(random) - 1);
+    const double el =
+        image.elevation_rad[i / static_cast<std::size_t>(room.cols)] + stray * image.elevation_step_rad();
+    const double az =
+        image.azimuth_rad[i % static_cast<std::size_t>(room.cols)] + sideways * image.azimuth_step_rad();
     const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
     const Hit hit = cast(room, ray);
     const double range = hit.range + room.noise_m * noise(random);

@@ -13,20 +13,30 @@ namespace hybrid::testing {
 struct BoxRoom {
   int rows = 300, cols = 720;
   double lowest_deg = -60, highest_deg = 89.75;
-  bool full_turn = true;      // else 100 degrees of azimuth around -y, where the niche is
-  double noise_m = 0.002;     // standard deviation along the ray
-  double dropouts = 0;        // share of samples without return
+  bool full_turn = true;          // else 100 degrees of azimuth around -y, where the niche is
+  double noise_m = 0.002;         // standard deviation along the ray
+  double jitter = 0;              // directions stray from the grid by up to this many steps
+  double dropouts = 0;            // share of samples without return
   double column_radius_m = 0.25;  // 0 = no column
   double panel_m = 0.03;          // how far the panel stands out of the wall; 0 = none
+  double panel_gap_m = 0;         // cuts the panel in two: one sees the wall between its halves
   double niche_m = 0.4;           // depth; 0 = none
-  bool occluder = false;      // a post in front of the +y wall that cuts it in two
+  bool occluder = false;          // a post in front of the +y wall that cuts it in two
   std::uint32_t seed = 1;
 };
 
 // Truth labels.
 enum RoomPlane : std::uint8_t {
-  kNothing, kFloor, kCeiling, kWallEast, kWallWest, kWallNorth, kWallSouth, kPanel, kNicheBack,
-  kColumn,  // curved
+  kNothing,
+  kFloor,
+  kCeiling,
+  kWallEast,
+  kWallWest,
+  kWallNorth,
+  kWallSouth,
+  kPanel,
+  kNicheBack,
+  kColumn,      // curved
   kSmallFaces,  // edges of panel, jambs of the niche, post: planar but not scored
 };
 inline constexpr int kScoredPlanes = 8;
