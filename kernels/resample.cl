@@ -61,41 +61,44 @@ kernel void resample(ResampleParams params, global const uint* restrict begin,
                      global const float2* restrict ray_row, global const float2* restrict ray_col,
                      global float* restrict range, global float* restrict x, global float* restrict y,
                      global float* restrict z, global uchar* restrict mask, global uint* restrict pick) {
-  const uint col = get_global_id(0), row = get_global_id(1);
-  if (col >= params.cols || row >= params.rows) return;
+  const uint col = get_global_id(0), first_row = get_global_id(1) * RESAMPLE_STRIP;
+  if (col >= params.cols || first_row >= params.rows) return;
   const uint from = begin[col], to = begin[col + 1u];
-  const float at = (float)(params.first_row + row);
+  const uint last_row = min(first_row + RESAMPLE_STRIP, params.rows);
+  // First sample of the row at hand or, where it has none, below it.
+  uint first = first_not_before(position, from, to, (float)(params.first_row + first_row) - 0.5f);
+  for (uint row = first_row; row < last_row; ++row) {
+    const float at = (float)(params.first_row + row);
+    uint nearest = RESAMPLE_NO_SAMPLE, next = first;
+    float distance = INFINITY;
+    for (; next < to && position[next] < at + 0.5f; ++next) {
+      const float off = fabs(position[next] - at);
+      if (off >= distance) continue;
+      distance = off;
+      nearest = next;
+    }
 
-  uint nearest = RESAMPLE_NO_SAMPLE;
-  float distance = INFINITY;
-  const uint first = first_not_before(position, from, to, at - 0.5f);
-  uint next = first;
-  for (; next < to && position[next] < at + 0.5f; ++next) {
-    const float off = fabs(position[next] - at);
-    if (off >= distance) continue;
-    distance = off;
-    nearest = next;
+    const uint node = row * params.cols + col;
+    float4 value = (float4)(NAN);
+    uchar state = RESAMPLE_EMPTY;
+    if (nearest != RESAMPLE_NO_SAMPLE) {
+      value = sample[nearest];
+      state = RESAMPLE_MEASURED;
+    } else if (first > from && first < to &&
+               bridges(position, sample, (int)first - 1, (int)first, (int)from, (int)to, &params)) {
+      const float a = position[first - 1u], b = position[first];
+      const float share = (at - a) / (b - a);
+      const float r = sample[first - 1u].w + share * (sample[first].w - sample[first - 1u].w);
+      const float2 elevation = ray_row[row], azimuth = ray_col[col];
+      value = (float4)(r * elevation.x * azimuth.x, r * elevation.x * azimuth.y, r * elevation.y, r);
+      state = RESAMPLE_INTERPOLATED;
+    }
+    range[node] = value.w;
+    x[node] = value.x;
+    y[node] = value.y;
+    z[node] = value.z;
+    mask[node] = state;
+    pick[node] = nearest;
+    first = next;
   }
-
-  const uint node = row * params.cols + col;
-  float4 value = (float4)(NAN);
-  uchar state = RESAMPLE_EMPTY;
-  if (nearest != RESAMPLE_NO_SAMPLE) {
-    value = sample[nearest];
-    state = RESAMPLE_MEASURED;
-  } else if (first > from && first < to &&
-             bridges(position, sample, (int)first - 1, (int)first, (int)from, (int)to, &params)) {
-    const float a = position[first - 1u], b = position[first];
-    const float share = (at - a) / (b - a);
-    const float r = sample[first - 1u].w + share * (sample[first].w - sample[first - 1u].w);
-    const float2 elevation = ray_row[row], azimuth = ray_col[col];
-    value = (float4)(r * elevation.x * azimuth.x, r * elevation.x * azimuth.y, r * elevation.y, r);
-    state = RESAMPLE_INTERPOLATED;
-  }
-  range[node] = value.w;
-  x[node] = value.x;
-  y[node] = value.y;
-  z[node] = value.z;
-  mask[node] = state;
-  pick[node] = nearest;
 }

@@ -78,7 +78,7 @@ static void load(Squares* s, global const float* x, global const float* y, globa
   }
 }
 
-static inline Planes plane_through(const Squares* s, uint triplet) {
+static inline void plane_through(const Squares* s, uint triplet, Planes* p) {
   const uint a = triplet & 255u, b = (triplet >> 8) & 255u, c = (triplet >> 16) & 255u;
   const LanesVec3 u = {s->x[b] - s->x[a], s->y[b] - s->y[a], s->z[b] - s->z[a]};
   const LanesVec3 v = {s->x[c] - s->x[a], s->y[c] - s->y[a], s->z[c] - s->z[a]};
@@ -87,13 +87,11 @@ static inline Planes plane_through(const Squares* s, uint triplet) {
   // A triangle thinner than a thousandth has no direction worth testing: NaN, which is inlier to nothing.
   const lanes_i sliver = area < 1e-6f * lanes_dot(u, u) * lanes_dot(v, v);
   const lanes_f scale = sliver ? (lanes_f)(NAN) : 1.0f / sqrt(area);
-  Planes p;
-  p.normal.x = n.x * scale;
-  p.normal.y = n.y * scale;
-  p.normal.z = n.z * scale;
-  p.offset = p.normal.x * s->x[a] + p.normal.y * s->y[a] + p.normal.z * s->z[a];
-  p.along = lanes_dot(p.normal, s->origin);
-  return p;
+  p->normal.x = n.x * scale;
+  p->normal.y = n.y * scale;
+  p->normal.z = n.z * scale;
+  p->offset = p->normal.x * s->x[a] + p->normal.y * s->y[a] + p->normal.z * s->z[a];
+  p->along = lanes_dot(p->normal, s->origin);
 }
 
 // max(|n.u|, c_min) of sample i; c_min where the sample or the plane is NaN.
@@ -116,17 +114,17 @@ static inline lanes_i qualifies(lanes_f inliers, lanes_f valid, float share) {
 }
 
 // The best test plane of each square, NaN where none qualifies.
-static Planes search(const Squares* s, global const uint* triplets, uint block,
-                     const SquarePlanesParams* params) {
+static void search(const Squares* s, global const uint* triplets, uint block,
+                   const SquarePlanesParams* params, Planes* best) {
   const uint start = random_bits(params->seed, block, 0u), stride = random_bits(params->seed, block, 1u) | 1u;
-  Planes best = {{NAN, NAN, NAN}, NAN, NAN};
+  best->normal.x = best->normal.y = best->normal.z = best->offset = best->along = (lanes_f)(NAN);
   lanes_f lowest = (lanes_f)(INFINITY);
   for (uint h = 0; h < params->hypotheses; h += PLANES) {
     Planes p[PLANES];
     lanes_f count[PLANES], sum[PLANES];
     for (uint k = 0; k < PLANES; ++k) {
       const uint draw = h + k < params->hypotheses ? h + k : h;  // a repeated plane cannot win
-      p[k] = plane_through(s, triplets[(start + draw * stride) & (SQUARE_TRIPLETS - 1u)]);
+      plane_through(s, triplets[(start + draw * stride) & (SQUARE_TRIPLETS - 1u)], &p[k]);
       count[k] = sum[k] = (lanes_f)(0.0f);
     }
     for (uint i = 0; i < SAMPLES; ++i)
@@ -146,19 +144,18 @@ static Planes search(const Squares* s, global const uint* triplets, uint block,
       }
       const lanes_i wins = qualifies(count[k], s->valid, params->min_inlier_share) & (score < lowest);
       lowest = wins ? score : lowest;
-      best.normal.x = wins ? p[k].normal.x : best.normal.x;
-      best.normal.y = wins ? p[k].normal.y : best.normal.y;
-      best.normal.z = wins ? p[k].normal.z : best.normal.z;
-      best.offset = wins ? p[k].offset : best.offset;
-      best.along = wins ? p[k].along : best.along;
+      best->normal.x = wins ? p[k].normal.x : best->normal.x;
+      best->normal.y = wins ? p[k].normal.y : best->normal.y;
+      best->normal.z = wins ? p[k].normal.z : best->normal.z;
+      best->offset = wins ? p[k].offset : best->offset;
+      best->along = wins ? p[k].along : best->along;
     }
   }
-  return best;
 }
 
 // Least squares plane through the inliers of `p`, weighted by 1 / incidence^2, or unweighted through all
 // valid samples when `p` is 0.
-static Planes fit(const Squares* s, const Planes* p, const SquarePlanesParams* params) {
+static void fit(const Squares* s, const Planes* p, const SquarePlanesParams* params, Planes* fitted) {
   lanes_f weights[SAMPLES], total = (lanes_f)(0.0f);
   LanesVec3 mean = {0.0f, 0.0f, 0.0f};
   for (uint i = 0; i < SAMPLES; ++i) {
@@ -190,11 +187,9 @@ static Planes fit(const Squares* s, const Planes* p, const SquarePlanesParams* p
     m.yz += wy * dz;
     m.zz += weights[i] * dz * dz;
   }
-  Planes q;
-  q.normal = lanes_smallest_eigenvector(m);
-  q.offset = lanes_dot(q.normal, mean);
-  q.along = lanes_dot(q.normal, s->origin);
-  return q;
+  lanes_smallest_eigenvector(m, &fitted->normal);
+  fitted->offset = lanes_dot(fitted->normal, mean);
+  fitted->along = lanes_dot(fitted->normal, s->origin);
 }
 
 static lanes_f count_inliers(const Squares* s, const Planes* p, const SquarePlanesParams* params) {
@@ -309,12 +304,13 @@ kernel void square_planes(SquarePlanesParams params, global const float* restric
   load(&s, x, y, z, params.rows, params.cols, square_row * SQUARE, square_col * SQUARE);
   Planes p;
   if (params.fit == SQUARE_FIT_EIGEN) {
-    p = fit(&s, 0, &params);
+    fit(&s, 0, &params, &p);
   } else {
     const uint block_col = (params.first_square_col + square_col) / SQUARE_BLOCK;
     const uint block = mix_bits(params.first_square_row + square_row) + block_col;
-    const Planes found = search(&s, triplets, block, &params);
-    const Planes refitted = fit(&s, &found, &params);
+    Planes found, refitted;
+    search(&s, triplets, block, &params, &found);
+    fit(&s, &found, &params, &refitted);
     const lanes_i keep = qualifies(count_inliers(&s, &refitted, &params), s.valid, params.min_inlier_share);
     p.normal.x = keep ? refitted.normal.x : found.normal.x;
     p.normal.y = keep ? refitted.normal.y : found.normal.y;

@@ -86,7 +86,8 @@ void resample_tile(device::Queue& queue, const TileSamples& seen, const Tile& ti
        z = queue.array<float>(nodes);
   auto mask = queue.array<std::uint8_t>(nodes);
   auto pick = queue.array<std::uint32_t>(nodes);
-  queue.launch("resample", queue.kernel("resample"), device::grid(cols, rows), params, begin, position,
+  queue.launch("resample", queue.kernel("resample"),
+               device::grid(cols, (rows + RESAMPLE_STRIP - 1) / RESAMPLE_STRIP), params, begin, position,
                sample, ray_row, ray_col, range, x, y, z, mask, pick);
 
   const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col), rows, cols};

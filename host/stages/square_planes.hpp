@@ -19,8 +19,10 @@ struct SquarePlaneOptions {
   double min_valid_share = 0.7;   // below: undersampled
   double min_inlier_share = 0.8;  // below: non-planar
   double min_cosine = 0.05;       // c_min: noise along rays nearer to grazing than this counts as at this
-  std::string score = "msac";     // "paper" | "msac"
-  std::string fit = "ransac";     // "ransac" | "eigen", the paper's rejected baseline
+  // "paper" | "msac". On a 10 MP room with 2 mm of noise 95 % of the 5 x 5 squares' normals were within 57
+  // deg by msac and 78 deg by the paper's score (8 x 8: 24 and 71), which more test planes make worse.
+  std::string score = "msac";
+  std::string fit = "ransac";  // "ransac" | "eigen", the paper's rejected baseline
   int seed = 1;
   int tile = 1024;
 };

@@ -11,9 +11,11 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kSteepRad = 1.47;     // about 84 degrees: beyond, a sample's azimuth is mostly noise
-constexpr double kMinimumSamples = 6;  // in the sweep that the median sample belongs to
-constexpr double kClusterRatio = 5;    // between the gaps within columns and those between them
+constexpr double kSteepRad = 1.47;      // about 84 degrees: beyond, a sample's azimuth is mostly noise
+constexpr double kSidewaysShare = 0.4;  // of a column step: more is another column
+constexpr double kSidewaysNoise = 8;    // median offsets between neighbours that noise may reach
+constexpr double kMinimumSamples = 6;   // in the sweep that the median sample belongs to
+constexpr double kClusterRatio = 5;     // between the gaps within columns and those between them
 constexpr std::size_t kMinimumColumns = 4;
 
 std::vector<std::uint32_t> returns(const SampleAngles& angles) {
@@ -37,29 +39,44 @@ void add_azimuths(const SampleAngles& angles, Sweeps& sweeps) {
   });
 }
 
-// Consecutive samples further apart in azimuth than `widest_azimuth` also part, except near the zenith.
-Sweeps cut(const SampleAngles& angles, const std::vector<std::uint32_t>& order, double elevation_step,
-           double widest_azimuth) {
+// How far apart in azimuth, and how near to the vertical axis, where that means least.
+double azimuth_between(const SampleAngles& angles, std::size_t a, std::size_t b) {
+  return std::abs(wrapped(angles.azimuth_rad[a] - angles.azimuth_rad[b]));
+}
+double nearer(const SampleAngles& angles, std::size_t a, std::size_t b) {
+  return std::min(angles.horizontal_m[a], angles.horizontal_m[b]);
+}
+
+struct CutRule {
+  double elevation_step_rad;  // the elevation turns back by over half of it: a new sweep
+  double widest_azimuth_rad;  // ... as does a step sideways of more than this and the noise
+  double noise_m;             // sideways
+};
+
+Sweeps cut(const SampleAngles& angles, const std::vector<std::uint32_t>& order, const CutRule& rule) {
   Sweeps sweeps{order, {0}, {}};
-  double direction = 0, azimuth = std::numeric_limits<double>::quiet_NaN();
+  double direction = 0;
   for (std::size_t k = 1; k < order.size(); ++k) {
-    const std::size_t i = order[k], before = order[k - 1];
-    const double rise = angles.elevation_rad[i] - angles.elevation_rad[before];
-    if (std::abs(angles.elevation_rad[before]) < kSteepRad) azimuth = angles.azimuth_rad[before];
-    const bool turns = std::abs(rise) > 0.5 * elevation_step && rise * direction < 0;
-    const bool jumps = std::abs(angles.elevation_rad[i]) < kSteepRad &&
-                       std::abs(wrapped(angles.azimuth_rad[i] - azimuth)) > widest_azimuth;
-    if (turns || jumps) {
+    const double rise = angles.elevation_rad[order[k]] - angles.elevation_rad[order[k - 1]];
+    const bool moves = std::abs(rise) > 0.5 * rule.elevation_step_rad;
+    // In metres, so that near the vertical axis, where azimuths are mostly noise, little counts.
+    const double aside = azimuth_between(angles, order[k], order[k - 1]) - rule.widest_azimuth_rad;
+    if ((moves && rise * direction < 0) || aside * nearer(angles, order[k], order[k - 1]) > rule.noise_m) {
       sweeps.begin.push_back(k);
       direction = 0;
-      azimuth = std::numeric_limits<double>::quiet_NaN();
-    } else if (direction == 0 && std::abs(rise) > 0.5 * elevation_step) {
+    } else if (direction == 0 && moves) {
       direction = rise;
     }
   }
   sweeps.begin.push_back(order.size());
   add_azimuths(angles, sweeps);
   return sweeps;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 double azimuth_step(const Sweeps& sweeps) {
@@ -123,7 +140,8 @@ double typical_step(std::vector<double> differences) {
 SampleAngles sample_angles(const Scan& scan) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   SampleAngles angles{std::vector<double>(scan.points.size(), nan),
-                      std::vector<double>(scan.points.size(), nan)};
+                      std::vector<double>(scan.points.size(), nan),
+                      std::vector<float>(scan.points.size(), 0.0f)};
   parallel_for(
       scan.points.size(),
       [&](std::size_t i) {
@@ -132,6 +150,7 @@ SampleAngles sample_angles(const Scan& scan) {
         const double length = x * x + y * y + z * z;
         if (!std::isfinite(length) || length == 0) return;
         angles.azimuth_rad[i] = std::atan2(y, x);
+        angles.horizontal_m[i] = static_cast<float>(std::hypot(x, y));
         angles.elevation_rad[i] = std::atan2(z, std::hypot(x, y));
       },
       4096);
@@ -141,17 +160,23 @@ SampleAngles sample_angles(const Scan& scan) {
 Sweeps sweeps_of_acquisition(const SampleAngles& angles) {
   const auto order = returns(angles);
   if (order.size() < kMinimumSamples) return {};
-  std::vector<double> rises;
+  std::vector<double> rises, offsets;
   const std::size_t stride = 1 + order.size() / 1'000'000;  // a million differences settle a median
-  for (std::size_t k = 1; k < order.size(); k += stride)
-    rises.push_back(std::abs(angles.elevation_rad[order[k]] - angles.elevation_rad[order[k - 1]]));
-  std::nth_element(rises.begin(), rises.begin() + static_cast<std::ptrdiff_t>(rises.size() / 2), rises.end());
-  const double elevation_step = rises[rises.size() / 2];
+  for (std::size_t k = 1; k < order.size(); k += stride) {
+    const std::size_t i = order[k], before = order[k - 1];
+    rises.push_back(std::abs(angles.elevation_rad[i] - angles.elevation_rad[before]));
+    offsets.push_back(azimuth_between(angles, i, before) * nearer(angles, i, before));
+  }
+  CutRule rule{median(rises), std::numbers::pi, kSidewaysNoise * median(offsets)};
 
-  // The first cut shows how far apart columns are, the second uses it.
-  const double first = azimuth_step(cut(angles, order, elevation_step, std::numbers::pi));
-  const double widest = first > 0 ? 0.5 * first : std::numbers::pi;
-  Sweeps sweeps = cut(angles, order, elevation_step, widest);
+  // Each cut shows better how far apart columns are, the next one uses it.
+  Sweeps sweeps = cut(angles, order, rule);
+  for (int pass = 0; pass < 2; ++pass) {
+    const double step = azimuth_step(sweeps);
+    if (step <= 0) break;
+    rule.widest_azimuth_rad = kSidewaysShare * step;
+    sweeps = cut(angles, order, rule);
+  }
   return are_columns(angles, sweeps, azimuth_step(sweeps)) ? sweeps : Sweeps{};
 }
 

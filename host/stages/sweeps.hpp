@@ -12,6 +12,7 @@ namespace hybrid::stages {
 struct SampleAngles {
   std::vector<double> azimuth_rad;    // (-pi, pi]
   std::vector<double> elevation_rad;  // [-pi/2, pi/2]
+  std::vector<float> horizontal_m;    // distance from the vertical axis: what azimuth noise is relative to
 };
 SampleAngles sample_angles(const Scan& scan);
 
@@ -24,7 +25,7 @@ struct Sweeps {
 };
 
 // Cuts the samples in file order where the elevation turns back (a flyback, or the other half of a sweep to
-// and fro) or the azimuth jumps by more than half a column. No sweeps when that yields no columns: samples
+// and fro) or the azimuth jumps by a good part of a column. No sweeps when that yields no columns: samples
 // not in acquisition order, or by rows.
 Sweeps sweeps_of_acquisition(const SampleAngles& angles);
 

@@ -1,4 +1,5 @@
-// Symmetric 3 x 3 matrices, one per lane.
+// Symmetric 3 x 3 matrices, one per lane. Structs go out through pointers: oclgrind's compiler stumbles over
+// inlined functions that return them.
 #ifndef HYBRID_LIB_LANES_SYM3_H
 #define HYBRID_LIB_LANES_SYM3_H
 #include "lib/lanes.h"
@@ -40,7 +41,7 @@ static inline void lanes_rotate(lanes_f* pp, lanes_f* qq, lanes_f* pq, lanes_f* 
 
 // Unit eigenvector of the smallest eigenvalue of a positive semidefinite matrix: five cyclic Jacobi sweeps,
 // which converge quadratically and need no care for equal eigenvalues.
-static inline LanesVec3 lanes_smallest_eigenvector(LanesSym3 m) {
+static inline void lanes_smallest_eigenvector(LanesSym3 m, LanesVec3* v) {
   LanesVec3 a = {1.0f, 0.0f, 0.0f}, b = {0.0f, 1.0f, 0.0f}, c = {0.0f, 0.0f, 1.0f};
   for (int sweep = 0; sweep < 5; ++sweep) {
     lanes_rotate(&m.xx, &m.yy, &m.xy, &m.xz, &m.yz, &a, &b);
@@ -50,15 +51,13 @@ static inline LanesVec3 lanes_smallest_eigenvector(LanesSym3 m) {
   const lanes_i b_less = m.yy < m.xx;
   const lanes_f least = b_less ? m.yy : m.xx;
   const lanes_i c_less = m.zz < least;
-  LanesVec3 v;
-  v.x = c_less ? c.x : (b_less ? b.x : a.x);
-  v.y = c_less ? c.y : (b_less ? b.y : a.y);
-  v.z = c_less ? c.z : (b_less ? b.z : a.z);
-  const lanes_f length = sqrt(lanes_dot(v, v));
-  v.x /= length;
-  v.y /= length;
-  v.z /= length;
-  return v;
+  v->x = c_less ? c.x : (b_less ? b.x : a.x);
+  v->y = c_less ? c.y : (b_less ? b.y : a.y);
+  v->z = c_less ? c.z : (b_less ? b.z : a.z);
+  const lanes_f length = sqrt(lanes_dot(*v, *v));
+  v->x /= length;
+  v->y /= length;
+  v->z /= length;
 }
 
 #endif

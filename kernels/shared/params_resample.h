@@ -14,6 +14,8 @@ typedef struct ResampleParams {
 } ResampleParams;
 LAYOUT_CHECK(ResampleParams, 32);
 
+#define RESAMPLE_STRIP 16u  // rows of a column that one work-item fills
+
 #define RESAMPLE_EMPTY 0u
 #define RESAMPLE_MEASURED 1u
 #define RESAMPLE_INTERPOLATED 2u

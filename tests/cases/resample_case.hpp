@@ -78,8 +78,9 @@ struct ResampleCase {
          z = queue.array<float>(n);
     auto mask = queue.array<std::uint8_t>(n);
     auto pick = queue.array<std::uint32_t>(n);
-    queue.launch(kName, queue.kernel(kName), device::grid(input.params.cols, input.params.rows), input.params,
-                 begin, position, sample, ray_row, ray_col, range, x, y, z, mask, pick);
+    queue.launch(kName, queue.kernel(kName),
+                 device::grid(input.params.cols, (input.params.rows + RESAMPLE_STRIP - 1) / RESAMPLE_STRIP),
+                 input.params, begin, position, sample, ray_row, ray_col, range, x, y, z, mask, pick);
     return {queue.read(range), queue.read(x),    queue.read(y),
             queue.read(z),     queue.read(mask), queue.read(pick)};
   }

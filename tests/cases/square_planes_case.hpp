@@ -102,8 +102,9 @@ struct SquarePlanesCase {
   // A sample on the threshold, or two test planes of one score, may fall either way in float: so many squares
   // may end with other inliers or another state.
   static constexpr double kOtherShare = 0.005;
-  // Where the inliers agree: the offset of a float plane from centred coordinates, its direction over 15 mm.
-  static constexpr double kAngleRad = 2e-4, kOffsetM = 2e-3 * 1e-3 + 2e-4 * 10, kRmsM = 2e-6;
+  // Where the inliers agree: directions from float scatters whose extents differ up to a hundredfold, and
+  // distances of a few roundings at 10 m.
+  static constexpr double kAngleRad = 2e-4, kDistanceM = 4e-6;
 };
 
 }  // namespace hybrid::testing

@@ -2,6 +2,7 @@
 
 #include "cases/square_planes_case.hpp"
 #include "device.hpp"
+#include "geometry/vectors.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -16,7 +17,8 @@ void expect_as_reference(const Input& input) {
   for (std::size_t i = 0; i < got.size(); ++i) {
     const SquareRecord &a = got[i], &b = expected[i];
     ASSERT_EQ(a.valid, b.valid) << i;
-    if (a.state != b.state || a.inliers != b.inliers || std::abs(a.rms - b.rms) > SquarePlanesCase::kRmsM) {
+    if (a.state != b.state || a.inliers != b.inliers ||
+        std::abs(a.rms - b.rms) > SquarePlanesCase::kDistanceM) {
       ++others;
       continue;
     }
@@ -28,14 +30,15 @@ void expect_as_reference(const Input& input) {
       continue;
     }
     ++planar;
-    double dot = 0, apart = 0;
-    for (int k = 0; k < 3; ++k) {
-      dot += double{a.normal[k]} * b.normal[k];
-      apart += std::pow(a.centroid[k] - b.centroid[k], 2);
-    }
-    ASSERT_NEAR(dot, 1, 0.5 * std::pow(SquarePlanesCase::kAngleRad, 2) + 1e-6) << i;
-    ASSERT_NEAR(a.offset, b.offset, SquarePlanesCase::kOffsetM) << i;
-    ASSERT_LT(std::sqrt(apart), 2e-6) << i;
+    const Eigen::Map<const Vec3f> normal(a.normal), expected_normal(b.normal), centroid(a.centroid),
+        expected_centroid(b.centroid);
+    ASSERT_LT(normal.cross(expected_normal).norm(), SquarePlanesCase::kAngleRad) << i;
+    ASSERT_GT(normal.dot(expected_normal), 0) << i;
+    ASSERT_LT((centroid - expected_centroid).norm(), SquarePlanesCase::kDistanceM) << i;
+    const double at_centroid = normal.cast<double>().dot(expected_centroid.cast<double>()) - a.offset;
+    const double expected_at =
+        expected_normal.cast<double>().dot(expected_centroid.cast<double>()) - b.offset;
+    ASSERT_NEAR(at_centroid, expected_at, SquarePlanesCase::kDistanceM) << i;
     for (int k = 0; k < 6; ++k)
       ASSERT_NEAR(a.scatter[k], b.scatter[k], 1e-5 * (b.scatter[0] + b.scatter[3] + b.scatter[5])) << i;
     ASSERT_NEAR(a.sigma_normal, b.sigma_normal, 0.01 * b.sigma_normal) << i;
