@@ -237,10 +237,10 @@ TEST(Render, far_from_the_origin_the_picture_stays) {
 
 TEST(Render, samples_win_over_the_face_they_lie_on_and_show_selects) {
   RenderScene scene = room().scene;
-  // A patch of samples 1 cm behind the wall x = 0 and one 10 cm behind it, hidden.
+  // A patch of samples that begin 1 cm behind the wall x = 0, and one 10 cm behind it, hidden.
   for (int i = 0; i < 40; ++i)
     for (int k = 0; k < 40; ++k)
-      for (float x : {-0.01f, -0.1f})
+      for (float x : {-0.025f, -0.1f})
         scene.splats.push_back(
             {{x, 2 + 0.02f * static_cast<float>(i), 1 + 0.02f * static_cast<float>(k) + (x < -0.05f ? 1 : 0)},
              0.015f,
