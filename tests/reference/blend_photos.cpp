@@ -89,7 +89,7 @@ BlendPhotosCase::Output BlendPhotosCase::reference(const Input& input) {
       for (const auto& t : input.scene.triangles)
         blocked |= triangle_distance(centre, direction, t) < distance - clear_of_faces;
       for (const auto& s : input.scene.spheres)
-        blocked |= sphere_distance(centre, direction, s) < distance - clear_of_spheres;
+        blocked |= sphere_distance(centre, direction, s) < distance - clear_of_spheres - 2 * s.radius;
       if (blocked) continue;
 
       const double border =

@@ -72,7 +72,7 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
         radius = -radius;
       }
     }
-    if (normal.dot(direction) > 0) normal = -normal;
+    if (radius <= 0 && normal.dot(direction) > 0) normal = -normal;  // a splat's own normal stays
     out.distance[i] = static_cast<float>(t);
     out.id[i] = sphere_wins ? input.scene.surfaces[sphere].id : triangle->id;
     for (std::size_t k = 0; k < 3; ++k) {

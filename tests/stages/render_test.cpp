@@ -272,6 +272,33 @@ TEST(Render, samples_win_over_the_face_they_lie_on_and_show_selects) {
   EXPECT_LT(lost, 150u);
 }
 
+TEST(Render, a_splat_takes_colour_from_the_side_it_was_scanned_from) {
+  RenderScene scene;
+  scene.splats = {{{0, 0, 0}, 0.2f, {0, -1, 0}, 0}, {{1, 0, 0}, 0.2f, {0, 0, 0}, 0}};
+  Photograph front = look_at({0.5, -3, 0}, {0.5, 0, 0}, {0, 0, 1}, 60, 32, 32);
+  front.name = "front";
+  scene.photographs = {front};
+  scene.photograph_pixels = {Image8(32, 32, 3, 255)};
+  // Seen from behind, the normal still says that the photograph faces the splat.
+  const ViewRequest request = view({0.5, 3, 0.1}, {0.5, 0, 0}, 64, 64);
+  const RenderedView image = render(scene, request);
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < image.id.size(); ++i) {
+    if (image.id[i] == 0x80000000u) {
+      ++known;
+      EXPECT_EQ(image.coverage[i], 1u);
+      EXPECT_EQ(image.normal.pixels[3 * i + 1], 1);  // towards the viewer
+    }
+  }
+  EXPECT_GT(known, 20u);
+  scene.splats[0].normal = {0, 1, 0};
+  const RenderedView away = render(scene, request);
+  for (std::size_t i = 0; i < away.id.size(); ++i)
+    if (away.id[i] == 0x80000000u) {
+      EXPECT_EQ(away.coverage[i], 0u);  // the photograph is on its back
+    }
+}
+
 TEST(Render, plain_views_colour_scans_apart_and_camera_markers_can_be_shown) {
   RenderScene scene = room().scene;
   scene.splats = {{{2, 0.5, 1.5}, 0.1f, {0, -1, 0}, 0}, {{2.5, 0.5, 1.5}, 0.1f, {0, 0, 0}, 1}};
