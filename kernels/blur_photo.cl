@@ -3,12 +3,19 @@
 // taps whose surface is another one than the centre's and renormalises, so that what arrives in two steps has
 // crossed no edge either. Same surface: the same id (a face is planar, however steep), or distances from the
 // camera that differ by less than tolerance_m + slope * (pixels apart) * pixel_rad * distance. Sky (id 0)
-// blends with sky only. Mapping: one work-item per pixel. in: photo[4 * width * height]: sRGB bytes, read
-// when vertical is 0; rows[4 * width * height]: half, linear light, the first pass's result, read when
-// vertical is 1; linear[256]: light of an sRGB byte; weights[radius + 1] by distance in pixels; distance, id
-// [width * height] as ray_cast sees from this camera (+inf, 0: nothing). out: blurred[4 * width * height]:
-// half, linear light; the fourth channel is 1. Outside the image there is no tap. Cost: (2 radius + 1) * 16
-// bytes, mostly from cache, and 10 flops per tap. Reference: tests/reference/blur_photo.cpp.
+// blends with sky only.
+//
+// Mapping: one work-item per pixel.
+//
+// in: photo[4 * width * height]: sRGB bytes, read when vertical is 0; rows[4 * width * height]: half, linear
+// light, the first pass's result, read when vertical is 1; linear[256]: light of an sRGB byte;
+// weights[radius + 1] by distance in pixels; distance, id[width * height] as ray_cast sees from this camera
+// (+inf, 0: nothing).
+//
+// out: blurred[4 * width * height]: half, linear light; the fourth channel is 1.
+//
+// Edges: outside the image there is no tap. Cost: (2 radius + 1) * 16 bytes, mostly from cache, and 10 flops
+// per tap. Reference twin: tests/reference/blur_photo.cpp.
 #include "shared/params_blur_photo.h"
 
 kernel void blur_photo(const BlurPhotoParams params, global const uchar* restrict photo,

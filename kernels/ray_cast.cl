@@ -1,16 +1,23 @@
 // Nearest surface along rays of one origin, among triangles and tiny spheres (METHOD 10: primary visibility
-// by ray casting in a BVH). Mapping: one work-item per packet of VW rays, PACKET_COLS x PACKET_ROWS
-// neighbouring pixels (VW in a row for a list of rays); the host launches ceil(cols / PACKET_COLS) x
-// ceil(rows / PACKET_ROWS). in: the tree (shared/bvh_records.h; metres, local frame); directions[3 * cols *
-// rows]: unit, local frame, NaN = no ray; read only without use_camera. With it, ray (col, row) passes
-// through pixel first + (col, row) + offset of the camera, distortion included; pixels no direction projects
-// to have no ray. out, row-major: distance[cols * rows] along the ray, metres, +inf = nothing hit; id[cols *
-// rows]: 0 = nothing, else the primitive's (1 + face, 0x80000000 + splat); with want_surface the planes
-// surface[SURFACE_PLANES * cols * rows]: point, normal (unit, towards the origin; a sphere's own when its
-// splat has none: then the radius is negative), radius (0 on a triangle); x is NaN where nothing is hit.
+// by ray casting in a BVH).
+//
+// Mapping: one work-item per packet of VW rays, PACKET_COLS x PACKET_ROWS neighbouring pixels (VW in a row
+// for a list of rays); the host launches ceil(cols / PACKET_COLS) x ceil(rows / PACKET_ROWS).
+//
+// in: the tree (shared/bvh_records.h; metres, local frame); directions[3 * cols * rows]: unit, local frame,
+// NaN = no ray; read only without use_camera. With it, ray (col, row) passes through pixel first + (col, row)
+// + offset of the camera, distortion included; pixels no direction projects to have no ray.
+//
+// out, row-major: distance[cols * rows] along the ray, metres, +inf = nothing hit; id[cols * rows]: 0 =
+// nothing, else the primitive's (1 + face, 0x80000000 + splat); with want_surface the planes
+// surface[SURFACE_PLANES * cols * rows]: point, normal, radius; x is NaN where nothing is hit. The normal is
+// unit: a face's towards the origin; a splat's own, towards its scanner; where a splat has none the sphere's,
+// and the radius is then negative. The radius is 0 on a face.
+//
 // Rule: a sphere whose entry lies less than tolerance_m behind the nearest triangle's plane wins over it
 // (measured along the triangle's normal, at most 10 tolerances along the ray); a nearer one wins anyway. The
 // rule looks at this ray alone, so nothing flickers.
+//
 // Defines: VW (1). Edges: an empty tree, rays that begin inside a sphere (it is ignored), two-sided
 // triangles. Cost: per ray about 100 bytes read and 40 written, 300 flops per level of the tree shared by the
 // packet. Reference twin: tests/reference/ray_cast.cpp.
@@ -90,7 +97,7 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
     distance[i] = t;
     id[i] = hit_id;
     if (!params.want_surface) continue;
-    if (dot(normal, direction) > 0.0f) normal = -normal;
+    if (radius <= 0.0f && dot(normal, direction) > 0.0f) normal = -normal;
     const float3 point = hit_id == 0u ? (float3)(NAN) : origin + t * direction;
     surface[SURFACE_X * count + i] = point.x;
     surface[SURFACE_Y * count + i] = point.y;

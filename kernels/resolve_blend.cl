@@ -1,8 +1,14 @@
 // Colours from what blend_photos summed over all photographs (METHOD 10): the weighted mean (linear), the
 // heaviest photograph (nearest), or the mean of the low bands plus the high band of the heaviest (dual). Seen
-// by no photograph = red (1,0,0), the paper's figure 6. Mapping: one work-item per point. in:
-// sums[BLEND_PLANES * count] (shared/params_blend_photos.h), seen[count]; surface_x[count]: NaN = no surface.
+// by no photograph = red (1,0,0), the paper's figure 6.
+//
+// Mapping: one work-item per point.
+//
+// in: sums[BLEND_PLANES * count] (shared/params_blend_photos.h), seen[count]; surface_x[count]: NaN = no
+// surface.
+//
 // out: colour[3 * count], linear light, interleaved; NaN where there is no surface. Dual is clamped at 0.
+//
 // Cost: 40 bytes read, 12 written, 10 flops per point. Reference twin: tests/reference/resolve_blend.cpp.
 #include "shared/params_blend_photos.h"
 

@@ -49,9 +49,9 @@ void PhotoBlend::blend(PhotographStore& store, const RenderOptions& options, con
     params.tolerance_m = static_cast<float>(options.surface_tolerance_m);
     params.face_tolerance_m = kFaceTolerance_m;
     params.root = occluders.root;
-    queue_.launch("blend_photos", kernel, packet_grid(queue_, tile.cols, tile.rows), params, occluders.nodes,
-                  occluders.triangles, occluders.spheres, tile.surface, photograph.pixels, photograph.low,
-                  store.linear(), sums_, seen_, best_);
+    queue_.launch("blend_photos", kernel, packet_grid(queue_.vector_width(), tile.cols, tile.rows), params,
+                  occluders.nodes, occluders.triangles, occluders.spheres, tile.surface, photograph.pixels,
+                  photograph.low, store.linear(), sums_, seen_, best_);
   }
   const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), blend_mode(options), {}};
   queue_.launch("resolve_blend", queue_.kernel("resolve_blend"), device::grid(tile.count()), resolve,

@@ -65,8 +65,13 @@ std::vector<float> gaussian_weights(double sigma_px) {
 }
 
 PhotographStore::PhotographStore(device::Queue& queue, const RenderScene& scene, const RenderOptions& options,
-                                 const Vec3& origin, bool low_bands)
-    : queue_(queue), scene_(scene), options_(options), origin_(origin), low_bands_(low_bands) {
+                                 const Vec3& origin, bool low_bands, std::optional<std::size_t> budget_bytes)
+    : queue_(queue),
+      scene_(scene),
+      options_(options),
+      origin_(origin),
+      low_bands_(low_bands),
+      budget_bytes_(budget_bytes.value_or(queue.device().global_memory_bytes / 2)) {
   check(scene);
   linear_ = queue.array(linear_table());
   resident_.resize(scene.photographs.size());
@@ -80,7 +85,7 @@ std::size_t PhotographStore::bytes(std::size_t index) const {
 
 const PhotographStore::Entry& PhotographStore::get(std::size_t index, const DeviceBvh& everything) {
   if (resident_[index]) return *resident_[index];
-  if (resident_bytes_ + bytes(index) <= queue_.device().global_memory_bytes / 2) {
+  if (resident_bytes_ + bytes(index) <= budget_bytes_) {
     resident_bytes_ += bytes(index);
     resident_[index] = load(index, everything);
     return *resident_[index];

@@ -10,8 +10,8 @@
 
 namespace hybrid::stages {
 
-// The photographs on the device, each in arrays of its own, loaded when first asked for. Those that fit half
-// of the device's memory stay; the rest are loaded again each time.
+// The photographs on the device, each in arrays of its own, loaded when first asked for. The first ones that
+// fit the budget stay; the rest are loaded again each time.
 class PhotographStore {
  public:
   struct Entry {
@@ -21,9 +21,10 @@ class PhotographStore {
   };
 
   // `everything`: the geometry whose visibility edges the low band respects. Scene and geometry must outlive
-  // the store. Throws ErrorKind::input when photographs and pixels do not match, naming the photograph.
+  // the store. Throws ErrorKind::input when photographs and pixels do not match, naming the photograph. The
+  // budget is half of the device's memory unless given.
   PhotographStore(device::Queue& queue, const RenderScene& scene, const RenderOptions& options,
-                  const Vec3& origin, bool low_bands);
+                  const Vec3& origin, bool low_bands, std::optional<std::size_t> budget_bytes = {});
 
   // Kernels: ray_cast and blur_photo when low bands are wanted.
   const Entry& get(std::size_t index, const DeviceBvh& everything);
@@ -42,7 +43,7 @@ class PhotographStore {
   bool low_bands_;
   device::Array<float> linear_;
   std::vector<std::optional<Entry>> resident_;
-  std::size_t resident_bytes_ = 0;
+  std::size_t budget_bytes_ = 0, resident_bytes_ = 0;
   std::optional<Entry> visiting_;
 };
 

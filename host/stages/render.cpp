@@ -94,6 +94,7 @@ RenderedView empty_view(const Camera& camera) {
 void add_tile(const TilePixels& pixels, const Tile& tile, const CameraRecord& camera, float share, bool aovs,
               RenderedView& view) {
   const float* axis = camera.rotation + 6;
+  const Vec3f eye(camera.centre[0], camera.centre[1], camera.centre[2]);
   parallel_for(static_cast<std::size_t>(tile.rows), [&](std::size_t row) {
     for (std::size_t col = 0; col < static_cast<std::size_t>(tile.cols); ++col) {
       const std::size_t from = row * static_cast<std::size_t>(tile.cols) + col;
@@ -104,8 +105,9 @@ void add_tile(const TilePixels& pixels, const Tile& tile, const CameraRecord& ca
       for (std::size_t k = 0; k < 3; ++k)
         view.colour.pixels[3 * to + k] += share * pixels.colour[3 * from + k];
       if (!aovs) continue;
-      const Vec3f point = pixels.plane_vector(SURFACE_X, from),
-                  normal = pixels.plane_vector(SURFACE_NORMAL_X, from);
+      const Vec3f point = pixels.plane_vector(SURFACE_X, from);
+      Vec3f normal = pixels.plane_vector(SURFACE_NORMAL_X, from);
+      if (normal.dot(point - eye) > 0) normal = -normal;
       view.depth_m[to] =
           axis[0] * point.x() + axis[1] * point.y() + axis[2] * point.z() + camera.translation[2];
       for (int k = 0; k < 3; ++k) view.normal.pixels[3 * to + static_cast<std::size_t>(k)] = normal[k];

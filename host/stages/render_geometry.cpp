@@ -50,8 +50,8 @@ void launch(device::Queue& queue, const DeviceBvh& geometry, const RayCastParams
             const device::Array<float>& surface) {
   const auto no_directions = queue.array<float>(0);
   queue.launch("ray_cast", queue.kernel("ray_cast", {{"VW", queue.vector_width()}}),
-               packet_grid(queue, params.cols, params.rows), params, geometry.nodes, geometry.triangles,
-               geometry.spheres, geometry.surfaces, no_directions, distance, id, surface);
+               packet_grid(queue.vector_width(), params.cols, params.rows), params, geometry.nodes,
+               geometry.triangles, geometry.spheres, geometry.surfaces, no_directions, distance, id, surface);
 }
 
 }  // namespace
@@ -166,8 +166,8 @@ DistanceMap cast_distances(device::Queue& queue, const DeviceBvh& geometry, cons
   return map;
 }
 
-device::Grid packet_grid(const device::Queue& queue, std::size_t cols, std::size_t rows) {
-  const auto width = static_cast<std::size_t>(queue.vector_width());
+device::Grid packet_grid(int vector_width, std::size_t cols, std::size_t rows) {
+  const auto width = static_cast<std::size_t>(vector_width);
   const std::size_t across = rows == 1 ? width : width >= 8 ? 4 : width == 4 ? 2 : 1;
   const std::size_t down = rows == 1 ? 1 : width / across;
   return device::grid((cols + across - 1) / across, (rows + down - 1) / down);

@@ -58,7 +58,7 @@ struct DistanceMap {
 DistanceMap cast_distances(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera,
                            double tolerance_m);
 
-// Work-items of a kernel on packets (lib/packet.h) over cols x rows.
-device::Grid packet_grid(const device::Queue& queue, std::size_t cols, std::size_t rows);
+// Work-items of a kernel on packets of `vector_width` lanes (lib/packet.h) over cols x rows.
+device::Grid packet_grid(int vector_width, std::size_t cols, std::size_t rows);
 
 }  // namespace hybrid::stages

@@ -1,5 +1,6 @@
 #include "stages/sample_surface.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,7 +10,8 @@ namespace {
 
 constexpr double kLongestStretch = 3;  // of a sample's patch at grazing incidence
 constexpr double kSteepestJump =
-    10;  // range difference to a neighbour of the same surface, in sample spacings
+    10;                     // range difference to a neighbour of the same surface, in sample spacings
+constexpr int kWindow = 2;  // neighbours on either side that tell the normal
 constexpr double kDefaultStep_rad = 1e-3;  // of an image of one sample, which has no spacing of its own
 
 std::optional<std::size_t> node(const RangeImage& image, int row, int col) {
@@ -20,33 +22,32 @@ std::optional<std::size_t> node(const RangeImage& image, int row, int col) {
   return i;
 }
 
-// The neighbour in direction +-(row_step, col_step) that lies nearest in range, as an arm pointing along
-// +(row_step, col_step); nothing when both are farther than `reach_m`.
-std::optional<Vec3> arm(const RangeImage& image, int row, int col, int row_step, int col_step,
-                        double reach_m) {
+// Least squares plane through the neighbours that lie on the same surface: range noise turns the normal of
+// two neighbours by noise over spacing, that of the window by a tenth of it.
+Vec3 neighbour_normal(const RangeImage& image, int row, int col, double spacing_m) {
   const Vec3 centre = image.point(image.index(row, col));
   const double range = centre.norm();
-  std::optional<Vec3> best;
-  double nearest = reach_m;
-  for (int sign : {1, -1})
-    if (const auto i = node(image, row + sign * row_step, col + sign * col_step)) {
-      const Vec3 point = image.point(*i);
-      const double jump = std::abs(point.norm() - range);
-      if (jump < nearest) {
-        nearest = jump;
-        best = sign * (point - centre);
-      }
+  Vec3 sum = Vec3::Zero();
+  Mat3 products = Mat3::Zero();
+  int count = 0;
+  for (int dr = -kWindow; dr <= kWindow; ++dr)
+    for (int dc = -kWindow; dc <= kWindow; ++dc) {
+      const auto i = node(image, row + dr, col + dc);
+      if (!i) continue;
+      const Vec3 arm = image.point(*i) - centre;
+      const double apart = spacing_m * std::max(std::abs(dr), std::abs(dc));
+      if (std::abs(image.point(*i).norm() - range) > kSteepestJump * apart) continue;
+      sum += arm;
+      products += arm * arm.transpose();
+      ++count;
     }
-  return best;
-}
-
-Vec3 neighbour_normal(const RangeImage& image, int row, int col, double spacing_m) {
-  const auto across = arm(image, row, col, 0, 1, kSteepestJump * spacing_m);
-  const auto down = arm(image, row, col, 1, 0, kSteepestJump * spacing_m);
-  if (!across || !down) return Vec3::Zero();
-  const Vec3 normal = across->cross(*down);
-  const double length = normal.norm();
-  return length > 1e-3 * across->norm() * down->norm() && length > 0 ? Vec3(normal / length) : Vec3::Zero();
+  if (count < 3) return Vec3::Zero();
+  const Mat3 scatter = products - sum * sum.transpose() / count;
+  Eigen::SelfAdjointEigenSolver<Mat3> solver;
+  solver.computeDirect(scatter);
+  const Vec3 spread = solver.eigenvalues();
+  if (!(spread[1] > 1e-3 * spread[2])) return Vec3::Zero();  // on a line
+  return solver.eigenvectors().col(0);
 }
 
 }  // namespace

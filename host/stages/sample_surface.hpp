@@ -10,7 +10,7 @@ struct SampleSurface {
   double radius_m = 0;         // half the patch's diagonal: spheres of this radius close up
 };
 
-// Of a non-empty node. The normal is its supercluster's, else that of the nearest neighbours in range; the
+// Of a non-empty node. The normal is its supercluster's, else that of the neighbours around it; the
 // patch is r x angular step / cos incidence, the quotient at most 3. `segmentation` may be empty.
 SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& segmentation, int row,
                              int col);

@@ -137,7 +137,9 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
   }
 }
 
-// Which of the `asked` rays meet a triangle nearer than far_triangle or a sphere nearer than far_sphere.
+// Which of the `asked` rays meet a triangle nearer than far_triangle or a sphere nearer than far_sphere less
+// two of the sphere's own radii: spheres bulge out of the surface they stand for, and large ones must not
+// shade small neighbours.
 static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* nodes,
                                 global const TriangleRecord* triangles, global const SphereRecord* spheres,
                                 uint root, floatv far_triangle, floatv far_sphere, intv asked) {
@@ -151,10 +153,16 @@ static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* no
     if (next & BVH_LEAF) {
       const uint first = next & BVH_FIRST_MASK;
       const uint end = first + ((next >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
-      for (uint i = first; i < end; ++i) {
-        const int sphere = (next & BVH_SPHERES) != 0u;
-        const floatv t = sphere ? bvh_sphere(rays, spheres + i) : bvh_triangle(rays, triangles + i);
-        blocked |= asked & MASK(t > 0.0f) & MASK(t < (sphere ? far_sphere : far_triangle));
+      if (next & BVH_SPHERES) {
+        for (uint i = first; i < end; ++i) {
+          const floatv t = bvh_sphere(rays, spheres + i);
+          blocked |= asked & MASK(t > 0.0f) & MASK(t < far_sphere - 2.0f * spheres[i].radius);
+        }
+      } else {
+        for (uint i = first; i < end; ++i) {
+          const floatv t = bvh_triangle(rays, triangles + i);
+          blocked |= asked & MASK(t > 0.0f) & MASK(t < far_triangle);
+        }
       }
       bound = PICK(blocked, (floatv)(-1.0f), bound);
       if (!ANY(asked & ~blocked)) return blocked;

@@ -1,0 +1,142 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "cases/blend_photos_case.hpp"
+#include "cases/room_scene.hpp"
+#include "device/queue.hpp"
+#include "stages/render_geometry.hpp"
+
+namespace hybrid::testing {
+
+// A 1080p view of a furnished room of 204 triangles, and as many splats as asked for on furniture and plants:
+// what rays and photographs cost in practice. For bench/; the kernels' correctness has its own cases.
+struct FurnishedRoom {
+  static constexpr int kWidth = 1920, kHeight = 1080;
+  stages::Bvh bvh;
+  std::vector<SphereSurface> surfaces;
+  CameraRecord view;
+
+  static FurnishedRoom make(std::size_t splats, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    RoomScene room;
+    room.add_box({0, 0, 0}, {9, 7, 3.2}, true);
+    std::vector<Vec3> lows, highs;
+    for (int i = 0; i < 16; ++i) {
+      const Vec3 low(0.4 + 8 * unit(random), 2 + 4.5 * unit(random), 0);
+      lows.push_back(low);
+      highs.push_back(low +
+                      Vec3(0.2 + 0.5 * unit(random), 0.2 + 0.5 * unit(random), 0.4 + 1.4 * unit(random)));
+      room.add_box(lows.back(), highs.back(), false);
+    }
+    std::vector<SphereRecord> spheres;
+    FurnishedRoom out;
+    for (std::size_t i = 0; i < splats; ++i) {
+      // On the sides of the boxes, and as balls of leaves on top of every other one.
+      const std::size_t box = i % 16;
+      Vec3 point =
+          lows[box] + (highs[box] - lows[box]).cwiseProduct(Vec3(unit(random), unit(random), unit(random)));
+      Vec3 normal = Vec3::Zero();
+      if (box % 2) {
+        const int axis = static_cast<int>(random() % 2);
+        point[axis] = lows[box][axis];
+        normal[axis] = -1;
+      } else {
+        point = Vec3((lows[box] + highs[box]) / 2) +
+                Vec3(unit(random) - 0.5, unit(random) - 0.5, highs[box].z() + 0.6 * unit(random));
+      }
+      spheres.push_back(
+          {{static_cast<float>(point.x()), static_cast<float>(point.y()), static_cast<float>(point.z())},
+           0.004f});
+      out.surfaces.push_back(
+          {{static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z())},
+           0x80000000u + static_cast<std::uint32_t>(i)});
+    }
+    out.bvh = stages::build_bvh(room.triangles, spheres);
+    out.view = stages::camera_record(look_at({4.5, 0.3, 1.6}, {4.5, 6, 1}, {0, 0, 1}, 60, kWidth, kHeight),
+                                     Vec3::Zero());
+    return out;
+  }
+
+  stages::SurfaceTile cast(device::Queue& queue, const stages::DeviceBvh& geometry) const {
+    stages::SurfaceTile tile(queue, static_cast<std::size_t>(kWidth) * kHeight);
+    stages::cast_tile(queue, geometry, view, {0, 0, kHeight, kWidth}, {0.5f, 0.5f}, 0.02, tile);
+    queue.finish();
+    return tile;
+  }
+};
+
+struct RayCastViewCase {
+  static constexpr const char* kName = "ray_cast";
+  static FurnishedRoom make(std::size_t size, std::uint32_t seed) { return FurnishedRoom::make(size, seed); }
+  static void run(device::Queue& queue, const FurnishedRoom& room) {
+    room.cast(queue, stages::upload_bvh(queue, room.bvh, room.surfaces));
+  }
+  static double items(const FurnishedRoom&) { return 1.0 * FurnishedRoom::kWidth * FurnishedRoom::kHeight; }
+  static double bytes(const FurnishedRoom& room) { return 36.0 * items(room); }
+  static double flops(const FurnishedRoom& room) { return 1000.0 * items(room); }
+};
+
+// Eight 12 MP photographs that all look the view's way, in dual mode. Items: pixels, each from eight
+// photographs.
+struct BlendViewCase {
+  static constexpr const char* kName = "blend_photos";
+  static constexpr std::uint32_t kPhotoWidth = 4000, kPhotoHeight = 3000;
+  struct Input {
+    FurnishedRoom room;
+    std::vector<CameraRecord> cameras;
+    std::vector<std::uint8_t> pixels;  // the same for every photograph
+    std::vector<std::uint16_t> low;
+  };
+  static Input make(std::size_t size, std::uint32_t seed) {
+    Input input{FurnishedRoom::make(size, seed), {}, {}, {}};
+    for (int i = 0; i < 8; ++i) {
+      Photograph p =
+          look_at({0.8 + i, 0.2, 1.5 + 0.1 * i}, {4.5, 6, 1}, {0, 0, 1}, 75, kPhotoWidth, kPhotoHeight);
+      p.camera.k1 = -0.05;
+      input.cameras.push_back(stages::camera_record(p, Vec3::Zero()));
+    }
+    std::mt19937 random(seed);
+    input.pixels.resize(std::size_t{4} * kPhotoWidth * kPhotoHeight);
+    for (auto& value : input.pixels) value = static_cast<std::uint8_t>(random());
+    input.low.resize(input.pixels.size(), 0x3800);  // one half
+    return input;
+  }
+  static void run(device::Queue& queue, const Input& input) {
+    const auto bvh = stages::upload_bvh(queue, input.room.bvh, input.room.surfaces);
+    const auto tile = input.room.cast(queue, bvh);
+    const auto pixels = queue.array(input.pixels);
+    const auto low = queue.array(input.low);
+    const auto linear = queue.array(std::vector<float>(256, 0.5f));
+    const auto sums = queue.array(std::vector<float>(BLEND_PLANES * tile.count(), 0.0f));
+    const auto seen = queue.array(std::vector<std::uint32_t>(tile.count(), 0));
+    const auto best = queue.array(std::vector<std::int32_t>(tile.count(), -1));
+    const int width = queue.vector_width();
+    for (std::size_t i = 0; i < input.cameras.size(); ++i) {
+      BlendPhotosParams params{};
+      params.camera = input.cameras[i];
+      for (int k = 0; k < 3; ++k) params.eye[k] = input.room.view.centre[k];
+      params.pixel_rad = 0.001f;
+      params.cols = tile.cols;
+      params.rows = tile.rows;
+      params.mode = BLEND_DUAL;
+      params.photograph = static_cast<int>(i);
+      params.feather_px = 32;
+      params.tolerance_m = 0.02f;
+      params.face_tolerance_m = 0.001f;
+      params.root = bvh.root;
+      queue.launch(kName, queue.kernel(kName, {{"VW", width}}),
+                   stages::packet_grid(width, tile.cols, tile.rows), params, bvh.nodes, bvh.triangles,
+                   bvh.spheres, tile.surface, pixels, low, linear, sums, seen, best);
+    }
+    queue.finish();
+  }
+  static double items(const Input&) { return 1.0 * FurnishedRoom::kWidth * FurnishedRoom::kHeight; }
+  static double bytes(const Input& input) { return 8 * 124.0 * items(input); }
+  static double flops(const Input& input) { return 8 * 1000.0 * items(input); }
+};
+
+}  // namespace hybrid::testing

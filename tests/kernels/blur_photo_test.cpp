@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "cases/blur_photo_case.hpp"
+#include "device.hpp"
+
+namespace hybrid::testing {
+
+TEST(BlurPhoto, agrees_with_its_reference_at_every_size) {
+  for (std::size_t size : kSizes) {
+    const auto input = BlurPhotoCase::make(size, 3);
+    const auto got = BlurPhotoCase::run(queue(), input).low;
+    const auto expected = BlurPhotoCase::reference(input).low;
+    ASSERT_EQ(got.size(), expected.size());
+    for (std::size_t i = 0; i < got.size(); ++i)
+      ASSERT_NEAR(got[i], expected[i], BlurPhotoCase::kTolerance) << i;
+  }
+}
+
+TEST(BlurPhoto, gives_the_same_bits_at_two_work_group_sizes) {
+  const auto [a, b] =
+      at_two_work_group_sizes([] { return BlurPhotoCase::run(queue(), BlurPhotoCase::make(1009, 3)); });
+  EXPECT_TRUE(same_bits(a.low, b.low));
+}
+
+TEST(BlurPhoto, unknown_distances_of_different_ids_mix_nothing) {
+  auto input = BlurPhotoCase::make(1009, 3);
+  std::fill(input.distance.begin(), input.distance.end(), std::numeric_limits<float>::quiet_NaN());
+  std::iota(input.id.begin(), input.id.end(), 1u);
+  const auto low = BlurPhotoCase::run(queue(), input).low;
+  for (std::size_t i = 0; i < low.size(); ++i)
+    ASSERT_NEAR(low[i], i % 4 == 3 ? 1.0f : input.linear[input.pixels[i]], BlurPhotoCase::kTolerance);
+}
+
+TEST(BlurPhoto, never_mixes_across_a_visibility_edge) {
+  // A white foreground of one face before a black background of another.
+  auto input = BlurPhotoCase::make(60 * 60, 3);
+  for (std::size_t i = 0; i < input.count(); ++i) {
+    const bool front = i % 60 > 20 && i / 60 > 30;
+    input.id[i] = front ? 1 : 2;
+    input.distance[i] = front ? 2.0f : 2.5f;
+    for (std::size_t k = 0; k < 4; ++k) input.pixels[4 * i + k] = front ? 255 : 0;
+  }
+  const auto low = BlurPhotoCase::run(queue(), input).low;
+  for (std::size_t i = 0; i < input.count(); ++i)
+    ASSERT_EQ(low[4 * i], input.pixels[4 * i] ? 1.0f : 0.0f) << i;
+}
+
+}  // namespace hybrid::testing

@@ -1,0 +1,74 @@
+#include "cases/blur_photo_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/colour.hpp"
+#include "geometry/vectors.hpp"
+#include "stages/photograph_store.hpp"
+
+namespace hybrid::testing {
+
+BlurPhotoCase::Input BlurPhotoCase::make(std::size_t size, std::uint32_t seed) {
+  Input input;
+  input.width = static_cast<std::uint32_t>(size > 128 ? std::sqrt(static_cast<double>(size)) : size);
+  input.height = input.width ? static_cast<std::uint32_t>(size) / input.width : 0;
+  for (int i = 0; i < 256; ++i) input.linear.push_back(static_cast<float>(linear_from_srgb(i / 255.0)));
+  input.weights = stages::gaussian_weights(4);
+  std::mt19937 random(seed);
+  for (std::uint32_t y = 0; y < input.height; ++y)
+    for (std::uint32_t x = 0; x < input.width; ++x) {
+      for (int k = 0; k < 4; ++k) input.pixels.push_back(static_cast<std::uint8_t>(random() % 256));
+      // Strips: sky, a steep face of one id, and rough samples of an id each on steps 3 cm apart.
+      const std::uint32_t strip = (x / 17 + y / 23) % 3;
+      const auto i = static_cast<std::uint32_t>(input.id.size());
+      input.id.push_back(strip == 0 ? 0 : strip == 1 ? 5 : 0x80000000u + i);
+      const float rough = static_cast<float>(random() % 100) * 1e-4f;
+      input.distance.push_back(strip == 0   ? INFINITY
+                               : strip == 1 ? 2 + 0.5f * static_cast<float>(x)
+                                            : 3 + 0.03f * static_cast<float>(x / 5 % 7) + rough);
+    }
+  return input;
+}
+
+BlurPhotoCase::Output BlurPhotoCase::reference(const Input& input) {
+  const int width = static_cast<int>(input.width), height = static_cast<int>(input.height);
+  const auto index = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * input.width + static_cast<std::size_t>(x);
+  };
+  std::vector<Vec3> image;
+  for (std::size_t i = 0; i < input.count(); ++i) {
+    const std::uint8_t* p = input.pixels.data() + 4 * i;
+    image.emplace_back(linear_from_srgb(p[0] / 255.0), linear_from_srgb(p[1] / 255.0),
+                       linear_from_srgb(p[2] / 255.0));
+  }
+  const int radius = static_cast<int>(input.weights.size()) - 1;
+  for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+    std::vector<Vec3> next(image.size());
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        Vec3 sum = Vec3::Zero();
+        double weight = 0;
+        const double here = input.distance[index(x, y)];
+        for (int k = -radius; k <= radius; ++k) {
+          const int u = x + k * dx, v = y + k * dy;
+          if (u < 0 || v < 0 || u >= width || v >= height) continue;
+          const double limit = input.tolerance_m + double{input.slope} * std::abs(k) * input.pixel_rad * here;
+          const bool same = input.id[index(u, v)] == input.id[index(x, y)];
+          if (!same && !(std::abs(input.distance[index(u, v)] - here) < limit)) continue;
+          const double w = std::exp(-0.5 * k * k / 16.0);
+          sum += w * image[index(u, v)];
+          weight += w;
+        }
+        next[index(x, y)] = sum / weight;
+      }
+    image = next;
+  }
+  Output out;
+  for (const Vec3& light : image)
+    out.low.insert(out.low.end(), {static_cast<float>(light.x()), static_cast<float>(light.y()),
+                                   static_cast<float>(light.z()), 1.0f});
+  return out;
+}
+
+}  // namespace hybrid::testing

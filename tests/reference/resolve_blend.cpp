@@ -1,0 +1,23 @@
+#include "cases/resolve_blend_case.hpp"
+
+namespace hybrid::testing {
+
+ResolveBlendCase::Output ResolveBlendCase::reference(const Input& input) {
+  Output out;
+  const std::size_t count = input.seen.size();
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double mean =
+          double{input.sums[(BLEND_SUM_R + k) * count + i]} / input.sums[BLEND_SUM_WEIGHT * count + i];
+      const double best = input.sums[(BLEND_BEST_R + k) * count + i];
+      double colour = input.mode == BLEND_NEAREST  ? best
+                      : input.mode == BLEND_LINEAR ? mean
+                                                   : std::max(mean + best, 0.0);
+      if (input.seen[i] == 0) colour = k == 0 ? 1 : 0;
+      if (std::isnan(input.surface_x[i])) colour = std::numeric_limits<double>::quiet_NaN();
+      out.colour.push_back(static_cast<float>(colour));
+    }
+  return out;
+}
+
+}  // namespace hybrid::testing

@@ -1,0 +1,121 @@
+#include "stages/bvh.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "cases/ray_cast_case.hpp"
+#include "device.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+using stages::build_bvh;
+using stages::Bvh;
+
+struct Bounds {
+  std::array<float, 3> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+};
+
+// Checks that child boxes hold what is below them; counts primitives and the depth.
+struct Walk {
+  const Bvh& bvh;
+  std::size_t triangles = 0, spheres = 0;
+  int depth = 0;
+
+  Bounds visit(std::uint32_t code, int level) {
+    depth = std::max(depth, level);
+    Bounds bounds;
+    const auto add = [&](const float* low, const float* high) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        bounds.low[k] = std::min(bounds.low[k], low[k]);
+        bounds.high[k] = std::max(bounds.high[k], high[k]);
+      }
+    };
+    if (code & BVH_LEAF) {
+      const std::size_t first = code & BVH_FIRST_MASK,
+                        count = ((code >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1;
+      for (std::size_t i = first; i < first + count; ++i) {
+        if (code & BVH_SPHERES) {
+          const auto& s = bvh.spheres.at(i);
+          const float low[3] = {s.centre[0] - s.radius, s.centre[1] - s.radius, s.centre[2] - s.radius};
+          const float high[3] = {s.centre[0] + s.radius, s.centre[1] + s.radius, s.centre[2] + s.radius};
+          add(low, high);
+          ++spheres;
+        } else {
+          const auto& t = bvh.triangles.at(i);
+          add(t.a, t.a), add(t.b, t.b), add(t.c, t.c);
+          ++triangles;
+        }
+      }
+      return bounds;
+    }
+    const BvhNode& node = bvh.nodes.at(code);
+    const Bounds left = visit(node.child0, level + 1), right = visit(node.child1, level + 1);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_LE(node.low0[k], left.low[k]);
+      EXPECT_GE(node.high0[k], left.high[k]);
+      EXPECT_LE(node.low1[k], right.low[k]);
+      EXPECT_GE(node.high1[k], right.high[k]);
+    }
+    add(left.low.data(), left.high.data());
+    add(right.low.data(), right.high.data());
+    return bounds;
+  }
+};
+
+void expect_sound(const Bvh& bvh, std::size_t triangles, std::size_t spheres) {
+  Walk walk{bvh};
+  if (bvh.root != BVH_EMPTY) walk.visit(bvh.root, 1);
+  EXPECT_EQ(walk.triangles, triangles);
+  EXPECT_EQ(walk.spheres, spheres);
+  EXPECT_LT(walk.depth, BVH_STACK);
+  std::vector<std::uint32_t> sources = bvh.sphere_source;
+  std::sort(sources.begin(), sources.end());
+  EXPECT_EQ(sources.size(), spheres);
+  for (std::size_t i = 0; i < sources.size(); ++i) ASSERT_EQ(sources[i], i);
+}
+
+}  // namespace
+
+TEST(Bvh, holds_every_primitive_once_within_its_boxes) {
+  for (const auto& [triangles, spheres] : {std::pair<std::size_t, std::size_t>{0, 0},
+                                           {1, 0},
+                                           {0, 1},
+                                           {1, 1},
+                                           {5, 3},
+                                           {204, 0},
+                                           {0, 5003},
+                                           {997, 40009}}) {
+    const RayScene scene = RayScene::make(triangles, spheres, 2);
+    expect_sound(build_bvh(scene.triangles, scene.spheres), triangles, spheres);
+  }
+}
+
+TEST(Bvh, survives_coincident_and_exponentially_spaced_primitives) {
+  RayScene scene = RayScene::make(100, 100, 2);
+  for (auto& triangle : scene.triangles) triangle = scene.triangles[0];
+  for (auto& sphere : scene.spheres) sphere = {{scene.triangles[0].a[0], 0, 0}, 0.1f};
+  expect_sound(build_bvh(scene.triangles, scene.spheres), 100, 100);
+  for (std::size_t i = 0; i < scene.spheres.size(); ++i)
+    scene.spheres[i] = {{std::ldexp(1.0f, -static_cast<int>(i)), 0, 0},
+                        std::ldexp(0.1f, -static_cast<int>(i))};
+  expect_sound(build_bvh({}, scene.spheres), 0, 100);
+}
+
+TEST(Bvh, is_the_same_for_any_number_of_threads) {
+  const RayScene scene = RayScene::make(3000, 100000, 7);
+  const auto build = [&](std::size_t threads) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return build_bvh(scene.triangles, scene.spheres);
+  };
+  const Bvh one = build(1), many = build(4);
+  EXPECT_EQ(one.root, many.root);
+  EXPECT_TRUE(same_bits(one.nodes, many.nodes));
+  EXPECT_TRUE(same_bits(one.triangles, many.triangles));
+  EXPECT_EQ(one.sphere_source, many.sphere_source);
+}
+
+}  // namespace hybrid::testing
