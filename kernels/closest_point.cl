@@ -12,7 +12,7 @@
 // edges: 0 triangles -> all NaN; of equal distances the lowest triangle index wins.
 // cost: 24 bytes read and 24 written per query; 12 flops per triangle passed over, about 95 per other one.
 // reference twin: tests/reference/closest_point.cpp
-#include "lib/lanes.h"
+#include "lib/query_lanes.h"
 #include "shared/params_closest_point.h"
 
 typedef struct Best {

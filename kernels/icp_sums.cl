@@ -11,7 +11,7 @@
 // edges: pairs with a NaN error, or a NaN sample, add nothing.
 // cost: 20 to 28 bytes read per sample plus one triangle's normal; 110 (plane) or 60 flops.
 // reference twin: tests/reference/icp_sums.cpp
-#include "lib/lanes.h"
+#include "lib/query_lanes.h"
 #include "shared/params_closest_point.h"
 #include "shared/params_icp_sums.h"
 #ifndef BLOCK
