@@ -122,13 +122,26 @@ void carry_attributes(const Scan& scan, RangeImage& image) {
       4096);
 }
 
+// Returns that no node took: copies of a measured node's point (some scanners write every column twice) are
+// duplicates, the others extra.
 void list_extra(const Scan& scan, const ScanColumns& columns, RangeImage& image) {
   std::vector<bool> left(scan.points.size(), false);
   for (const std::uint32_t sample : columns.samples) left[sample] = true;
   for (const std::uint32_t source : image.source)
     if (source != kNoSource) left[source] = false;
+  std::vector<std::uint32_t> beside;
   for (std::size_t i = 0; i < left.size(); ++i)
-    if (left[i]) image.extra.push_back(static_cast<std::uint32_t>(i));
+    if (left[i]) beside.push_back(static_cast<std::uint32_t>(i));
+
+  std::vector<std::array<float, 3>> taken;
+  if (!beside.empty())
+    for (const std::uint32_t source : image.source)
+      if (source != kNoSource) taken.push_back(scan.points[source]);
+  std::sort(taken.begin(), taken.end());
+  for (const std::uint32_t sample : beside) {
+    const bool copy = std::binary_search(taken.begin(), taken.end(), scan.points[sample]);
+    (copy ? image.duplicates : image.extra).push_back(sample);
+  }
 }
 
 }  // namespace
@@ -171,8 +184,8 @@ RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleO
                   options, image);
   carry_attributes(scan, image);
   list_extra(scan, columns, image);
-  log::debug("scan {}: {} sweeps in {} columns x {} rows, {} samples beside the grid", scan.name,
-             columns.sweeps, image.cols, image.rows, image.extra.size());
+  log::debug("scan {}: {} sweeps in {} columns x {} rows, {} samples beside the grid, {} duplicates",
+             scan.name, columns.sweeps, image.cols, image.rows, image.extra.size(), image.duplicates.size());
   return image;
 }
 

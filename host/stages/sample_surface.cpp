@@ -8,7 +8,11 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLongestStretch = 3;  // of a sample's patch at grazing incidence
+constexpr double kLongestStretch = 3;  // of a planar sample's patch at grazing incidence
+// A sample without a plane that seems to be hit at a grazing angle is mostly a mixed one, hanging in the air between
+// two surfaces: a large splat would turn it into a blob.
+constexpr double kGrazing = 0.25;       // |cos incidence|
+constexpr double kGrazingStretch = 0.5;
 constexpr double kSteepestJump =
     10;                     // range difference to a neighbour of the same surface, in sample spacings
 constexpr int kWindow = 2;  // neighbours on either side that tell the normal
@@ -70,7 +74,8 @@ SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& s
   const double facing = -surface.normal.dot(point) / range;
   if (facing < 0) surface.normal = -surface.normal;
   const bool known = surface.normal != Vec3::Zero();
-  const double stretch = known ? std::min(1 / std::max(std::abs(facing), 1e-9), kLongestStretch) : 1;
+  double stretch = known ? std::min(1 / std::max(std::abs(facing), 1e-9), kLongestStretch) : 1;
+  if (label == 0 && known && std::abs(facing) < kGrazing) stretch = kGrazingStretch;
   surface.radius_m = 0.5 * std::hypot(down_m, across_m) * stretch;
   return surface;
 }

@@ -41,10 +41,11 @@ TEST(PclRoomResample, sweeps_are_found_and_no_sample_is_lost) {
     for (const auto source : image.source)
       if (source != kNoSource) ++uses[source];
     for (const auto extra : image.extra) ++uses[extra];
+    for (const auto duplicate : image.duplicates) ++uses[duplicate];
     EXPECT_EQ(std::count(uses.begin(), uses.end(), 1), static_cast<std::ptrdiff_t>(uses.size()));
     const auto measured = std::count(image.mask.begin(), image.mask.end(), kMeasured);
     EXPECT_GT(static_cast<double>(measured), 0.97 * static_cast<double>(image.count()));
-    EXPECT_NEAR(static_cast<double>(image.extra.size()), 0.5 * static_cast<double>(scan.points.size()),
+    EXPECT_NEAR(static_cast<double>(image.duplicates.size()), 0.5 * static_cast<double>(scan.points.size()),
                 0.01 * static_cast<double>(scan.points.size()));
   }
 }

@@ -28,6 +28,7 @@ void expect_complete(const Scan& scan, const RangeImage& image) {
   for (const auto source : image.source)
     if (source != kNoSource) ++uses[source];
   for (const auto extra : image.extra) ++uses[extra];
+  for (const auto duplicate : image.duplicates) ++uses[duplicate];
   for (std::size_t i = 0; i < uses.size(); ++i) {
     const auto& p = scan.points[i];
     const bool returned = std::isfinite(p[0] + p[1] + p[2]) && (p[0] != 0 || p[1] != 0 || p[2] != 0);
