@@ -27,8 +27,8 @@ struct RangeImage {
   std::vector<float> intensity;                  // per sample, or empty
   std::vector<std::array<std::uint8_t, 3>> rgb;  // per sample, or empty
   std::vector<std::uint32_t> extra;  // input samples no node took (collisions): kept, counted, never planar
-  std::vector<std::uint32_t> duplicates;  // input samples that repeat a measured node's point bit for bit: counted,
-                                          // not kept twice
+  std::vector<std::uint32_t> duplicates;  // input samples that repeat a measured node's point bit for bit:
+                                          // counted, not kept twice
 
   std::size_t count() const { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols); }
   std::size_t index(int row, int col) const {

@@ -7,9 +7,11 @@
 namespace hybrid::report {
 namespace {
 
-// Leaves out faces and samples that turn their back to the eye, so that one looks into the rooms from outside.
+// Leaves out faces and samples that turn their back to the eye, so that one looks into the rooms from
+// outside.
 void keep_fronts(const Vec3& eye, stages::RenderScene& scene) {
-  std::erase_if(scene.proxy.faces, [&](const Face& face) { return face_plane(scene.proxy, face).distance(eye) < 0; });
+  std::erase_if(scene.proxy.faces,
+                [&](const Face& face) { return face_plane(scene.proxy, face).distance(eye) < 0; });
   std::erase_if(scene.splats, [&](const stages::Splat& splat) {
     const Vec3 normal(splat.normal[0], splat.normal[1], splat.normal[2]);
     const Vec3 centre(splat.centre_m[0], splat.centre_m[1], splat.centre_m[2]);

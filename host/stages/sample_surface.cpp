@@ -9,9 +9,9 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kLongestStretch = 3;  // of a planar sample's patch at grazing incidence
-// A sample without a plane that seems to be hit at a grazing angle is mostly a mixed one, hanging in the air between
-// two surfaces: a large splat would turn it into a blob.
-constexpr double kGrazing = 0.25;       // |cos incidence|
+// A sample without a plane that seems to be hit at a grazing angle is mostly a mixed one, hanging in the air
+// between two surfaces: a large splat would turn it into a blob.
+constexpr double kGrazing = 0.25;  // |cos incidence|
 constexpr double kGrazingStretch = 0.5;
 constexpr double kSteepestJump =
     10;                     // range difference to a neighbour of the same surface, in sample spacings

@@ -48,7 +48,8 @@ struct BlurPhotoCase {
     queue.launch(kName, kernel, device::grid(input.width, input.height), params, pixels, rows, linear,
                  weights, distance, id, low);
     Output out;
-    for (std::uint16_t half : queue.read(low)) out.low.push_back(static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(half)));
+    for (std::uint16_t half : queue.read(low))
+      out.low.push_back(static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(half)));
     return out;
   }
   static Output reference(const Input& input);  // reference/blur_photo.cpp
