@@ -28,7 +28,8 @@ void apply(const CommonOptions& options) {
 OptionValue parse_square(const std::string& text) {
   std::int64_t side = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), side);
-  if (parsed.ec == std::errc() && parsed.ptr == text.data() + text.size()) return side;
+  const bool number = parsed.ec == std::errc() && parsed.ptr == text.data() + text.size();
+  if (number && side >= 3 && side <= 16) return side;
   if (text == "auto") return text;
   fail(ErrorKind::usage, "--square {}: expected auto or a number from 3 to 16", text);
 }

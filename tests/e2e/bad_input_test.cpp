@@ -55,7 +55,7 @@ TEST(BadInput, an_unknown_key_names_key_and_line) {
   const Scratch scratch;
   const auto folder = copy_room(scratch);
   replace(folder / "scene.toml", "[scene]", "[scene]\nlevveled = true");
-  expect_error(run_room(folder, scratch), 4, {"scene.toml:2", "levveled", "levelled"});
+  expect_error(run_room(folder, scratch), 4, {"scene.toml:4", "levveled", "levelled"});
 }
 
 TEST(BadInput, an_option_out_of_range_names_key_range_and_value) {

@@ -45,17 +45,19 @@ TEST(TinyRoom, planes_agree_with_the_truth) {
 
 TEST(TinyRoom, most_samples_are_discarded_and_none_is_lost) {
   const auto document = summary();
-  for (const auto& scan : document["scans"]) {
-    EXPECT_GT(scan["decimation"]["discarded_share"], 0.5) << scan["id"];
+  for (const auto& scan : document.at("scans")) {
+    const auto number = [&](const char* pointer) {
+      return scan.at(nlohmann::json::json_pointer(pointer)).get<std::int64_t>();
+    };
+    EXPECT_GT(scan.at("decimation").at("discarded_share").get<double>(), 0.5) << scan["id"];
     // Every return of the input is a measured node, an extra sample or a copy of one.
-    EXPECT_EQ(scan["nodes"]["measured"].get<long>() + scan["extra_samples"].get<long>() +
-                  scan["duplicate_samples"].get<long>(),
-              scan["input_returns"].get<long>())
-        << scan["id"];
-    long kept = 0;
-    for (const auto& [reason, count] : scan["decimation"]["kept"].items()) kept += count.get<long>();
-    EXPECT_EQ(kept + scan["decimation"]["discarded"].get<long>(), scan["input_returns"].get<long>())
-        << scan["id"];
+    const std::int64_t returns = number("/input_returns"), duplicates = number("/duplicate_samples");
+    EXPECT_EQ(number("/nodes/measured") + number("/extra_samples") + duplicates, returns) << scan["id"];
+    std::int64_t kept = 0;
+    const auto& reasons = scan.at("decimation").at("kept");
+    for (auto reason = reasons.begin(); reason != reasons.end(); ++reason)
+      kept += reason.value().get<std::int64_t>();
+    EXPECT_EQ(kept + number("/decimation/discarded") + duplicates, returns) << scan["id"];
   }
 }
 

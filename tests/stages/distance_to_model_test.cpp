@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "cases/room_scan.hpp"
+#include "cases/recess_room.hpp"
 #include "device.hpp"
 #include "stages/icp.hpp"
 
@@ -21,7 +21,7 @@ double distance_to_box(const Vec3& p) {
 
 TEST(DistanceToModel, is_the_distance_to_the_walls) {
   const Vec3 shift(1e5, 2e5, 0);
-  RoomScan scan = scan_room(90, 181, 0.002, shift);
+  RecessRoomScan scan = scan_recess_room(90, 181, 0.002, shift);
   scan.image.mask[scan.image.index(5, 7)] = kInterpolated;
   const auto found =
       distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan, -1);
@@ -37,7 +37,7 @@ TEST(DistanceToModel, is_the_distance_to_the_walls) {
 }
 
 TEST(DistanceToModel, with_normals_a_side_of_a_recess_is_far_from_the_wall_it_touches) {
-  const RoomScan scan = scan_room(300, 600, 0);
+  const RecessRoomScan scan = scan_recess_room(300, 600, 0);
   const auto any =
       distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan, -1);
   const auto compatible =
@@ -57,7 +57,7 @@ TEST(DistanceToModel, with_normals_a_side_of_a_recess_is_far_from_the_wall_it_to
 }
 
 TEST(DistanceToModel, gives_the_same_bits_for_every_tile_and_work_group_size) {
-  const RoomScan scan = scan_room(61, 127, 0.002);
+  const RecessRoomScan scan = scan_recess_room(61, 127, 0.002);
   auto at_tile = [&](int tile) {
     return distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan, 45,
                              tile);
@@ -69,7 +69,7 @@ TEST(DistanceToModel, gives_the_same_bits_for_every_tile_and_work_group_size) {
 }
 
 TEST(DistanceToModel, empty_images_give_empty_answers) {
-  const RoomScan scan = scan_room(4, 4, 0);
+  const RecessRoomScan scan = scan_recess_room(4, 4, 0);
   EXPECT_TRUE(distance_to_model(queue(), make_range_image(0, 0), {}, scan.proxy, Pose{}, 45).empty());
   const auto none = distance_to_model(queue(), make_range_image(1, 1), {}, scan.proxy, Pose{}, 45);
   ASSERT_EQ(none.size(), 1u);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cases/room_scan.hpp"
+#include "cases/recess_room.hpp"
 #include "core/error.hpp"
 #include "device.hpp"
 #include "stages/landmarks.hpp"
@@ -18,12 +18,12 @@ using namespace hybrid::testing;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-const RoomScan& room() {
-  static const RoomScan scan = scan_room(300, 600, 0.002);
+const RecessRoomScan& room() {
+  static const RecessRoomScan scan = scan_recess_room(300, 600, 0.002);
   return scan;
 }
 
-PlanarSamples samples_of(const RoomScan& scan, int count = 20000) {
+PlanarSamples samples_of(const RecessRoomScan& scan, int count = 20000) {
   return choose_planar_samples(scan.image, scan.segmentation, count, 1);
 }
 
@@ -91,7 +91,7 @@ TEST(Icp, reaches_the_pose_from_twenty_random_starts_though_the_proxy_lacks_the_
 }
 
 TEST(Icp, works_far_from_the_origin) {
-  const auto scan = scan_room(150, 300, 0.002, Vec3(530000.25, 180000.5, 40));
+  const auto scan = scan_recess_room(150, 300, 0.002, Vec3(530000.25, 180000.5, 40));
   const auto found =
       register_to_model(queue(), samples_of(scan), scan.proxy, disturbed(scan.world_from_scan, 0.3, 10, 3));
   expect_at(found, scan.world_from_scan);
@@ -167,7 +167,7 @@ TEST(Icp, covariance_is_written_about_the_world_s_origin) {
 }
 
 TEST(Icp, keeps_what_two_parallel_planes_leave_open_and_names_it) {
-  const auto scan = scan_room(150, 300, 0.002, Vec3::Zero(), {4, 5});  // floor and ceiling
+  const auto scan = scan_recess_room(150, 300, 0.002, Vec3::Zero(), {4, 5});  // floor and ceiling
   Pose start = scan.world_from_scan;
   start.translation += Vec3(0.2, -0.1, 0.05);
   start.rotation = Eigen::AngleAxisd(0.02, Vec3(1, 0.5, 0).normalized()) * start.rotation;
@@ -185,7 +185,8 @@ TEST(Icp, keeps_what_two_parallel_planes_leave_open_and_names_it) {
 }
 
 TEST(Icp, names_the_direction_of_a_corridor) {
-  const auto scan = scan_room(150, 300, 0.002, Vec3::Zero(), {2, 3, 4, 5});  // ends x = 0 and x = 8 are open
+  const auto scan =
+      scan_recess_room(150, 300, 0.002, Vec3::Zero(), {2, 3, 4, 5});  // ends x = 0 and x = 8 are open
   const auto found =
       register_to_model(queue(), samples_of(scan), scan.proxy, disturbed(scan.world_from_scan, 0.1, 3, 2));
   EXPECT_EQ(found.degenerate, std::vector<std::string>{"free to slide along (1.00, 0.00, 0.00)"});
@@ -212,7 +213,7 @@ TEST(Icp, recovers_a_free_scale) {
 }
 
 TEST(Icp, a_corner_leaves_the_scale_open) {
-  const auto scan = scan_room(150, 300, 0.002, Vec3::Zero(), {0, 2, 4});
+  const auto scan = scan_recess_room(150, 300, 0.002, Vec3::Zero(), {0, 2, 4});
   IcpOptions options;
   options.free_scale = true;
   const auto found = register_to_model(queue(), samples_of(scan), scan.proxy, scan.world_from_scan, options);
@@ -253,7 +254,7 @@ TEST(Icp, the_papers_method_lowers_the_mean_square_distance_until_it_stops) {
 }
 
 TEST(Icp, the_papers_scale_is_found_on_points_too) {
-  const auto scan = scan_room(150, 300, 0, Vec3::Zero(), {0, 2, 4, 5});
+  const auto scan = scan_recess_room(150, 300, 0, Vec3::Zero(), {0, 2, 4, 5});
   auto samples = samples_of(scan, 5000);
   for (auto& p : samples.points)
     for (std::size_t a = 0; a < 3; ++a) p[a] /= 1.01f;
@@ -286,7 +287,7 @@ TEST(Icp, refuses_what_it_cannot_register) {
   PolygonModel floor = room().proxy;  // only the floor's back side: no normal is compatible with its samples
   floor.faces.resize(1);
   std::reverse(floor.faces[0].outer.begin(), floor.faces[0].outer.end());
-  const auto scan = scan_room(60, 120, 0.002, Vec3::Zero(), {4});
+  const auto scan = scan_recess_room(60, 120, 0.002, Vec3::Zero(), {4});
   expect_refused("front sides", [&] { register_to_model(queue(), samples_of(scan), floor, start); });
   IcpOptions options;
   options.step = "line";

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "cases/room_scan.hpp"
+#include "cases/recess_room.hpp"
 #include "core/parallel.hpp"
 #include "device.hpp"
 #include "stages/icp.hpp"
@@ -49,7 +49,7 @@ std::string digest_with_threads(int threads) {
 
 TEST(IcpThreads, prints_a_digest) {
   if (const char* threads = std::getenv("HYBRID_TEST_THREADS")) set_thread_count(std::atoi(threads));
-  const auto scan = scan_room(150, 301, 0.002);
+  const auto scan = scan_recess_room(150, 301, 0.002);
   const auto samples = choose_planar_samples(scan.image, scan.segmentation, 20000, 1);
   const auto found =
       register_to_model(queue(), samples, scan.proxy, disturbed(scan.world_from_scan, 0.3, 10, 1));

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "cases/room_scan.hpp"
+#include "cases/recess_room.hpp"
 #include "device.hpp"
 #include "stages/icp.hpp"
 
@@ -12,13 +12,13 @@ namespace {
 
 using namespace hybrid::testing;
 
-const RoomScan& room() {
-  static const RoomScan scan = scan_room(200, 401, 0.002);
+const RecessRoomScan& room() {
+  static const RecessRoomScan scan = scan_recess_room(200, 401, 0.002);
   return scan;
 }
 
 // Areas by supercluster, found again by its normal and plane.
-std::vector<double> areas(const RoomScan& scan, const PlanarSamples& samples) {
+std::vector<double> areas(const RecessRoomScan& scan, const PlanarSamples& samples) {
   std::vector<double> sums(scan.segmentation.superclusters.size());
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
     const Vec3 p(samples.points[i][0], samples.points[i][1], samples.points[i][2]);
@@ -70,7 +70,7 @@ TEST(PlanarSamples, thinning_keeps_the_area_and_about_the_number_asked_for) {
 }
 
 TEST(PlanarSamples, only_measured_samples_of_superclusters_count) {
-  RoomScan scan = room();
+  RecessRoomScan scan = room();
   const auto before = choose_planar_samples(scan.image, scan.segmentation, 0, 1).points.size();
   std::size_t gone = 0;
   for (std::size_t i = 0; i < scan.image.count(); i += 7) {
@@ -85,7 +85,7 @@ TEST(PlanarSamples, only_measured_samples_of_superclusters_count) {
 }
 
 TEST(PlanarSamples, an_image_of_one_row_or_none_works) {
-  const RoomScan line = scan_room(1, 100, 0, Vec3::Zero(), {}, 1);
+  const RecessRoomScan line = scan_recess_room(1, 100, 0, Vec3::Zero(), {}, 1);
   const auto samples = choose_planar_samples(line.image, line.segmentation, 0, 1);
   EXPECT_EQ(samples.points.size(), 100u);
   for (const auto& p : samples.points) EXPECT_GT(p[3], 0);

@@ -15,7 +15,7 @@ namespace hybrid::testing {
 
 // A scan of a room of 8 x 6 x 3 m with two recesses, ray by ray, with known pose and planes. The proxy is the
 // room without them. Labels are the truth, planes are fitted to the noisy samples.
-struct RoomScan {
+struct RecessRoomScan {
   RangeImage image;
   PlaneSegmentation segmentation;
   PolygonModel proxy;
@@ -92,7 +92,7 @@ inline Plane fit_label(const RangeImage& image, const std::vector<std::uint32_t>
 }
 
 // Superclusters in the order in which their walls are met.
-inline void label_walls(RoomScan& scan, const std::vector<int>& hit, const std::vector<int>& hits,
+inline void label_walls(RecessRoomScan& scan, const std::vector<int>& hit, const std::vector<int>& hits,
                         int min_samples) {
   std::vector<std::uint32_t> label_of(hits.size(), 0);
   scan.segmentation.sample_label.assign(hit.size(), 0);
@@ -111,9 +111,10 @@ inline void label_walls(RoomScan& scan, const std::vector<int>& hit, const std::
 
 // `only`: rectangles that return samples (empty = all); the others are glass. Walls with fewer than
 // `min_samples` get no label.
-inline RoomScan scan_room(int rows, int cols, double noise_m, const Vec3& world_shift = Vec3::Zero(),
-                          const std::vector<int>& only = {}, int min_samples = 60) {
-  RoomScan scan;
+inline RecessRoomScan scan_recess_room(int rows, int cols, double noise_m,
+                                       const Vec3& world_shift = Vec3::Zero(),
+                                       const std::vector<int>& only = {}, int min_samples = 60) {
+  RecessRoomScan scan;
   const auto walls = room_rectangles();
   const Vec3 eye(3.1, 2.4, 1.6);
   scan.world_from_scan.rotation =
