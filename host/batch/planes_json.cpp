@@ -57,6 +57,7 @@ Json scan_figures(const ScanProduct& product) {
       {"nodes",
        {{"measured", masked(kMeasured)}, {"interpolated", masked(kInterpolated)}, {"empty", masked(kEmpty)}}},
       {"extra_samples", extra},
+      {"duplicate_samples", image.duplicates.size()},
       {"sigma_m", product.sigma_m},
       {"square", product.segmentation.square},
       {"squares",
