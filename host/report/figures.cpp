@@ -1,5 +1,6 @@
 #include "report/figures.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "io/picture.hpp"
@@ -19,6 +20,9 @@ void keep_fronts(const Vec3& eye, stages::RenderScene& scene) {
   });
 }
 
+// Points of a drawing, not surfaces: sparse scans would otherwise hide the model behind large spheres.
+constexpr float kLargestRadius_m = 0.02f;
+
 Image8 draw(device::Queue& queue, const batch::SceneRun& run,
             const std::vector<std::optional<batch::ScanRegistration>>& registrations) {
   auto scene = batch::build_render_scene(*run.model, run.products, registrations, {});
@@ -26,6 +30,7 @@ Image8 draw(device::Queue& queue, const batch::SceneRun& run,
   request.camera = overview_camera(*run.model, 1280, 900);
   request.texture = false;
   keep_fronts(request.camera.centre(), scene);
+  for (auto& splat : scene.splats) splat.radius_m = std::min(splat.radius_m, kLargestRadius_m);
   stages::RenderOptions options;
   options.samples_per_axis = 2;
   stages::Renderer renderer(queue, scene, options);
