@@ -58,6 +58,9 @@ class Run {
 
  private:
   bool wants(const std::string& stage) const { return request_.stages.count(stage) > 0; }
+  bool colours_scans() const {
+    return wants("render") && wants("planes") && run_.scene.photographs.has_value();
+  }
   fs::path scan_folder(const std::string& id) const { return request_.out / "scans" / id; }
 
   void read_inputs() {
@@ -82,7 +85,8 @@ class Run {
                  run_.scene.path.string());
     const int steps_per_scan = 6 + (wants("register") || wants("render") ? 3 : 0) + 1;
     progress_.expect(1 + static_cast<int>(run_.scene.scans.size()) * steps_per_scan +
-                     (wants("render") ? static_cast<int>(run_.scene.views.size()) : 0));
+                     (wants("render") ? static_cast<int>(run_.scene.views.size()) : 0) +
+                     (colours_scans() ? static_cast<int>(run_.scene.scans.size()) : 0));
   }
 
   void add_input(const fs::path& file) {
@@ -181,7 +185,7 @@ class Run {
         progress_.step("render", "view " + view.name);
         views_.push_back(render_view(renderer, view, run_.photographs, request_.out));
       });
-    if (!run_.photographs.cameras.empty() && wants("planes")) colour_scans(renderer);
+    if (colours_scans()) colour_scans(renderer);
   }
 
   void colour_scans(stages::Renderer& renderer) {
