@@ -1,6 +1,6 @@
-// The synthetic room: figures of summary.json against the generator's truth, with the bounds that the tiny
-// preset (scans of about 0.1 megasamples, photographs of 320 x 240) allows. Measured values stand beside each
-// bound.
+// The synthetic room: figures of summary.json against the generator's truth at the tiny preset (scans of
+// about 0.1 megasamples, photographs of 320 x 240). The bounds are loose first ones, set before anything was
+// measured.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
