@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "geometry/srgb.hpp"
-#include "io/colmap.hpp"
 #include "io/exr.hpp"
 #include "io/picture.hpp"
 
@@ -66,7 +65,7 @@ void write_view(const std::filesystem::path& stem, const stages::RenderedView& v
 
 PhotographSet read_photographs(const io::SceneFile::Photographs& section) {
   PhotographSet set;
-  set.cameras = io::read_colmap(section.colmap);
+  set.cameras = io::read_cameras(section.cameras).photographs;
   const Pose world_from_photographs =
       section.world_from_photographs ? pose_from_row_major(*section.world_from_photographs) : Pose();
   for (auto& photograph : set.cameras) {

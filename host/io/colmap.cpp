@@ -9,11 +9,17 @@
 #include <unordered_set>
 
 #include "core/error.hpp"
-#include "io/plain_text.hpp"
+#include "io/text_record.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
 namespace {
+
+struct ColmapCamera {
+  std::int64_t id = 0;
+  std::string model;
+  Camera camera;
+};
 
 // The parameters of a camera model in file order.
 struct Model {
@@ -34,57 +40,14 @@ const std::vector<Model>& models() {
   return kModels;
 }
 
-// One line of a model file: takes its words off the front, with errors that name file, line and field.
-class Record {
- public:
-  Record(const fs::path& file, const LineReader& lines)
-      : file_(file), line_(lines.number()), rest_(lines.line()) {}
-
-  std::int64_t integer(std::string_view field) {
-    const auto word = take(field);
-    const auto value = to_integer(word);
-    if (!value) fail_at(file_, line_, "{}: expected a whole number, found \"{}\"", field, excerpt(word));
-    return *value;
-  }
-  double number(std::string_view field) {
-    const auto word = take(field);
-    const auto value = to_double(word);
-    if (!value || !std::isfinite(*value))
-      fail_at(file_, line_, "{}: expected a finite number, found \"{}\"", field, excerpt(word));
-    return *value;
-  }
-  std::string_view word(std::string_view field) { return take(field); }
-  std::string_view rest() const { return trim(rest_); }
-  int line() const { return line_; }
-
- private:
-  std::string_view take(std::string_view field) {
-    const auto word = take_word(rest_);
-    if (word.empty()) fail_at(file_, line_, "expected {}, found the end of the line: cut short?", field);
-    return word;
-  }
-
-  const fs::path& file_;
-  int line_;
-  std::string_view rest_;
-};
-
 bool is_comment_or_blank(std::string_view line) {
   line = trim(line);
   return line.empty() || line.starts_with('#');
 }
 
-int image_size(Record& record, const fs::path& file, std::string_view field) {
-  constexpr std::int64_t kLargest = 1 << 20;
-  const std::int64_t size = record.integer(field);
-  if (size < 1 || size > kLargest)
-    fail_at(file, record.line(), "{}: expected 1 to {} pixels, found {}", field, kLargest, size);
-  return static_cast<int>(size);
-}
-
-ColmapCamera read_camera(const fs::path& file, Record record) {
+ColmapCamera read_camera(const fs::path& file, TextRecord record) {
   ColmapCamera result;
-  result.line = record.line();
+  const std::string place = fmt::format("{}:{}", file.string(), record.line());
   result.id = record.integer("camera id");
   const std::string_view name = record.word("camera model");
   const auto model =
@@ -99,8 +62,8 @@ ColmapCamera read_camera(const fs::path& file, Record record) {
   }
   result.model = name;
   Camera& camera = result.camera;
-  camera.width = image_size(record, file, "width");
-  camera.height = image_size(record, file, "height");
+  camera.width = checked_image_size(place, "width", record.integer("width"));
+  camera.height = checked_image_size(place, "height", record.integer("height"));
   int index = 0;
   for (auto parameter : model->parameters)
     camera.*parameter =
@@ -109,13 +72,11 @@ ColmapCamera read_camera(const fs::path& file, Record record) {
     fail_at(file, record.line(), "expected {} parameters of {}, found more: \"{}\"", model->parameters.size(),
             name, excerpt(record.rest()));
   if (model->one_focal_length) camera.fy = camera.fx;
-  if (!(camera.fx > 0 && camera.fy > 0))
-    fail_at(file, record.line(), "focal length: expected more than 0 px, found {} and {}", camera.fx,
-            camera.fy);
+  check_focal_length(place, camera);
   return result;
 }
 
-Eigen::Quaterniond read_rotation(const fs::path& file, Record& record) {
+Eigen::Quaterniond read_rotation(const fs::path& file, TextRecord& record) {
   const double w = record.number("QW"), x = record.number("QX"), y = record.number("QY"),
                z = record.number("QZ");
   const Eigen::Quaterniond rotation(w, x, y, z);
@@ -144,7 +105,7 @@ void check_points(const fs::path& file, const LineReader& lines, std::string_vie
             excerpt(name), count);
 }
 
-Photograph read_image(const fs::path& file, Record record,
+Photograph read_image(const fs::path& file, TextRecord record,
                       const std::unordered_map<std::int64_t, Camera>& cameras,
                       std::unordered_set<std::int64_t>& ids) {
   const std::int64_t id = record.integer("image id");
@@ -177,18 +138,14 @@ void check_folder(const fs::path& folder) {
         folder.string());
 }
 
-}  // namespace
-
-std::vector<ColmapCamera> read_colmap_cameras(const fs::path& folder) {
-  check_folder(folder);
-  const fs::path file = folder / "cameras.txt";
+std::vector<ColmapCamera> read_colmap_cameras(const fs::path& file) {
   const std::string text = read_plain_text(file);
   LineReader lines(text);
   std::vector<ColmapCamera> cameras;
   std::unordered_set<std::int64_t> ids;
   while (lines.next()) {
     if (is_comment_or_blank(lines.line())) continue;
-    cameras.push_back(read_camera(file, Record(file, lines)));
+    cameras.push_back(read_camera(file, TextRecord(file, lines)));
     if (!ids.insert(cameras.back().id).second)
       fail_at(file, lines.number(), "camera id {} occurs twice", cameras.back().id);
   }
@@ -196,10 +153,8 @@ std::vector<ColmapCamera> read_colmap_cameras(const fs::path& folder) {
   return cameras;
 }
 
-std::vector<Photograph> read_colmap(const fs::path& folder) {
-  std::unordered_map<std::int64_t, Camera> cameras;
-  for (const ColmapCamera& camera : read_colmap_cameras(folder)) cameras.emplace(camera.id, camera.camera);
-  const fs::path file = folder / "images.txt";
+std::vector<Photograph> read_images(const fs::path& file,
+                                    const std::unordered_map<std::int64_t, Camera>& cameras) {
   const std::string text = read_plain_text(file);
   LineReader lines(text);
   std::vector<Photograph> photographs;
@@ -207,7 +162,7 @@ std::vector<Photograph> read_colmap(const fs::path& folder) {
   std::unordered_set<std::string> names;
   while (lines.next()) {
     if (is_comment_or_blank(lines.line())) continue;
-    photographs.push_back(read_image(file, Record(file, lines), cameras, ids));
+    photographs.push_back(read_image(file, TextRecord(file, lines), cameras, ids));
     const std::string& name = photographs.back().name;
     if (!names.insert(name).second)
       fail_at(file, lines.number(), "image name {} occurs twice", excerpt(name));
@@ -221,9 +176,22 @@ std::vector<Photograph> read_colmap(const fs::path& folder) {
   }
   if (photographs.empty())
     fail_at(file, std::max(1, lines.number()), "expected at least one image, found none");
-  std::sort(photographs.begin(), photographs.end(),
-            [](const auto& a, const auto& b) { return a.name < b.name; });
   return photographs;
+}
+
+}  // namespace
+
+CameraFile read_colmap(const fs::path& folder) {
+  check_folder(folder);
+  CameraFile result;
+  std::unordered_map<std::int64_t, Camera> by_id;
+  for (const ColmapCamera& camera : read_colmap_cameras(folder / "cameras.txt")) {
+    by_id.emplace(camera.id, camera.camera);
+    result.cameras.push_back({std::to_string(camera.id), camera.model, camera.camera});
+  }
+  result.photographs = read_images(folder / "images.txt", by_id);
+  sort_photographs(folder / "images.txt", result.photographs);
+  return result;
 }
 
 }  // namespace hybrid::io

@@ -48,8 +48,12 @@ std::vector<Reader> readers() {
   return {
       {"obj", "model.obj", fixed(kObj), [](const fs::path& file) { read_obj(file); }},
       {"scene", "scene.toml", fixed(kScene), [](const fs::path& file) { read_scene_file(file); }},
-      {"cameras", "cameras.txt", fixed(kCameras),
-       [](const fs::path& file) { read_colmap_cameras(file.parent_path()); }},
+      {"cameras", "cameras.txt",
+       [](const TemporaryFolder& folder) {
+         folder.write("images.txt", kImages);
+         return kCameras;
+       },
+       [](const fs::path& file) { read_colmap(file.parent_path()); }},
       {"images", "images.txt",
        [](const TemporaryFolder& folder) {
          folder.write("cameras.txt", kCameras);

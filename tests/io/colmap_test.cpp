@@ -23,7 +23,7 @@ std::vector<Photograph> read_model(const TemporaryFolder& folder, const std::str
                                    const std::string& images) {
   folder.write("cameras.txt", cameras);
   folder.write("images.txt", images);
-  return read_colmap(folder.path());
+  return read_colmap(folder.path()).photographs;
 }
 
 TEST(colmap, camera_models) {
@@ -32,7 +32,8 @@ TEST(colmap, camera_models) {
                "# comment\n\n1 SIMPLE_PINHOLE 64 48 50 32 24\n2 PINHOLE 64 48 50 51 32 24\n"
                "3 SIMPLE_RADIAL 64 48 50 32 24 0.1\n4 RADIAL 64 48 50 32 24 0.1 0.2\n"
                "5 OPENCV 64 48 50 51 32 24 0.1 0.2 0.3 0.4\n");
-  const auto cameras = read_colmap_cameras(folder.path());
+  folder.write("images.txt", "1 1 0 0 0 1 2 3 5 a.jpg\n\n");
+  const auto cameras = read_colmap(folder.path()).cameras;
   ASSERT_EQ(cameras.size(), 5u);
   const auto numbers = [](const Camera& c) {
     return std::vector<double>{
@@ -44,7 +45,7 @@ TEST(colmap, camera_models) {
   EXPECT_EQ(numbers(cameras[3].camera), (std::vector<double>{64, 48, 50, 50, 32, 24, 0.1, 0.2, 0, 0}));
   EXPECT_EQ(numbers(cameras[4].camera), (std::vector<double>{64, 48, 50, 51, 32, 24, 0.1, 0.2, 0.3, 0.4}));
   EXPECT_EQ(cameras[4].model, "OPENCV");
-  EXPECT_EQ(cameras[4].line, 7);
+  EXPECT_EQ(cameras[4].id, "5");
 }
 
 TEST(colmap, images_sorted_by_name_with_empty_second_lines) {
@@ -153,7 +154,7 @@ std::map<int, Observations> observations_of(const std::filesystem::path& file) {
 TEST(colmap, real_points_project_to_where_they_were_seen) {
   const auto model = real_data("photos/lund-door/colmap_ground_truth");
   if (!std::filesystem::exists(model)) GTEST_SKIP() << model << " is absent";
-  const auto photographs = read_colmap(model);
+  const auto photographs = read_colmap(model).photographs;
   ASSERT_EQ(photographs.size(), 12u);
   const auto observations = observations_of(model / "images.txt");
   std::ifstream in(model / "points3D.txt");
@@ -186,7 +187,7 @@ TEST(colmap, real_points_project_to_where_they_were_seen) {
 TEST(colmap, real_photographs_have_the_cameras_size) {
   const auto root = real_data("photos/lund-door");
   if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is absent";
-  const auto photographs = read_colmap(root / "colmap_ground_truth");
+  const auto photographs = read_colmap(root / "colmap_ground_truth").photographs;
   const Image8 image = read_photograph(root / "images" / photographs[0].name, photographs[0].camera.width,
                                        photographs[0].camera.height);
   EXPECT_EQ(image.width, 1296);

@@ -97,7 +97,7 @@ cameras = true
   EXPECT_EQ(scene.model->file, folder.path() / "proxy.obj");
   EXPECT_EQ(scene.model->unit, "mm");
   EXPECT_EQ(scene.model->up, "y");
-  EXPECT_EQ(scene.photographs->colmap, folder.path() / "sparse/0");
+  EXPECT_EQ(scene.photographs->cameras.path, folder.path() / "sparse/0");
   EXPECT_EQ(scene.photographs->images, folder.path() / "images");
   EXPECT_EQ((*scene.photographs->world_from_photographs)[5], 1);
   EXPECT_EQ(scene.planes.at("square").value, OptionValue(std::string("auto")));
@@ -258,11 +258,6 @@ TEST(scene_file, what_is_not_supported_yet_says_so) {
       {"[[scan]]\nfile = \"depth/0001.PNG\"\nintrinsics = [525, 525, 319.5, 239.5]\n", "2",
        "depth images are not supported yet"},
       {kScan + "depth_scale = 0.001\n", "3", "belongs to depth images"},
-      {"[photographs]\nstrecha = \"a\"\nimages = \"b\"\n" + kScan, "2",
-       "not supported yet; convert to COLMAP text"},
-      {"[photographs]\nbundler = \"a\"\nimages = \"b\"\n" + kScan, "2",
-       "not supported yet; convert to COLMAP text"},
-      {"[photographs]\nnerfstudio = \"a\"\n" + kScan, "2", "not supported yet; convert to COLMAP text"},
       {"[photographs]\nimages = \"a\"\n" + kScan, "1",
        "exactly one of colmap, strecha, bundler, nerfstudio, found none"},
       {"[photographs]\ncolmap = \"a\"\nbundler = \"b\"\n" + kScan, "1", "found colmap, bundler"},
