@@ -60,8 +60,9 @@ Json calibration_json(const io::CalibratedCamera& calibrated) {
                {"size", {c.width, c.height}},
                {"focal_length_px", {c.fx, c.fy}},
                {"principal_point_px", {c.cx, c.cy}}};
-  const std::pair<const char*, double> distortion[] = {
-      {"k1", c.k1}, {"k2", c.k2}, {"p1", c.p1}, {"p2", c.p2}};
+  const std::pair<const char*, double> distortion[] = {{"k1", c.k1}, {"k2", c.k2}, {"k3", c.k3},
+                                                       {"k4", c.k4}, {"k5", c.k5}, {"k6", c.k6},
+                                                       {"p1", c.p1}, {"p2", c.p2}};
   for (const auto& [name, value] : distortion)
     if (value != 0) json[name] = value;
   return json;

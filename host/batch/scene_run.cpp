@@ -275,9 +275,10 @@ std::string describe_run(const RunRequest& request) {
   };
   for (const auto& scan : scene.scans) line("scan", scan.file);
   if (scene.model) line("model", scene.model->file);
-  if (scene.photographs)
-    for (const auto& photograph : io::read_cameras(scene.photographs->cameras).photographs)
-      line("photograph", scene.photographs->images / photograph.name);
+  if (scene.photographs) {
+    const auto cameras = io::read_cameras(scene.photographs->cameras, scene.photographs->images).photographs;
+    for (const auto& file : photograph_files(*scene.photographs, cameras)) line("photograph", file);
+  }
   return text;
 }
 

@@ -76,7 +76,10 @@ SceneFile::Photographs read_photographs(const SceneTable& table) {
     table.fail_table("expected exactly one of colmap, strecha, bundler, nerfstudio, found {}",
                      given.empty() ? "none" : fmt::format("{}", fmt::join(given, ", ")));
   result.cameras.path = table.required_path(given.front());
-  result.images = table.required_path("images");
+  // Nerfstudio's names start at its own file's folder.
+  result.images = result.cameras.format == CameraFormat::nerfstudio && !table.has("images")
+                      ? result.cameras.path.parent_path()
+                      : table.required_path("images");
   result.world_from_photographs = table.pose("world_from_photographs");
   return result;
 }

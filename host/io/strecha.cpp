@@ -11,7 +11,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kExtension = ".camera";
-constexpr double kCentreOfFirstPixel = 0.5;  // in our coordinates; 0 in the file's
 
 std::vector<fs::path> camera_files(const fs::path& folder) {
   std::error_code code;
@@ -29,40 +28,6 @@ std::vector<fs::path> camera_files(const fs::path& folder) {
   return files;
 }
 
-// Lines that hold something, one after the other, each named in messages.
-class CameraText {
- public:
-  CameraText(const fs::path& file, std::string_view text) : file_(file), lines_(text) {}
-
-  TextRecord line(std::string_view what) {
-    while (lines_.next())
-      if (!trim(lines_.line()).empty()) return TextRecord(file_, lines_);
-    fail_at(file_, std::max(1, lines_.number()), "expected {}, found the end of the file: cut short?", what);
-  }
-  Vec3 row(std::string_view what) {
-    TextRecord record = line(what);
-    const double x = record.number(what), y = record.number(what), z = record.number(what);
-    record.expect_end(what);
-    return {x, y, z};
-  }
-  Mat3 matrix(std::string_view what) {
-    Mat3 result;
-    for (int i = 0; i < 3; ++i) result.row(i) = row(fmt::format("row {} of {}", i + 1, what));
-    return result;
-  }
-  void expect_end() {
-    while (lines_.next())
-      if (!trim(lines_.line()).empty())
-        fail_at(file_, lines_.number(), "expected nothing after the image's size, found \"{}\"",
-                excerpt(lines_.line()));
-  }
-  std::string place() const { return fmt::format("{}:{}", file_.string(), std::max(1, lines_.number())); }
-
- private:
-  const fs::path& file_;
-  LineReader lines_;
-};
-
 void check_calibration(const std::string& place, const Mat3& k) {
   const double tolerance = 1e-6 * std::abs(k(0, 0));
   if (k.row(2) != Vec3(0, 0, 1).transpose() || k(1, 0) != 0 || std::abs(k(0, 1)) > tolerance)
@@ -72,16 +37,18 @@ void check_calibration(const std::string& place, const Mat3& k) {
         place, k(0, 0), k(0, 1), k(0, 2), k(1, 0), k(1, 1), k(1, 2), k(2, 0), k(2, 1), k(2, 2));
 }
 
-Photograph read_camera(const fs::path& file) {
+}  // namespace
+
+Photograph read_strecha_camera(const fs::path& file) {
   const std::string bytes = read_plain_text(file);
-  CameraText text(file, bytes);
+  FilledLines text(file, bytes);
   Photograph result;
   result.name = file.stem().string();
   Camera& camera = result.camera;
   const Mat3 k = text.matrix("K");
   check_calibration(text.place(), k);
   camera.fx = k(0, 0), camera.fy = k(1, 1);
-  camera.cx = k(0, 2) + kCentreOfFirstPixel, camera.cy = k(1, 2) + kCentreOfFirstPixel;
+  camera.cx = k(0, 2), camera.cy = k(1, 2);
   check_focal_length(text.place(), camera);
   if (const Vec3 distortion = text.row("the distortion's 3 numbers"); !distortion.isZero(0))
     fail_input(
@@ -97,16 +64,14 @@ Photograph read_camera(const fs::path& file) {
   camera.width = checked_image_size(text.place(), "width", size.integer("width"));
   camera.height = checked_image_size(text.place(), "height", size.integer("height"));
   size.expect_end("width and height");
-  text.expect_end();
+  text.expect_end("the image's size");
   return result;
 }
-
-}  // namespace
 
 CameraFile read_strecha(const fs::path& folder) {
   CameraFile result;
   for (const fs::path& file : camera_files(folder)) {
-    result.photographs.push_back(read_camera(file));
+    result.photographs.push_back(read_strecha_camera(file));
     const Photograph& photograph = result.photographs.back();
     result.cameras.push_back({photograph.name, "PINHOLE", photograph.camera});
   }

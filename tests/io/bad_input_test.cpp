@@ -5,11 +5,16 @@
 #include <cctype>
 #include <functional>
 
+#include "io/bundler.hpp"
 #include "io/colmap.hpp"
+#include "io/colmap_bytes.hpp"
+#include "io/exr.hpp"
 #include "io/files.hpp"
+#include "io/nerfstudio.hpp"
 #include "io/obj.hpp"
 #include "io/picture.hpp"
 #include "io/scene_file.hpp"
+#include "io/strecha.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -37,6 +42,18 @@ const std::string kCameras =
 const std::string kImages =
     "1 0.983789 0.00113517 0.176825 -0.0298644 -7.60712 0.428157 2.75243 1 folder/a long name with "
     "blanks.jpg\n\n";
+const std::string kCamerasBin =
+    testing::bytes(std::uint64_t{1}) + testing::colmap_camera_bytes(7, 1, 640, 480, {500, 510, 320, 240});
+const std::string kImagesBin =
+    testing::bytes(std::uint64_t{1}) + testing::colmap_image_bytes(3, 7, "a.jpg", 2);
+const std::string kStrecha = "100 0 31.5\n0 110 23.5\n0 0 1\n0 0 0\n0 0 1\n-1 0 0\n0 -1 0\n1 2 3\n64 48\n";
+// Two points, each seen by the one camera.
+const std::string kBundle =
+    "# Bundle file v0.3\n1 2\n100 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 -5\n1 2 3\n255 128 0\n1 0 17 1.5 -2.5\n"
+    "1 2 3\n255 128 0\n1 0 18 1.5 -2.5\n";
+const std::string kNerfstudio =
+    "{\"w\":64,\"h\":48,\"fl_x\":100,\"frames\":[{\"file_path\":\"a.jpg\",\"transform_matrix\":\n"
+    "[[0,0,-1,1],[-1,0,0,2],[0,1,0,3],[0,0,0,1]]}]}\n";
 const std::string kScene =
     "scan = [\n  { id = \"west\", file = \"west.ply\", index = 0, landmarks = [\n"
     "    { scan = [1.0, 2.0, 3.0], model = [0.5, 0.25, 0.125] },\n    { pixel = [10, 20], vertex = 3 },\n  ] "
@@ -60,6 +77,37 @@ std::vector<Reader> readers() {
          return kImages;
        },
        [](const fs::path& file) { read_colmap(file.parent_path()); }},
+      {"colmap_cameras_bin", "cameras.bin",
+       [](const TemporaryFolder& folder) {
+         folder.write("images.bin", kImagesBin);
+         return kCamerasBin;
+       },
+       [](const fs::path& file) { read_colmap_binary(file.parent_path()); }, false},
+      {"colmap_images_bin", "images.bin",
+       [](const TemporaryFolder& folder) {
+         folder.write("cameras.bin", kCamerasBin);
+         return kImagesBin;
+       },
+       [](const fs::path& file) { read_colmap_binary(file.parent_path()); }, false},
+      {"strecha", "a.jpg.camera", fixed(kStrecha), [](const fs::path& file) { read_strecha_camera(file); }},
+      {"bundler", "bundle.out",
+       [](const TemporaryFolder& folder) {
+         folder.write("list.txt", "a.jpg\n");
+         return kBundle;
+       },
+       [](const fs::path& file) { read_bundler(file, {}); }},
+      {"nerfstudio", "transforms.json", fixed(kNerfstudio),
+       [](const fs::path& file) { read_nerfstudio(file, {}); }},
+      {"exr_picture", "photo.exr",
+       [](const TemporaryFolder& folder) {
+         const std::vector<float> grey(40 * 30, 0.5f);
+         write_exr(folder.path() / "made.exr", 40, 30,
+                   {{"R", grey.data(), nullptr, 1},
+                    {"G", grey.data(), nullptr, 1},
+                    {"B", grey.data(), nullptr, 1}});
+         return bytes_of(folder.path() / "made.exr");
+       },
+       [](const fs::path& file) { read_photograph(file, 40, 30); }, false},
       {"picture", "photo.png",
        [](const TemporaryFolder& folder) {
          write_png(folder.path() / "made.png", Image8(40, 30, 3, 77));

@@ -253,6 +253,22 @@ TEST(scene_file, poses_and_landmarks) {
             1u);
 }
 
+TEST(scene_file, every_format_of_cameras) {
+  const TemporaryFolder folder;
+  const auto photographs = [&](const std::string& keys) {
+    return *read_scene_file(folder.write("scene.toml", "[photographs]\n" + keys + "\n" + kScan)).photographs;
+  };
+  for (const CameraFormat format :
+       {CameraFormat::colmap, CameraFormat::strecha, CameraFormat::bundler, CameraFormat::nerfstudio}) {
+    const auto read = photographs(fmt::format("{} = \"a/cameras.json\"\nimages = \"b\"", name_of(format)));
+    EXPECT_EQ(read.cameras.format, format);
+    EXPECT_EQ(read.cameras.path, folder.path() / "a/cameras.json");
+    EXPECT_EQ(read.images, folder.path() / "b");
+  }
+  // Nerfstudio's names start at its own file.
+  EXPECT_EQ(photographs("nerfstudio = \"a/transforms.json\"").images, folder.path() / "a");
+}
+
 TEST(scene_file, what_is_not_supported_yet_says_so) {
   expect_errors({
       {"[[scan]]\nfile = \"depth/0001.PNG\"\nintrinsics = [525, 525, 319.5, 239.5]\n", "2",
