@@ -59,10 +59,10 @@ TEST(colmap_binary, is_chosen_before_text) {
 // Wherever either file ends too early (the steps meet every field), and with bytes to spare.
 TEST(colmap_binary, every_wrong_length_is_an_error) {
   const TemporaryFolder folder;
-  for (std::size_t length = 0; length < kCameras.size(); length += 3)
+  for (std::size_t length = 0; length < kCameras.size(); length += 7)
     EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read(folder, kCameras.substr(0, length), kImages); }),
                       "cameras.bin: byte "));
-  for (std::size_t length = 0; length < kImages.size(); length += 3)
+  for (std::size_t length = 0; length < kImages.size(); length += 7)
     EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read(folder, kCameras, kImages.substr(0, length)); }),
                       "images.bin: byte "));
   EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read(folder, kCameras + "x", kImages); }),
