@@ -25,8 +25,10 @@ class HeaderWalk {
     // Bit 9: tiles; bits 11 and 12: deep samples, several parts.
     const bool lines = tile_px == kExrLines;
     if ((static_cast<std::uint32_t>(whole(4)) & 0x1a00u) != (lines ? 0u : 0x200u))
-      fail_input("{}: byte 4: expected an image in {} in a single part, found another kind of OpenEXR file",
-                 file_, lines ? "scan lines" : "tiles");
+      fail_input(
+          "{}: byte 4: expected a {} image in a single part, found another kind of OpenEXR file; write it "
+          "again",
+          file_, lines ? "scan-line" : "tiled");
     at_ = 8;
     for (std::string name = text(); !name.empty(); name = text()) attribute(name);
     if (width_ < 1 || height_ < 1)

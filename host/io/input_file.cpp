@@ -89,6 +89,26 @@ std::uint64_t start_of_text(InputFile& file) {
   return bytes.starts_with("\xef\xbb\xbf") ? 3 : 0;
 }
 
+void check_not_sent_as_text(InputFile& file, std::uint64_t data) {
+  if (data < 2 || std::string_view(file.at(data - 2, 2), 2) != "\r\n") return;
+  bool found = false;
+  char before = '\n';
+  for (std::uint64_t offset = data; offset < file.size();) {
+    const std::string_view block = file.ahead(offset, 1);
+    for (std::size_t at = block.find('\n'); at != block.npos; at = block.find('\n', at + 1)) {
+      if ((at > 0 ? block[at - 1] : before) != '\r') return;
+      found = true;
+    }
+    before = block.back();
+    offset += block.size();
+  }
+  if (found)
+    fail_input(
+        "{}: byte {}: expected binary data, found CR before every LF of them, as after a transfer as text; "
+        "copy the file again as binary",
+        file.name(), data);
+}
+
 void check_count_fits(const std::string& file, const std::string& place, const char* records,
                       std::uint64_t count, std::uint64_t least_bytes, std::uint64_t available) {
   if (least_bytes == 0 || count <= available / least_bytes) return;

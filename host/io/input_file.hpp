@@ -50,6 +50,10 @@ class InputFile {
 // error that says so.
 std::uint64_t start_of_text(InputFile& file);
 
+// Throws when the bytes from `data` on are binary data that a transfer "as text" has spoilt: the header's
+// lines end in CR LF, and so does every LF in the data. Called where data are left over.
+void check_not_sent_as_text(InputFile& file, std::uint64_t data);
+
 // Throws when `count` records of at least `least_bytes` each cannot fit into `available` bytes: called before
 // anything is allocated for them. `place` and `records` name them, "line 9" and "points".
 void check_count_fits(const std::string& file, const std::string& place, const char* records,

@@ -157,6 +157,7 @@ class PcdReader {
   // PCL's writer fills the last page with zeros, which are worth no note.
   void note_rest(ScanBuilder& result, std::uint64_t used_bytes) {
     const std::uint64_t rest = data_bytes_ - used_bytes;
+    if (rest > 0) check_not_sent_as_text(input_, data_);
     if (input_.only_zeros_from(data_ + used_bytes)) return;
     if (header_.data == PcdData::binary && rest >= header_.point_bytes)
       fail_input(

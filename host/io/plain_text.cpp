@@ -32,7 +32,10 @@ std::string read_plain_text(const std::filesystem::path& file) {
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n');
     fail_at(file, static_cast<std::uint64_t>(line),
-            "expected text, found a zero byte (byte {}): a binary file, or UTF-16 without its mark", zero);
+            "expected text, found a zero byte (byte {}): a binary file, or UTF-16 without its mark; give a "
+            "text file "
+            "saved as UTF-8",
+            zero);
   }
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   return text;

@@ -223,6 +223,7 @@ class PlyReader {
             file_, line, last.count);
       builder.add_note(fmt::format("line {}: {} bytes after the last record are ignored", line, bytes));
     } else if (rest() > 0) {
+      check_not_sent_as_text(input_, header_.data_offset);
       if (countable && rest() >= last.least_bytes() && !input_.only_zeros_from(at_))
         fail_input(
             "{}: byte {}: expected the end of the file after {} vertices, found {} more bytes, room for {} "

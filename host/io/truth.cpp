@@ -5,6 +5,7 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
@@ -31,7 +32,7 @@ std::vector<std::uint32_t> read_uint_channel(const std::filesystem::path& file, 
     const auto window = input.header().dataWindow();
     const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
     const auto height = static_cast<std::size_t>(window.max.y - window.min.y) + 1;
-    if (width * height < count || (count > 0 && width * (height - 1) >= count))
+    if (height != std::max<std::size_t>(1, (count + width - 1) / width))
       fail_input(
           "{}: header: expected {} samples in rows, found {} x {} pixels; make both again with hybrid-synth",
           file.string(), count, width, height);
@@ -67,14 +68,21 @@ SceneTruth read_truth(const std::filesystem::path& file) {
         ScanTruth scan;
         scan.id = entry.at("id").get<std::string>();
         scan.world_from_scan = pose_from_row_major(entry.at("world_from_scan").get<std::array<double, 16>>());
-        const auto samples = entry.at("samples").get<std::size_t>();
+        const auto& samples = entry.at("samples");
+        if (!samples.is_number_unsigned())
+          fail_input(
+              "scan {}: samples: expected a whole number from 0, found {}; make it again with hybrid-synth",
+              scan.id, samples.dump());
         const auto image = file.parent_path() / entry.at("truth_image").get<std::string>();
-        scan.plane = read_uint_channel(image, "plane", samples);
-        scan.kind = read_uint_channel(image, "kind", samples);
+        scan.plane = read_uint_channel(image, "plane", samples.get<std::size_t>());
+        scan.kind = read_uint_channel(image, "kind", samples.get<std::size_t>());
         truth.scans.push_back(std::move(scan));
       }
     } catch (const nlohmann::json::exception& error) {
-      fail_input("not the truth of a synthetic scene ({}); make it again with hybrid-synth", error.what());
+      fail_input(
+          "expected the truth of a synthetic scene, found something else ({}); make it again with "
+          "hybrid-synth",
+          error.what());
     }
     return truth;
   });
