@@ -88,7 +88,8 @@ class ObjReader {
               model_.vertices.size(), count);
     if (count == 4 && numbers[3] != 1)
       fail_at(file_, line_,
-              "vertex {}: expected w = 1 (rational weights have no meaning for polygons), found {}",
+              "vertex {}: expected w = 1 (rational weights have no meaning for polygons), found {}; write x "
+              "y z alone",
               model_.vertices.size(), numbers[3]);
     if (model_.vertices.size() >= kMostVertices)
       fail_at(file_, line_, "expected at most {} vertices, found more; split the model", kMostVertices);

@@ -65,10 +65,15 @@ PtxHeader read_header(TextCursor& cursor) {
 }
 
 void set_pose(Scan& scan, const std::string& file, const PtxHeader& header) {
-  const Pose pose = with_context(
-      fmt::format("{}: lines {} to {} (the scan's 4x4 matrix)", file, header.line + 6, header.line + 9),
-      [&] { return pose_from_row_major(header.world_from_scan); });
-  if (header.world_from_scan != row_major(Pose{})) scan.world_from_scan = pose;
+  if (header.world_from_scan == row_major(Pose{})) return;
+  try {
+    scan.world_from_scan = pose_from_row_major(header.world_from_scan);
+  } catch (const Error& error) {
+    fail_input(
+        "{}: lines {} to {} (the scan's 4x4 matrix): {}; correct it, or write the identity and register the "
+        "scan",
+        file, header.line + 6, header.line + 9, error.what());
+  }
 }
 
 [[noreturn]] void fail_points_missing(const TextCursor& cursor, const PtxHeader& header,

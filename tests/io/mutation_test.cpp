@@ -1,5 +1,6 @@
 // Two thousand random damages of each reader's sample, always the same ones: each is read or refused. The
 // fuzz targets of tests/fuzz look further.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -78,6 +79,23 @@ class Mutator {
   std::mt19937 random_{20041117};
 };
 
+// The libraries of pictures write a line about every damage.
+class QuietErrors {
+ public:
+  QuietErrors() : kept_(dup(STDERR_FILENO)) {
+    const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(nothing, STDERR_FILENO);
+    close(nothing);
+  }
+  ~QuietErrors() {
+    dup2(kept_, STDERR_FILENO);
+    close(kept_);
+  }
+
+ private:
+  int kept_;
+};
+
 class Mutations : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(Mutations, EachIsReadOrRefused) {
@@ -86,6 +104,7 @@ TEST_P(Mutations, EachIsReadOrRefused) {
   Mutator mutator(row.good(folder.path()));
   const FileInMemory file(folder.path() / row.file);
   int refused = 0;
+  const QuietErrors quiet;
   const AllocationWatch watch;
   for (int i = 0; i < kMutations; ++i) {
     const std::string bytes = mutator.next();
