@@ -82,6 +82,8 @@ void check_readable(const fs::path& file) {
   const auto status = fs::status(file, code);
   if (!fs::exists(status)) fail_input("{}: no such file; check the path", file.string());
   if (fs::is_directory(status)) fail_input("{}: expected a file, found a folder", file.string());
+  if (!fs::is_regular_file(status))  // a pipe would be waited for
+    fail_input("{}: expected a regular file, found a device or pipe; save it to a file first", file.string());
   if (access(file.c_str(), R_OK) != 0)
     fail_input("{}: cannot be read ({}); change its permissions", file.string(), std::strerror(errno));
 }

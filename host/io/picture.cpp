@@ -99,12 +99,14 @@ Image8 read_photograph(const fs::path& file, int expected_width, int expected_he
   const OIIO::ImageSpec spec = input->spec();
   check_pixels(file, spec);
   const int orientation = orientation_to_apply(file, spec, expected_width, expected_height);
-  Image8 result(orientation == 1 ? spec.width : spec.height, orientation == 1 ? spec.height : spec.width, 3);
-  if (expected_width != 0 && (result.width != expected_width || result.height != expected_height))
+  const int width = orientation == 1 ? spec.width : spec.height;
+  const int height = orientation == 1 ? spec.height : spec.width;
+  if (expected_width != 0 && (width != expected_width || height != expected_height))
     fail_input(
         "{}: expected the camera's {} x {} pixels, found {} x {}; give the photograph the cameras were "
         "computed from",
         file.string(), expected_width, expected_height, spec.width, spec.height);
+  Image8 result(width, height, 3);  // after the check, since a damaged header may say anything
   const Image8 stored = decode(file, *input, spec);
   const int green = stored.channels >= 3 ? 1 : 0, blue = stored.channels >= 3 ? 2 : 0;
   for (int y = 0; y < result.height; ++y) {

@@ -159,7 +159,7 @@ void read_scene_table(const SceneTable& root, SceneFile& scene) {
 void read_model(const SceneTable& root, SceneFile& scene) {
   const auto table = root.table("model", {"file", "unit", "up"});
   if (!table) return;
-  SceneFile::Model& model = scene.model.emplace();
+  SceneFile::Model& model = *(scene.model = SceneFile::Model{});
   model.file = table->required_path("file");
   model.unit = table->choice("unit", {"m", "mm", "arbitrary"}, model.unit);
   model.up = table->choice("up", {"z", "y"}, model.up);
