@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "app/commands.hpp"
 #include "core/error.hpp"
@@ -12,7 +13,7 @@ int main(int argc, char** argv) {
       "Turns laser scans and photographs of architecture into registered, decimated, photo-textured models.\n"
       "Results go to stdout, everything else to stderr. Exit codes: 0 ok, 1 failed, 2 usage, 3 some units "
       "failed,\n"
-      "4 bad input, 5 no device or out of memory, 75 temporary, 130 interrupted.",
+      "4 bad input, 5 no device or out of memory, 75 temporary (the disk is full), 130 interrupted.",
       "hybrid"};
   program.set_version_flag("--version", std::string("hybrid ") + HYBRID_VERSION);
   program.require_subcommand(1);
@@ -33,11 +34,16 @@ int main(int argc, char** argv) {
     log::error("{}", error.what());
     return exit_code(error.kind());
   } catch (const std::bad_alloc&) {
-    log::error("out of memory; use fewer or smaller scans at a time, or a smaller --tile");
+    log::error("{}", kOutOfMemory);
     return exit_code(ErrorKind::device);
   } catch (const std::exception& error) {
     log::error("internal error: {}", error.what());
     return 1;
+  }
+  std::cout.flush();
+  if (!std::cout) {
+    log::error("stdout: not everything could be written; the disk is full or the reading end is closed");
+    return exit_code(ErrorKind::failed);
   }
   return code;
 }
