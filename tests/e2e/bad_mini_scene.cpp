@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/error.hpp"
 #include "geometry/camera.hpp"
 #include "geometry/pose.hpp"
 #include "io/output.hpp"
