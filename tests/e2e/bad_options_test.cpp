@@ -73,7 +73,7 @@ TEST_P(WrongOption, is_told_and_nothing_is_written) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Options, WrongOption, ::testing::ValuesIn(wrong_options()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& row) { return std::string(row.param.name); });
 
 TEST(Options, version_and_help_go_to_stdout) {
   const auto version = run("hybrid --version");
@@ -169,9 +169,10 @@ TEST(Options, only_writes_the_stages_named) {
     std::sort(names.begin(), names.end());
     EXPECT_EQ(files(scratch / "out"), names) << command;
     for (const auto& name : names)  // range.exr holds the pose when there is one, detail.ply what it explains
-      if (name.ends_with(".png") || name.starts_with("views/") || name.ends_with("pose.json"))
+      if (name.ends_with(".png") || name.starts_with("views/") || name.ends_with("pose.json")) {
         EXPECT_EQ(io::fingerprint(scratch / "out" / name).xxh3, io::fingerprint(mini_result() / name).xxh3)
             << name;
+      }
   }
   const Scratch scratch;  // the report's page shows the others' files
   EXPECT_EQ(hybrid("run SCENE --only report --quiet --out OUT", scratch / "out").exit_code, 0);

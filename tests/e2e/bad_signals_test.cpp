@@ -66,7 +66,7 @@ TEST_P(Interrupted, leaves_complete_files_only) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Stages, Interrupted, ::testing::ValuesIn(interrupts()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& row) { return std::string(row.param.name); });
 
 class Killed : public ::testing::TestWithParam<const char*> {};
 
@@ -84,8 +84,8 @@ TEST_P(Killed, the_next_run_gives_the_same_bytes) {
 INSTANTIATE_TEST_SUITE_P(Writers, Killed,
                          ::testing::Values("scans/s/range.exr", "scans/s/detail.ply", "views/front.png",
                                            "report/index.html", "summary.json"),
-                         [](const auto& info) {
-                           std::string name = info.param;
+                         [](const auto& row) {
+                           std::string name = row.param;
                            for (char& c : name)
                              if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
                            return name;

@@ -49,7 +49,7 @@ TEST_P(BadSynth, is_told) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Options, BadSynth, ::testing::ValuesIn(synth_cases()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& row) { return std::string(row.param.name); });
 
 TEST(BadSynth, an_output_folder_that_cannot_be) {
   const Scratch scratch;

@@ -1,7 +1,6 @@
 #include "traced_run.hpp"
 
 #include <fcntl.h>
-#include <linux/ptrace.h>
 #include <sys/ptrace.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
@@ -53,7 +52,7 @@ std::string text_at(pid_t process, std::uint64_t address, std::size_t count) {
 }
 
 bool is_moment(pid_t process, const Moment& moment) {
-  ptrace_syscall_info info{};
+  __ptrace_syscall_info info{};
   if (ptrace(PTRACE_GET_SYSCALL_INFO, process, sizeof info, &info) <= 0) return false;
   if (info.op != PTRACE_SYSCALL_INFO_ENTRY) return false;
   const auto& [number, arguments] = info.entry;
