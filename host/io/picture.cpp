@@ -1,5 +1,6 @@
 #include "io/picture.hpp"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/ranges.h>
 
@@ -15,6 +16,7 @@
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
 #include "io/output.hpp"
+#include "io/output_file.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
@@ -198,15 +200,20 @@ void write_png(const fs::path& file, const Image8& image) {
       (image.channels != 1 && image.channels != 3 && image.channels != 4))
     fail(ErrorKind::failed, "{}: expected a picture of 1, 3 or 4 channels, found {} x {} with {}",
          file.string(), image.width, image.height, image.channels);
+  // Encoded in memory: OpenImageIO does not look whether the last bytes of a file reached the disk.
+  OIIO::Filesystem::IOVecOutput encoded;
+  const auto output = OIIO::ImageOutput::create("png", &encoded);
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
+  spec["oiio:ColorSpace"] = "sRGB";
+  spec["oiio:UnassociatedAlpha"] = 1;
+  if (!output || !output->open("memory.png", spec) ||
+      !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
+    fail(ErrorKind::failed, "{}: cannot encode: {}", file.string(),
+         reason(output ? output->geterror() : OIIO::geterror()));
   write_atomically(file, [&](const fs::path& temporary) {
-    const auto output = OIIO::ImageOutput::create("png");
-    OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
-    spec["oiio:ColorSpace"] = "sRGB";
-    spec["oiio:UnassociatedAlpha"] = 1;
-    if (!output || !output->open(temporary.string(), spec) ||
-        !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
-      fail(ErrorKind::failed, "{}: cannot write: {}", file.string(),
-           reason(output ? output->geterror() : OIIO::geterror()));
+    OutputFile out(temporary);
+    out.write(encoded.buffer().data(), encoded.buffer().size());
+    out.close();
   });
 }
 

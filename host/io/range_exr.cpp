@@ -14,6 +14,7 @@
 
 #include "core/error.hpp"
 #include "io/exr_header.hpp"
+#include "io/exr_stream.hpp"
 #include "io/exr_threads.hpp"
 #include "io/input_file.hpp"
 #include "io/output.hpp"
@@ -222,14 +223,16 @@ void write_range_exr(const std::filesystem::path& file, const RangeImage& image,
   check_sizes(file.string(), image);
   const Imf::Header header = make_header(file.string(), image, attributes);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
-    Imf::TiledOutputFile out(temporary.c_str(), header, start_exr_threads());
-    // OpenEXR's slices are not const; writing only reads them.
-    RangeExrBand band(const_cast<RangeImage&>(image));
-    for (int tile_row = 0; tile_row < out.numYTiles(); ++tile_row) {
-      out.setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
-      band.take_from_image();
-      out.writeTiles(0, out.numXTiles() - 1, tile_row, tile_row);
-    }
+    write_exr_stream(temporary, [&](ExrStream& stream) {
+      Imf::TiledOutputFile out(stream, header, start_exr_threads());
+      // OpenEXR's slices are not const; writing only reads them.
+      RangeExrBand band(const_cast<RangeImage&>(image));
+      for (int tile_row = 0; tile_row < out.numYTiles(); ++tile_row) {
+        out.setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
+        band.take_from_image();
+        out.writeTiles(0, out.numXTiles() - 1, tile_row, tile_row);
+      }
+    });
   });
 }
 
