@@ -144,15 +144,15 @@ class Run {
     std::vector<Scan> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      scans = io::read_scans(entry.file);
+      auto read = io::read_scans(entry.file);
       add_input(entry.file);
-      if (!entry.index) return;
-      if (*entry.index < 0 || static_cast<std::size_t>(*entry.index) >= scans.size())
+      if (entry.index && static_cast<std::size_t>(*entry.index) >= read.size())
         fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index,
-                   scans.size());
-      Scan chosen = std::move(scans[static_cast<std::size_t>(*entry.index)]);
-      scans.clear();
-      scans.push_back(std::move(chosen));
+                   read.size());
+      if (entry.index)
+        scans.push_back(std::move(read[static_cast<std::size_t>(*entry.index)]));
+      else
+        scans = std::move(read);
     });
     for (std::size_t i = 0; i < scans.size(); ++i) {
       process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry,

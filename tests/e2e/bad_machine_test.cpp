@@ -76,7 +76,6 @@ std::uintmax_t used_pages(const fs::path& folder) {
 // disk too small by one page.
 TEST(BadMachine, a_disk_that_fills_up_under_each_writer) {
   SKIP_WITHOUT_MOUNTS();
-  mini_result();
   std::set<std::string> failed;
   std::uintmax_t disk = 0;
   for (int round = 0; round < 40; ++round) {
@@ -110,15 +109,6 @@ TEST(BadMachine, hybrid_planes_on_a_full_disk) {
                                        "find " + folder + "/out -name '.*' -o -name summary.json; exit $code\n");
   expect_failure(outcome, 75, {"range.exr", "the disk is full"});
   EXPECT_EQ(outcome.out, "");
-}
-
-TEST(BadMachine, a_file_size_limit) {
-  mini_result();  // the kernels are compiled: their cache must not meet the limit
-  const Scratch scratch;
-  const auto outcome = run("ulimit -f 8; hybrid run " + scene_file() + " --quiet --out " +
-                           (scratch / "out").string());
-  expect_failure(outcome, 1, {"range.exr", "File too large", "ulimit -f"});
-  expect_complete_files(scratch / "out");
 }
 
 TEST(BadMachine, a_read_only_output_folder) {

@@ -25,7 +25,8 @@ class WrongOption : public ::testing::TestWithParam<Usage> {};
 std::vector<Usage> wrong_options() {
   return {
       {"nothing", "", 2, {"subcommand", "--help"}},
-      {"unknown_command", "fly", 2, {"--help"}},
+      {"unknown_command", "fly", 2, {"unknown command \"fly\"", "run", "devices", "--help"}},
+      {"mistyped_command", "plane", 2, {"did you mean \"planes\"?"}},
       {"unknown_option", "run SCENE --out OUT --fast", 2, {"--fast", "--help"}},
       {"no_scene", "run --out OUT", 2, {"scene is required"}},
       {"no_out", "run SCENE", 2, {"--out is required"}},
