@@ -24,11 +24,12 @@ void explain_exit() {
   const auto folder = hybrid::device::kernel_cache_folder();
   std::error_code code;
   const bool full = std::filesystem::space(folder, code).available < (1 << 20) && !code;
-  std::fprintf(stderr,
-               "error the OpenCL driver ended the program (its own words are above); its folder of compiled "
-               "kernels is %s%s\n",
-               folder.c_str(),
-               full ? ", whose disk is full: free space and run again, or set POCL_CACHE_DIR to another" : "");
+  std::fprintf(
+      stderr,
+      "error the OpenCL driver ended the program (its own words are above); its folder of compiled "
+      "kernels is %s%s\n",
+      folder.c_str(),
+      full ? ", whose disk is full: free space and run again, or set POCL_CACHE_DIR to another" : "");
   std::_Exit(hybrid::exit_code(full ? ErrorKind::temporary : ErrorKind::device));
 }
 

@@ -270,7 +270,6 @@ class Run {
                     {"views", views_},
                     {"failures", Json::array()}};
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
-
   }
 
   // summary.json last: where it is, everything else is.
@@ -311,8 +310,9 @@ std::string describe_run(const RunRequest& request) {
   auto stages = request.stages;
   StageOptions options;
   const auto scene = read_scene(request, stages, options);
-  std::string text = fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name,
-                                 scene.scans.size(), scene.views.size(), fmt::join(stages, ", "), request.out.string());
+  std::string text =
+      fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name, scene.scans.size(),
+                  scene.views.size(), fmt::join(stages, ", "), request.out.string());
   const auto line = [&](const char* what, const fs::path& file) {
     io::check_readable(file);
     text += fmt::format("  {} {}\n", what, file.string());

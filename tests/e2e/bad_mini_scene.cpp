@@ -25,8 +25,7 @@ double range_m(const Vec3& from, const Vec3& direction) {
   double nearest = 1e9;
   for (int axis = 0; axis < 3; ++axis) {
     const double wall = direction[axis] > 0 ? kRoom_m[axis] : 0;
-    if (std::abs(direction[axis]) > 1e-12)
-      nearest = std::min(nearest, (wall - from[axis]) / direction[axis]);
+    if (std::abs(direction[axis]) > 1e-12) nearest = std::min(nearest, (wall - from[axis]) / direction[axis]);
   }
   return nearest;
 }
@@ -56,8 +55,7 @@ void write_proxy(const fs::path& file) {
 void write_photographs(const fs::path& folder) {
   std::string cameras, images;
   for (int i = 0; i < 2; ++i) {
-    const auto photograph =
-        look_at({0.6, 0.5 + i, 1.3}, {3.5, 2.0, 1.1}, Vec3::UnitZ(), 60, 64, 48);
+    const auto photograph = look_at({0.6, 0.5 + i, 1.3}, {3.5, 2.0, 1.1}, Vec3::UnitZ(), 60, 64, 48);
     const auto& q = photograph.cam_from_world.rotation;
     const auto& t = photograph.cam_from_world.translation;
     const auto& c = photograph.camera;
@@ -85,7 +83,8 @@ std::string mini_scene_text() {
   return R"([scene]
 name = "mini"
 levelled = true
-crs = ")" + crs + R"("
+crs = ")" +
+         crs + R"("
 
 [[scan]]
 id = "s"

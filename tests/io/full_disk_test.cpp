@@ -159,7 +159,8 @@ TEST(output, what_a_killed_process_left_is_removed_once_it_is_dead) {
   waitpid(dead, nullptr, 0);
   const fs::path target = folder.path() / "below";  // each folder is looked through once per process
   fs::create_directories(target);
-  for (const std::string& left : {of_process(dead), of_process(getppid()), std::string(".part-other-host.txt")})
+  for (const std::string& left :
+       {of_process(dead), of_process(getppid()), std::string(".part-other-host.txt")})
     std::ofstream(target / left) << "half";
   write_text(target / "b.txt", "b");
   EXPECT_FALSE(fs::exists(target / of_process(dead)));
