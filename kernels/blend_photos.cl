@@ -24,7 +24,7 @@
 // Cost: 28 bytes of surface, 48 of photograph and 72 of sums per seen point, one shadow ray.
 // Reference twin: tests/reference/blend_photos.cpp.
 #include "lib/bvh.h"
-#include "lib/packet_camera.h"
+#include "lib/camera.h"
 #include "shared/params_blend_photos.h"
 
 // The surface points of a packet; x is NaN in lanes without one.
@@ -149,7 +149,7 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
   }
   const PacketSurface points = load_surface(surface, count, index);
   floatv column, row;
-  intv asked = packet_project(&params.camera, points.x, points.y, points.z, &column, &row);
+  intv asked = camera_project(&params.camera, points.x, points.y, points.z, &column, &row);
 
   const float3 centre = vload3(0, params.camera.centre);
   floatv x = points.x - centre.x, y = points.y - centre.y, z = points.z - centre.z;

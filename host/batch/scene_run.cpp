@@ -9,9 +9,9 @@
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
-#include "io/colmap.hpp"
 #include "io/obj.hpp"
 #include "io/output.hpp"
+#include "io/read_cameras.hpp"
 #include "io/read_scan.hpp"
 
 namespace hybrid::batch {
@@ -319,9 +319,10 @@ std::string describe_run(const RunRequest& request) {
   };
   for (const auto& scan : scene.scans) line("scan", scan.file);
   if (scene.model) line("model", scene.model->file);
-  if (scene.photographs)
-    for (const auto& photograph : io::read_colmap(scene.photographs->colmap))
-      line("photograph", scene.photographs->images / photograph.name);
+  if (scene.photographs) {
+    const auto cameras = io::read_cameras(scene.photographs->cameras, scene.photographs->images).photographs;
+    for (const auto& file : photograph_files(*scene.photographs, cameras)) line("photograph", file);
+  }
   return text;
 }
 

@@ -16,7 +16,7 @@
 #include "io/exr_header.hpp"
 #include "io/exr_stream.hpp"
 #include "io/exr_threads.hpp"
-#include "io/mapped_file.hpp"
+#include "io/input_file.hpp"
 #include "io/output.hpp"
 #include "io/range_exr_band.hpp"
 #include "io/text_cursor.hpp"
@@ -133,8 +133,8 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : file_(path.string()) {
     {
-      const MappedFile mapped(path);
-      check_exr_header(file_, mapped.bytes(), kRangeTile_px);
+      InputFile input(path);
+      check_exr_header(input, kRangeTile_px);
     }
     guarded([&] { in_ = std::make_unique<Imf::TiledInputFile>(path.c_str(), start_exr_threads()); });
     if (text(kFormat) != kFormatName)
@@ -157,9 +157,12 @@ class Reader {
 
   RangeImage read() {
     const Imath::V2i last = header().dataWindow().max;
+    // The angles first: as many of them stand in the file before memory is taken for the samples.
+    std::vector<double> elevation_rad = to_values(file_, kElevation, text(kElevation), last.y + 1);
+    std::vector<double> azimuth_rad = to_values(file_, kAzimuth, text(kAzimuth), last.x + 1);
     RangeImage image = make_range_image(last.y + 1, last.x + 1);
-    image.elevation_rad = to_values(file_, kElevation, text(kElevation), image.rows);
-    image.azimuth_rad = to_values(file_, kAzimuth, text(kAzimuth), image.cols);
+    image.elevation_rad = std::move(elevation_rad);
+    image.azimuth_rad = std::move(azimuth_rad);
     const auto* wraps = header().findTypedAttribute<Imf::IntAttribute>(kWraps);
     image.wraps = wraps != nullptr && wraps->value() != 0;
     for (const char* name : {"range", "x", "y", "z"}) need_channel(name, Imf::FLOAT);

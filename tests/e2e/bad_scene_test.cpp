@@ -62,14 +62,14 @@ std::vector<SceneCase> scene_cases() {
          fs::create_directory(folder / "scene.toml");
        },
        4,
-       {"scene.toml: expected a file, found a folder"}},
+       {"scene.toml: expected a regular file, found a folder"}},
       {"pipe",
        [](const fs::path& folder) {
          fs::remove(folder / "scene.toml");
          mkfifo((folder / "scene.toml").c_str(), 0600);
        },
        4,
-       {"scene.toml: expected a file, found a pipe"}},
+       {"scene.toml: expected a regular file, found a pipe"}},
       {"link_to_itself",
        [](const fs::path& folder) {
          fs::remove(folder / "scene.toml");

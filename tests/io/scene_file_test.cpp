@@ -97,7 +97,7 @@ cameras = true
   EXPECT_EQ(scene.model->file, folder.path() / "proxy.obj");
   EXPECT_EQ(scene.model->unit, "mm");
   EXPECT_EQ(scene.model->up, "y");
-  EXPECT_EQ(scene.photographs->colmap, folder.path() / "sparse/0");
+  EXPECT_EQ(scene.photographs->cameras.path, folder.path() / "sparse/0");
   EXPECT_EQ(scene.photographs->images, folder.path() / "images");
   EXPECT_EQ((*scene.photographs->world_from_photographs)[5], 1);
   EXPECT_EQ(scene.planes.at("square").value, OptionValue(std::string("auto")));
@@ -255,16 +255,27 @@ TEST(scene_file, poses_and_landmarks) {
   });
 }
 
+TEST(scene_file, every_format_of_cameras) {
+  const TemporaryFolder folder;
+  const auto photographs = [&](const std::string& keys) {
+    return *read_scene_file(folder.write("scene.toml", "[photographs]\n" + keys + "\n" + kScan)).photographs;
+  };
+  for (const CameraFormat format :
+       {CameraFormat::colmap, CameraFormat::strecha, CameraFormat::bundler, CameraFormat::nerfstudio}) {
+    const auto read = photographs(fmt::format("{} = \"a/cameras.json\"\nimages = \"b\"", name_of(format)));
+    EXPECT_EQ(read.cameras.format, format);
+    EXPECT_EQ(read.cameras.path, folder.path() / "a/cameras.json");
+    EXPECT_EQ(read.images, folder.path() / "b");
+  }
+  // Nerfstudio's names start at its own file.
+  EXPECT_EQ(photographs("nerfstudio = \"a/transforms.json\"").images, folder.path() / "a");
+}
+
 TEST(scene_file, what_is_not_supported_yet_says_so) {
   expect_errors({
       {"[[scan]]\nfile = \"depth/0001.PNG\"\nintrinsics = [525, 525, 319.5, 239.5]\n", "2",
        "depth images are not supported yet"},
       {kScan + "depth_scale = 0.001\n", "3", "belongs to depth images"},
-      {"[photographs]\nstrecha = \"a\"\nimages = \"b\"\n" + kScan, "2",
-       "not supported yet; convert to COLMAP text"},
-      {"[photographs]\nbundler = \"a\"\nimages = \"b\"\n" + kScan, "2",
-       "not supported yet; convert to COLMAP text"},
-      {"[photographs]\nnerfstudio = \"a\"\n" + kScan, "2", "not supported yet; convert to COLMAP text"},
       {"[photographs]\nimages = \"a\"\n" + kScan, "1",
        "exactly one of colmap, strecha, bundler, nerfstudio, found none"},
       {"[photographs]\ncolmap = \"a\"\nbundler = \"b\"\n" + kScan, "1", "found colmap, bundler"},
