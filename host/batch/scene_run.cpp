@@ -144,15 +144,15 @@ class Run {
     std::vector<Scan> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      scans = io::read_scans(entry.file);
+      auto read = io::read_scans(entry.file);
       add_input(entry.file);
-      if (!entry.index) return;
-      if (*entry.index < 0 || static_cast<std::size_t>(*entry.index) >= scans.size())
+      if (entry.index && static_cast<std::size_t>(*entry.index) >= read.size())
         fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index,
-                   scans.size());
-      Scan chosen = std::move(scans[static_cast<std::size_t>(*entry.index)]);
-      scans.clear();
-      scans.push_back(std::move(chosen));
+                   read.size());
+      if (entry.index)
+        scans.push_back(std::move(read[static_cast<std::size_t>(*entry.index)]));
+      else
+        scans = std::move(read);
     });
     for (std::size_t i = 0; i < scans.size(); ++i) {
       process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry,
@@ -270,7 +270,6 @@ class Run {
                     {"views", views_},
                     {"failures", Json::array()}};
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
-
   }
 
   // summary.json last: where it is, everything else is.
@@ -311,8 +310,9 @@ std::string describe_run(const RunRequest& request) {
   auto stages = request.stages;
   StageOptions options;
   const auto scene = read_scene(request, stages, options);
-  std::string text = fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name,
-                                 scene.scans.size(), scene.views.size(), fmt::join(stages, ", "), request.out.string());
+  std::string text =
+      fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name, scene.scans.size(),
+                  scene.views.size(), fmt::join(stages, ", "), request.out.string());
   const auto line = [&](const char* what, const fs::path& file) {
     io::check_readable(file);
     text += fmt::format("  {} {}\n", what, file.string());
