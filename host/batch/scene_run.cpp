@@ -66,7 +66,7 @@ class Run {
   void read_inputs() {
     run_.scene = io::read_scene_file(request_.scene_file);
     check_output_folder(request_, run_.scene.name);
-    options_ = read_stage_options(run_.scene);
+    options_ = read_stage_options(run_.scene, request_.assignments);
     options_.set_tile(request_.tile);
     if (request_.seed) options_.set_seed(*request_.seed);
     if (request_.square) options_.set_square(*request_.square);
@@ -265,7 +265,7 @@ SceneRun run_scene(device::Queue& queue, const RunRequest& request) {
 
 std::string describe_run(const RunRequest& request) {
   const auto scene = io::read_scene_file(request.scene_file);
-  read_stage_options(scene);
+  read_stage_options(scene, request.assignments);
   check_output_folder(request, scene.name);
   std::string text = fmt::format("scene {}: {} scan entries, {} views, into {}\n", scene.name,
                                  scene.scans.size(), scene.views.size(), request.out.string());

@@ -20,6 +20,7 @@ struct RunRequest {
   std::set<std::string> stages = kAllStages;  // whose outputs are written; what they need is computed anyway
   std::string only_view;                      // render: this view alone
   bool leave_one_out = false;                 // render: every photograph from the others
+  std::vector<std::string> assignments;       // SECTION.KEY=VALUE, override the scene file
   std::optional<OptionValue> square;          // overrides the scene file
   int tile = 1024;
   std::optional<int> seed;  // overrides the scene file

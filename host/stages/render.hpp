@@ -17,7 +17,10 @@ namespace hybrid::stages {
 
 struct RenderOptions {
   std::string blend = "dual";         // "nearest" | "linear" | "dual"
-  std::string weights = "angle";      // "angle" (Facade); "ulr" comes in part 7
+  std::string weights = "angle";      // "angle" (Facade) | "ulr" (unstructured lumigraph)
+  int ulr_k = 4;                      // photographs that mix in a pixel; the next one's penalty ends them
+  double ulr_resolution = 0.05;       // penalty, rad, per time that a photograph is coarser than the view
+  double ulr_field_of_view = 0.1;     // penalty, rad, at a photograph's border
   double sigma_px = 4;                // Gaussian that splits photographs into low and high frequencies
   double feather_px = 32;             // weights fall to 0 over this distance to a photograph's border
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and

@@ -29,7 +29,7 @@ typedef struct BlendPhotosParams {
   float face_tolerance_m;  // the same among faces, which are exact: rounding only
   HYBRID_UINT root;        // child code of the tree's root
 } BlendPhotosParams;
-LAYOUT_CHECK(BlendPhotosParams, 176);
+LAYOUT_CHECK(BlendPhotosParams, sizeof(CameraRecord) + 48);
 
 typedef struct ResolveBlendParams {
   HYBRID_UINT count;
