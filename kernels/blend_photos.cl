@@ -55,7 +55,7 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
   for (uint lane = 0u; lane < VW; ++lane) {
     if (!visible[lane]) continue;
     seen[index[lane]] += 1u;
-    add_light(&params.camera, params.mode, params.photograph, columns[lane], rows[lane], weights[lane], photo,
+    add_light(&params.camera, params.mix, params.photograph, columns[lane], rows[lane], weights[lane], photo,
               low, linear, count, index[lane], sums, best);
   }
 }

@@ -24,7 +24,7 @@ void add_planes(CLI::App& program, int& exit_code) {
     for (const auto& assignment : common->assignments) request->options.set(assignment);
     if (command->count("--square")) request->options.set_square(parse_square(*square));
     request->options.set_tile(common->tile);
-    request->options.set_seed(common->seed.value_or(1));
+    if (common->seed) request->options.set_seed(*common->seed);
     request->quiet = common->quiet;
     if (common->dry_run) {
       for (const auto& file : request->files)

@@ -85,7 +85,7 @@ class Run {
                  run_.scene.path.string());
     const int steps_per_scan = 6 + (wants("register") || wants("render") ? 3 : 0) + 1;
     progress_.expect(1 + static_cast<int>(run_.scene.scans.size()) * steps_per_scan +
-                     (wants("render") ? static_cast<int>(run_.scene.views.size()) : 0) +
+                     (wants("render") ? static_cast<int>(views().size()) : 0) +
                      (colours_scans() ? static_cast<int>(run_.scene.scans.size()) : 0));
   }
 
@@ -104,9 +104,12 @@ class Run {
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted || error.kind() == ErrorKind::device) throw;
       log::error("{}", error.what());
+      std::string assignments;
+      for (const auto& assignment : request_.assignments) assignments += " --set " + assignment;
       run_.failures.push_back(
           {name, error.what(), error.kind(),
-           fmt::format("hybrid run {} --out {}", request_.scene_file.string(), request_.out.string())});
+           fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(), request_.out.string(),
+                       assignments)});
     }
   }
 
@@ -171,16 +174,24 @@ class Run {
     return attributes;
   }
 
-  void render_all() {
-    const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs);
-    stages::Renderer renderer(queue_, scene, options_.render);
-    auto views = run_.scene.views;
+  std::vector<io::SceneView> views() const {
+    auto views = request_.scene_views ? run_.scene.views : std::vector<io::SceneView>();
     if (!request_.only_view.empty()) {
       std::erase_if(views, [&](const auto& view) { return view.name != request_.only_view; });
       if (views.empty()) fail_input("--view {}: the scene file has no view of that name", request_.only_view);
     }
-    if (request_.leave_one_out) views = leave_one_out_views(run_.photographs);
-    for (const auto& view : views)
+    if (!request_.leave_one_out) return views;
+    if (run_.photographs.cameras.size() < 2)
+      fail_input("{}: --leave-one-out: expected at least 2 photographs, found {}", run_.scene.path.string(),
+                 run_.photographs.cameras.size());
+    for (auto& view : leave_one_out_views(run_.photographs)) views.push_back(std::move(view));
+    return views;
+  }
+
+  void render_all() {
+    const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs);
+    stages::Renderer renderer(queue_, scene, options_.render);
+    for (const auto& view : views())
       unit("view " + view.name, [&] {
         progress_.step("render", "view " + view.name);
         views_.push_back(render_view(renderer, view, run_.photographs, request_.out));
@@ -227,6 +238,8 @@ class Run {
                     {"scans", scans},
                     {"views", views_},
                     {"failures", failures}};
+    if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
+      run_.summary["leave_one_out"] = scores;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
 
     std::array<char, 256> host{};

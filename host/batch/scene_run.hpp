@@ -19,7 +19,8 @@ struct RunRequest {
   std::filesystem::path out;
   std::set<std::string> stages = kAllStages;  // whose outputs are written; what they need is computed anyway
   std::string only_view;                      // render: this view alone
-  bool leave_one_out = false;                 // render: every photograph from the others
+  bool scene_views = true;                    // render: the scene file's views
+  bool leave_one_out = false;                 // render: then every photograph from the others
   std::vector<std::string> assignments;       // SECTION.KEY=VALUE, override the scene file
   std::optional<OptionValue> square;          // overrides the scene file
   int tile = 1024;

@@ -71,7 +71,7 @@ void PhotoBlend::add(PhotographStore& store, std::size_t index, const Photograph
   params.pixel_rad = view.pixel_rad;
   params.cols = tile.cols;
   params.rows = tile.rows;
-  params.mode = blend_mode(options_);
+  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
   params.photograph = static_cast<int>(index);
   params.feather_px = static_cast<float>(options_.feather_px);
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
@@ -108,7 +108,7 @@ void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
   params.camera = photograph.camera;
   params.cols = tile.cols;
   params.rows = tile.rows;
-  params.mode = blend_mode(options_);
+  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
   params.photograph = static_cast<int>(index);
   params.kept = static_cast<std::uint32_t>(kept_);
   params.feather_px = static_cast<float>(options_.feather_px);

@@ -36,26 +36,53 @@ static inline float3 low_at(const Bilinear* at, global const half* low) {
   return light;
 }
 
+// x^n, 0 <= x <= 1, by squaring: the same bits everywhere.
+static inline float whole_power(float x, uint n) {
+  float power = 1.0f;
+  for (; n != 0u; n >>= 1) {
+    if (n & 1u) power *= x;
+    x *= x;
+  }
+  return power;
+}
+
+// Adds a high band to those of heavier and lighter photographs, each by (weight / heaviest)^high_power: the
+// heaviest rules, and hands over without a seam where another one becomes it. The sums are relative to the
+// heaviest so far, so that no power leaves the range of floats.
+static inline void add_high(float3 high, float weight, uint high_power, uint count, uint i,
+                            global float* sums) {
+  const float heaviest = sums[BLEND_BEST_WEIGHT * count + i];
+  const float kept = weight > heaviest ? whole_power(heaviest / weight, high_power) : 1.0f;
+  const float added = weight > heaviest ? 1.0f : whole_power(weight / heaviest, high_power);
+  global float* at = sums + BLEND_BEST_R * count + i;
+  at[0] = kept * at[0] + added * high.x;
+  at[count] = kept * at[count] + added * high.y;
+  at[2u * count] = kept * at[2u * count] + added * high.z;
+  at[3u * count] = kept * at[3u * count] + added;
+}
+
 // Adds the light that photograph number `photograph` has at a position to point i of `count`.
-static inline void add_light(const CameraRecord* camera, uint mode, int photograph, float column, float row,
+static inline void add_light(const CameraRecord* camera, BlendMode mix, int photograph, float column, float row,
                              float weight, global const uchar* photo, global const half* low,
                              global const float* linear, uint count, uint i, global float* sums,
                              global int* best) {
   const Bilinear around = bilinear_at(camera, column, row);
   const float3 light = light_at(&around, photo, linear);
-  const float3 smooth = mode == BLEND_DUAL ? low_at(&around, low) : light;
+  const float3 smooth = mix.mode == BLEND_DUAL ? low_at(&around, low) : light;
   sums[BLEND_SUM_R * count + i] += weight * smooth.x;
   sums[BLEND_SUM_G * count + i] += weight * smooth.y;
   sums[BLEND_SUM_B * count + i] += weight * smooth.z;
   sums[BLEND_SUM_WEIGHT * count + i] += weight;
-  if (weight > sums[BLEND_BEST_WEIGHT * count + i]) {
-    const float3 kept = mode == BLEND_DUAL ? light - smooth : light;
-    sums[BLEND_BEST_R * count + i] = kept.x;
-    sums[BLEND_BEST_G * count + i] = kept.y;
-    sums[BLEND_BEST_B * count + i] = kept.z;
-    sums[BLEND_BEST_WEIGHT * count + i] = weight;
-    best[i] = photograph;
+  if (mix.mode == BLEND_DUAL) add_high(light - smooth, weight, mix.high_power, count, i, sums);
+  if (!(weight > sums[BLEND_BEST_WEIGHT * count + i])) return;
+  if (mix.mode != BLEND_DUAL) {
+    sums[BLEND_BEST_R * count + i] = light.x;
+    sums[BLEND_BEST_G * count + i] = light.y;
+    sums[BLEND_BEST_B * count + i] = light.z;
+    sums[BLEND_BEST_SHARE * count + i] = 1.0f;
   }
+  sums[BLEND_BEST_WEIGHT * count + i] = weight;
+  best[i] = photograph;
 }
 
 #endif

@@ -1,6 +1,6 @@
 #ifndef HYBRID_SHARED_PARAMS_RANK_PHOTOS_H
 #define HYBRID_SHARED_PARAMS_RANK_PHOTOS_H
-#include "shared/records.h"
+#include "shared/params_blend_photos.h"
 
 // rank_photos: the penalties of one photograph.
 typedef struct RankPhotosParams {
@@ -24,12 +24,11 @@ LAYOUT_CHECK(RankPhotosParams, sizeof(CameraRecord) + 64);
 typedef struct BlendRankedParams {
   CameraRecord camera;     // the photograph's
   HYBRID_UINT cols, rows;  // surface points of this launch
-  HYBRID_UINT mode;        // BLEND_...
+  BlendMode mix;
   int photograph;          // its index
   HYBRID_UINT kept;        // as in RankPhotosParams
   float feather_px;
   float pixel_rad;  // angle of one pixel of the view
-  float pad;
 } BlendRankedParams;
 LAYOUT_CHECK(BlendRankedParams, sizeof(CameraRecord) + 32);
 
