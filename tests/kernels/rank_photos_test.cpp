@@ -53,9 +53,9 @@ TEST(RankPhotos, among_equal_photographs_the_smaller_index_stays) {
   auto input = RankPhotosCase::make(1009, 2);
   for (auto& photo : input.blend.photos) photo = input.blend.photos[0];
   const auto out = RankPhotosCase::run(queue(), input);
-  for (std::size_t i = 0; i < 999; ++i)
+  for (std::size_t i = 0; i < out.seen.size(); ++i)
     for (std::size_t r = 0; r < 3; ++r)
-      ASSERT_EQ(out.photo[r * 999 + i], out.seen[i] ? static_cast<int>(r) : -1) << i;
+      ASSERT_EQ(out.photo[r * out.seen.size() + i], out.seen[i] ? static_cast<int>(r) : -1) << i;
 }
 
 }  // namespace hybrid::testing
