@@ -1,9 +1,9 @@
 // Adds one photograph to the colours of surface points: view-dependent projection of photographs (METHOD 10;
 // weights of Facade: Debevec, Taylor, Malik 1996; two frequency bands, the paper's reference 13).
 // A photograph sees point X when X projects inside it, the surface faces it and the ray from its centre to X
-// meets nothing before X (lib/photo_packet.h). Its weight is feather / (angle + one pixel), the angle between the rays from X to
-// the eye and to the photograph's centre. The host launches this once per photograph, in index order, so
-// their number has no limit; resolve_blend makes the colours.
+// meets nothing before X (lib/photo_packet.h). Its weight is feather / (angle + one pixel), the angle between
+// the rays from X to the eye and to the photograph's centre. The host launches this once per photograph, in
+// index order, so their number has no limit; resolve_blend makes the colours.
 //
 // Mapping: one work-item per packet of VW points, as in ray_cast.cl.
 //
@@ -35,7 +35,7 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
   packet_indices(packet_x, packet_y, params.cols, params.rows, index);
   const PacketSurface points = load_surface(surface, count, index);
   floatv column, row;
-  intv asked = packet_project(&params.camera, points.x, points.y, points.z, &column, &row);
+  intv asked = camera_project(&params.camera, points.x, points.y, points.z, &column, &row);
   const float3 centre = vload3(0, params.camera.centre);
   const PacketSight sight = packet_sight(&points, centre);
   asked &= MASK(sight.facing > 0.0f);

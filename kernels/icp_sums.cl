@@ -11,7 +11,7 @@
 // edges: pairs with a NaN error, or a NaN sample, add nothing.
 // cost: 20 to 28 bytes read per sample plus one triangle's normal; 110 (plane) or 60 flops.
 // reference twin: tests/reference/icp_sums.cpp
-#include "lib/query_lanes.h"
+#include "lib/lanes.h"
 #include "shared/params_closest_point.h"
 #include "shared/params_icp_sums.h"
 #ifndef BLOCK
@@ -27,8 +27,8 @@
 #endif
 
 #if POINT
-static inline void add_pair(Lanes* sums, Lanes w, const Lanes* l, const Lanes* r) {
-  Lanes wl[3];
+static inline void add_pair(floatv* sums, floatv w, const floatv* l, const floatv* r) {
+  floatv wl[3];
   for (int a = 0; a < 3; ++a) {
     wl[a] = w * l[a];
     sums[a] += wl[a];
@@ -40,30 +40,30 @@ static inline void add_pair(Lanes* sums, Lanes w, const Lanes* l, const Lanes* r
   sums[16] += w * (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
 }
 #else
-static inline void add_pair(Lanes* sums, Lanes w, const Lanes* p, const Lanes* n, Lanes error) {
-  const Lanes j[7] = {p[1] * n[2] - p[2] * n[1],
-                      p[2] * n[0] - p[0] * n[2],
-                      p[0] * n[1] - p[1] * n[0],
-                      n[0],
-                      n[1],
-                      n[2],
-                      p[0] * n[0] + p[1] * n[1] + p[2] * n[2]};
+static inline void add_pair(floatv* sums, floatv w, const floatv* p, const floatv* n, floatv error) {
+  const floatv j[7] = {p[1] * n[2] - p[2] * n[1],
+                       p[2] * n[0] - p[0] * n[2],
+                       p[0] * n[1] - p[1] * n[0],
+                       n[0],
+                       n[1],
+                       n[2],
+                       p[0] * n[0] + p[1] * n[1] + p[2] * n[2]};
   int k = 0;
   for (int a = 0; a < 7; ++a) {
-    const Lanes wj = w * j[a];
+    const floatv wj = w * j[a];
     for (int b = a; b < 7; ++b) sums[k++] += wj * j[b];
     sums[28 + a] += wj * error;
   }
 }
 
-static inline void gather_normals(Lanes* n, global const uint* triangle,
+static inline void gather_normals(floatv* n, global const uint* triangle,
                                   global const TriangleRecord* triangles, uint first, uint count) {
   float lane[3][VW];
   for (uint k = 0; k < VW; ++k) {
     const uint i = first + k < count ? triangle[first + k] : NO_TRIANGLE;
     for (int a = 0; a < 3; ++a) lane[a][k] = i == NO_TRIANGLE ? 0.0f : triangles[i].normal[a];
   }
-  for (int a = 0; a < 3; ++a) n[a] = VECTOR_LOAD(lane[a]);
+  for (int a = 0; a < 3; ++a) n[a] = LOAD_LANES(lane[a]);
 }
 #endif
 
@@ -77,28 +77,28 @@ kernel void icp_sums(IcpSumsParams params, global const float* restrict x, globa
   const uint begin = block * BLOCK;
   if (begin >= count) return;
   const uint end = min(begin + BLOCK, count);
-  Lanes sums[SUMS];
-  for (int k = 0; k < SUMS; ++k) sums[k] = (Lanes)(0.0f);
+  floatv sums[SUMS];
+  for (int k = 0; k < SUMS; ++k) sums[k] = (floatv)(0.0f);
   for (uint first = begin; first < end; first += VW) {
-    const Lanes found = load_lanes(error, first, end, NAN);
+    const floatv found = load_lanes(error, first, end, NAN);
     // Values of lanes without a pair become 0, because 0 * NaN would poison the sums.
-    const Mask paired = found == found;
-    const Lanes zero = (Lanes)(0.0f), e = select(zero, found, paired);
-    const Lanes a = select(zero, load_lanes(area, first, end, 0.0f), paired);
-    const Lanes l[3] = {select(zero, load_lanes(x, first, end, 0.0f) - params.centre_scan[0], paired),
-                        select(zero, load_lanes(y, first, end, 0.0f) - params.centre_scan[1], paired),
-                        select(zero, load_lanes(z, first, end, 0.0f) - params.centre_scan[2], paired)};
-    const Lanes u = e / params.cutoff, rest = 1.0f - u * u;
-    const Lanes inlier_area = select(zero, a, rest > 0.0f);
-    const Lanes w = inlier_area * rest * rest;
+    const intv paired = found == found;
+    const floatv zero = (floatv)(0.0f), e = select(zero, found, paired);
+    const floatv a = select(zero, load_lanes(area, first, end, 0.0f), paired);
+    const floatv l[3] = {select(zero, load_lanes(x, first, end, 0.0f) - params.centre_scan[0], paired),
+                         select(zero, load_lanes(y, first, end, 0.0f) - params.centre_scan[1], paired),
+                         select(zero, load_lanes(z, first, end, 0.0f) - params.centre_scan[2], paired)};
+    const floatv u = e / params.cutoff, rest = 1.0f - u * u;
+    const floatv inlier_area = select(zero, a, rest > 0.0f);
+    const floatv w = inlier_area * rest * rest;
 #if POINT
-    const Lanes r[3] = {select(zero, load_lanes(near_x, first, end, 0.0f) - params.centre_local[0], paired),
-                        select(zero, load_lanes(near_y, first, end, 0.0f) - params.centre_local[1], paired),
-                        select(zero, load_lanes(near_z, first, end, 0.0f) - params.centre_local[2], paired)};
+    const floatv r[3] = {select(zero, load_lanes(near_x, first, end, 0.0f) - params.centre_local[0], paired),
+                         select(zero, load_lanes(near_y, first, end, 0.0f) - params.centre_local[1], paired),
+                         select(zero, load_lanes(near_z, first, end, 0.0f) - params.centre_local[2], paired)};
     add_pair(sums, w, l, r);
 #else
     const float* m = params.linear;
-    Lanes p[3], n[3];
+    floatv p[3], n[3];
     for (int k = 0; k < 3; ++k) p[k] = l[0] * m[3 * k] + l[1] * m[3 * k + 1] + l[2] * m[3 * k + 2];
     gather_normals(n, triangle, triangles, first, end);
     add_pair(sums, w, p, n, e);

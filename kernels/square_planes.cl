@@ -27,32 +27,32 @@
 #define PLANES 4  // test planes per pass over the samples: as many as registers hold
 
 typedef struct Squares {
-  lanes_f x[SAMPLES], y[SAMPLES], z[SAMPLES];  // from `origin`; NaN invalid
-  lanes_f inverse_range[SAMPLES];
+  floatv x[SAMPLES], y[SAMPLES], z[SAMPLES];  // from `origin`; NaN invalid
+  floatv inverse_range[SAMPLES];
   LanesVec3 origin;
-  lanes_f valid;
+  floatv valid;
 } Squares;
 
 // normal . x = offset with x from the square's origin; `along` = normal . origin.
 typedef struct Planes {
   LanesVec3 normal;
-  lanes_f offset, along;
+  floatv offset, along;
 } Planes;
 
 // values[at + l * SQUARE] for the first `usable` lanes l, NaN for the others.
-static inline lanes_f gather(global const float* values, uint at, uint usable) {
+static inline floatv gather(global const float* values, uint at, uint usable) {
   float lane[VW];
   if (usable == VW)
     for (uint l = 0; l < VW; ++l) lane[l] = values[at + l * SQUARE];
   else
     for (uint l = 0; l < VW; ++l) lane[l] = l < usable ? values[at + l * SQUARE] : NAN;
-  return lanes_load(lane);
+  return LOAD_LANES(lane);
 }
 
 static void load(Squares* s, global const float* x, global const float* y, global const float* z, uint rows,
                  uint cols, uint first_row, uint first_col) {
-  s->origin.x = s->origin.y = s->origin.z = (lanes_f)(NAN);
-  s->valid = (lanes_f)(0.0f);
+  s->origin.x = s->origin.y = s->origin.z = (floatv)(NAN);
+  s->valid = (floatv)(0.0f);
   for (uint r = 0; r < SQUARE; ++r)
     for (uint c = 0; c < SQUARE; ++c) {
       const uint i = r * SQUARE + c, row = first_row + r, col = first_col + c;
@@ -60,12 +60,12 @@ static void load(Squares* s, global const float* x, global const float* y, globa
       uint usable = row < rows && col < cols ? (cols - col + SQUARE - 1u) / SQUARE : 0u;
       if (usable > VW) usable = VW;
       const uint at = row * cols + col;
-      const lanes_f px = gather(x, at, usable), py = gather(y, at, usable), pz = gather(z, at, usable);
-      const lanes_i first = (s->origin.x != s->origin.x) & (px == px);
+      const floatv px = gather(x, at, usable), py = gather(y, at, usable), pz = gather(z, at, usable);
+      const intv first = (s->origin.x != s->origin.x) & (px == px);
       s->origin.x = first ? px : s->origin.x;
       s->origin.y = first ? py : s->origin.y;
       s->origin.z = first ? pz : s->origin.z;
-      s->valid += px == px ? (lanes_f)(1.0f) : (lanes_f)(0.0f);
+      s->valid += px == px ? (floatv)(1.0f) : (floatv)(0.0f);
       s->x[i] = px;
       s->y[i] = py;
       s->z[i] = pz;
@@ -83,10 +83,10 @@ static inline void plane_through(const Squares* s, uint triplet, Planes* p) {
   const LanesVec3 u = {s->x[b] - s->x[a], s->y[b] - s->y[a], s->z[b] - s->z[a]};
   const LanesVec3 v = {s->x[c] - s->x[a], s->y[c] - s->y[a], s->z[c] - s->z[a]};
   const LanesVec3 n = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-  const lanes_f area = lanes_dot(n, n);
+  const floatv area = lanes_dot(n, n);
   // A triangle thinner than a thousandth has no direction worth testing: NaN, which is inlier to nothing.
-  const lanes_i sliver = area < 1e-6f * lanes_dot(u, u) * lanes_dot(v, v);
-  const lanes_f scale = sliver ? (lanes_f)(NAN) : 1.0f / sqrt(area);
+  const intv sliver = area < 1e-6f * lanes_dot(u, u) * lanes_dot(v, v);
+  const floatv scale = sliver ? (floatv)(NAN) : 1.0f / sqrt(area);
   p->normal.x = n.x * scale;
   p->normal.y = n.y * scale;
   p->normal.z = n.z * scale;
@@ -95,21 +95,21 @@ static inline void plane_through(const Squares* s, uint triplet, Planes* p) {
 }
 
 // max(|n.u|, c_min) of sample i; c_min where the sample or the plane is NaN.
-static inline lanes_f incidence(const Squares* s, const Planes* p, lanes_f height, uint i, float min_cosine) {
-  return lanes_max(fabs(height + p->along) * s->inverse_range[i], (lanes_f)(min_cosine));
+static inline floatv incidence(const Squares* s, const Planes* p, floatv height, uint i, float min_cosine) {
+  return lanes_max(fabs(height + p->along) * s->inverse_range[i], (floatv)(min_cosine));
 }
 
-static inline lanes_f height(const Squares* s, const Planes* p, uint i) {
+static inline floatv height(const Squares* s, const Planes* p, uint i) {
   return p->normal.x * s->x[i] + p->normal.y * s->y[i] + p->normal.z * s->z[i];
 }
 
-static inline lanes_i is_inlier(const Squares* s, const Planes* p, uint i, const SquarePlanesParams* params) {
-  const lanes_f h = height(s, p, i);
+static inline intv is_inlier(const Squares* s, const Planes* p, uint i, const SquarePlanesParams* params) {
+  const floatv h = height(s, p, i);
   return fabs(h - p->offset) <= params->threshold_m * incidence(s, p, h, i, params->min_cosine);
 }
 
 // Enough inliers: a share of the valid samples, and three. The slack covers the rounding of the share.
-static inline lanes_i qualifies(lanes_f inliers, lanes_f valid, float share) {
+static inline intv qualifies(floatv inliers, floatv valid, float share) {
   return (inliers >= share * valid - 1e-3f) & (inliers >= 3.0f);
 }
 
@@ -117,32 +117,31 @@ static inline lanes_i qualifies(lanes_f inliers, lanes_f valid, float share) {
 static void search(const Squares* s, global const uint* triplets, uint block,
                    const SquarePlanesParams* params, Planes* best) {
   const uint start = random_bits(params->seed, block, 0u), stride = random_bits(params->seed, block, 1u) | 1u;
-  best->normal.x = best->normal.y = best->normal.z = best->offset = best->along = (lanes_f)(NAN);
-  lanes_f lowest = (lanes_f)(INFINITY);
+  best->normal.x = best->normal.y = best->normal.z = best->offset = best->along = (floatv)(NAN);
+  floatv lowest = (floatv)(INFINITY);
   for (uint h = 0; h < params->hypotheses; h += PLANES) {
     Planes p[PLANES];
-    lanes_f count[PLANES], sum[PLANES];
+    floatv count[PLANES], sum[PLANES];
     for (uint k = 0; k < PLANES; ++k) {
       const uint draw = h + k < params->hypotheses ? h + k : h;  // a repeated plane cannot win
       plane_through(s, triplets[(start + draw * stride) & (SQUARE_TRIPLETS - 1u)], &p[k]);
-      count[k] = sum[k] = (lanes_f)(0.0f);
+      count[k] = sum[k] = (floatv)(0.0f);
     }
     for (uint i = 0; i < SAMPLES; ++i)
       for (uint k = 0; k < PLANES; ++k) {
-        const lanes_f along = height(s, &p[k], i), distance = fabs(along - p[k].offset);
-        const lanes_i in =
-            distance <= params->threshold_m * incidence(s, &p[k], along, i, params->min_cosine);
-        count[k] += in ? (lanes_f)(1.0f) : (lanes_f)(0.0f);
-        sum[k] += in ? distance : (lanes_f)(0.0f);
+        const floatv along = height(s, &p[k], i), distance = fabs(along - p[k].offset);
+        const intv in = distance <= params->threshold_m * incidence(s, &p[k], along, i, params->min_cosine);
+        count[k] += in ? (floatv)(1.0f) : (floatv)(0.0f);
+        sum[k] += in ? distance : (floatv)(0.0f);
       }
     for (uint k = 0; k < PLANES; ++k) {
-      lanes_f score = sum[k];
+      floatv score = sum[k];
       if (params->score == SQUARE_SCORE_MSAC) {
-        const lanes_f inverse = 1.0f / sqrt(lanes_dot(s->origin, s->origin));
-        score = sum[k] / lanes_max(fabs(p[k].along) * inverse, (lanes_f)(params->min_cosine)) +
+        const floatv inverse = 1.0f / sqrt(lanes_dot(s->origin, s->origin));
+        score = sum[k] / lanes_max(fabs(p[k].along) * inverse, (floatv)(params->min_cosine)) +
                 (s->valid - count[k]) * params->threshold_m;
       }
-      const lanes_i wins = qualifies(count[k], s->valid, params->min_inlier_share) & (score < lowest);
+      const intv wins = qualifies(count[k], s->valid, params->min_inlier_share) & (score < lowest);
       lowest = wins ? score : lowest;
       best->normal.x = wins ? p[k].normal.x : best->normal.x;
       best->normal.y = wins ? p[k].normal.y : best->normal.y;
@@ -156,30 +155,30 @@ static void search(const Squares* s, global const uint* triplets, uint block,
 // Least squares plane through the inliers of `p`, weighted by 1 / incidence^2, or unweighted through all
 // valid samples when `p` is 0.
 static void fit(const Squares* s, const Planes* p, const SquarePlanesParams* params, Planes* fitted) {
-  lanes_f weights[SAMPLES], total = (lanes_f)(0.0f);
+  floatv weights[SAMPLES], total = (floatv)(0.0f);
   LanesVec3 mean = {0.0f, 0.0f, 0.0f};
   for (uint i = 0; i < SAMPLES; ++i) {
-    lanes_f w = s->x[i] == s->x[i] ? (lanes_f)(1.0f) : (lanes_f)(0.0f);
+    floatv w = s->x[i] == s->x[i] ? (floatv)(1.0f) : (floatv)(0.0f);
     if (p) {
-      const lanes_f cosine = incidence(s, p, height(s, p, i), i, params->min_cosine);
-      w = is_inlier(s, p, i, params) ? 1.0f / (cosine * cosine) : (lanes_f)(0.0f);
+      const floatv cosine = incidence(s, p, height(s, p, i), i, params->min_cosine);
+      w = is_inlier(s, p, i, params) ? 1.0f / (cosine * cosine) : (floatv)(0.0f);
     }
     weights[i] = w;
     total += w;
-    mean.x += w > 0.0f ? w * s->x[i] : (lanes_f)(0.0f);
-    mean.y += w > 0.0f ? w * s->y[i] : (lanes_f)(0.0f);
-    mean.z += w > 0.0f ? w * s->z[i] : (lanes_f)(0.0f);
+    mean.x += w > 0.0f ? w * s->x[i] : (floatv)(0.0f);
+    mean.y += w > 0.0f ? w * s->y[i] : (floatv)(0.0f);
+    mean.z += w > 0.0f ? w * s->z[i] : (floatv)(0.0f);
   }
   mean.x /= total;
   mean.y /= total;
   mean.z /= total;
   LanesSym3 m = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
   for (uint i = 0; i < SAMPLES; ++i) {
-    const lanes_i used = weights[i] > 0.0f;
-    const lanes_f dx = used ? s->x[i] - mean.x : (lanes_f)(0.0f);
-    const lanes_f dy = used ? s->y[i] - mean.y : (lanes_f)(0.0f);
-    const lanes_f dz = used ? s->z[i] - mean.z : (lanes_f)(0.0f);
-    const lanes_f wx = weights[i] * dx, wy = weights[i] * dy;
+    const intv used = weights[i] > 0.0f;
+    const floatv dx = used ? s->x[i] - mean.x : (floatv)(0.0f);
+    const floatv dy = used ? s->y[i] - mean.y : (floatv)(0.0f);
+    const floatv dz = used ? s->z[i] - mean.z : (floatv)(0.0f);
+    const floatv wx = weights[i] * dx, wy = weights[i] * dy;
     m.xx += wx * dx;
     m.xy += wx * dy;
     m.xz += wx * dz;
@@ -192,62 +191,62 @@ static void fit(const Squares* s, const Planes* p, const SquarePlanesParams* par
   fitted->along = lanes_dot(fitted->normal, s->origin);
 }
 
-static lanes_f count_inliers(const Squares* s, const Planes* p, const SquarePlanesParams* params) {
-  lanes_f count = (lanes_f)(0.0f);
-  for (uint i = 0; i < SAMPLES; ++i) count += is_inlier(s, p, i, params) ? (lanes_f)(1.0f) : (lanes_f)(0.0f);
+static floatv count_inliers(const Squares* s, const Planes* p, const SquarePlanesParams* params) {
+  floatv count = (floatv)(0.0f);
+  for (uint i = 0; i < SAMPLES; ++i) count += is_inlier(s, p, i, params) ? (floatv)(1.0f) : (floatv)(0.0f);
   return count;
 }
 
 // Standard deviation of the normal's direction: noise across the plane over the inliers' extent along both of
 // its axes, sigma^2 (1/l1 + 1/l2) = sigma^2 (l1 + l2) / (l1 l2), l the in-plane eigenvalues of the scatter.
 // The noise is what the residuals show, but no less than the range noise seen at this incidence.
-static inline lanes_f direction_sigma(LanesSym3 m, LanesVec3 n, lanes_f residuals2, lanes_f inliers,
-                                      lanes_f noise) {
-  const lanes_f quadratic = n.x * n.x * m.xx + n.y * n.y * m.yy + n.z * n.z * m.zz +
-                            2.0f * (n.x * n.y * m.xy + n.x * n.z * m.xz + n.y * n.z * m.yz);
-  const lanes_f sum = m.xx + m.yy + m.zz - quadratic;
-  const lanes_f product =
+static inline floatv direction_sigma(LanesSym3 m, LanesVec3 n, floatv residuals2, floatv inliers,
+                                     floatv noise) {
+  const floatv quadratic = n.x * n.x * m.xx + n.y * n.y * m.yy + n.z * n.z * m.zz +
+                           2.0f * (n.x * n.y * m.xy + n.x * n.z * m.xz + n.y * n.z * m.yz);
+  const floatv sum = m.xx + m.yy + m.zz - quadratic;
+  const floatv product =
       n.x * n.x * (m.yy * m.zz - m.yz * m.yz) + n.y * n.y * (m.xx * m.zz - m.xz * m.xz) +
       n.z * n.z * (m.xx * m.yy - m.xy * m.xy) +
       2.0f * (n.x * n.y * (m.xz * m.yz - m.xy * m.zz) + n.x * n.z * (m.xy * m.yz - m.xz * m.yy) +
               n.y * n.z * (m.xy * m.xz - m.yz * m.xx));
-  const lanes_f freedom = lanes_max(inliers - 3.0f, (lanes_f)(1.0f));
-  const lanes_f variance = lanes_max(residuals2 / freedom, noise * noise) * sum / product;
+  const floatv freedom = lanes_max(inliers - 3.0f, (floatv)(1.0f));
+  const floatv variance = lanes_max(residuals2 / freedom, noise * noise) * sum / product;
   // No extent along one axis: any direction, half a turn.
-  return product > 0.0f ? (variance < 10.0f ? sqrt(variance) : (lanes_f)(M_PI_F)) : (lanes_f)(M_PI_F);
+  return product > 0.0f ? (variance < 10.0f ? sqrt(variance) : (floatv)(M_PI_F)) : (floatv)(M_PI_F);
 }
 
-#define PUT(member, value)                                            \
-  do {                                                                \
-    lanes_store((lanes_f)(planar ? (value) : (lanes_f)(0.0f)), lane); \
-    for (uint l = 0; l < count; ++l) out[l].member = lane[l];         \
+#define PUT(member, value)                                          \
+  do {                                                              \
+    STORE_LANES((floatv)(planar ? (value) : (floatv)(0.0f)), lane); \
+    for (uint l = 0; l < count; ++l) out[l].member = lane[l];       \
   } while (0)
 #define PUT_COUNT(member, value)                                    \
   do {                                                              \
-    lanes_store((lanes_f)(value), lane);                            \
+    STORE_LANES((floatv)(value), lane);                             \
     for (uint l = 0; l < count; ++l) out[l].member = (uint)lane[l]; \
   } while (0)
 
-static void describe(const Squares* s, Planes p, lanes_f inliers, const SquarePlanesParams* params,
+static void describe(const Squares* s, Planes p, floatv inliers, const SquarePlanesParams* params,
                      global SquareRecord* out, uint count) {
   LanesVec3 mean = {0.0f, 0.0f, 0.0f};
   for (uint i = 0; i < SAMPLES; ++i) {
-    const lanes_i in = is_inlier(s, &p, i, params);
-    mean.x += in ? s->x[i] : (lanes_f)(0.0f);
-    mean.y += in ? s->y[i] : (lanes_f)(0.0f);
-    mean.z += in ? s->z[i] : (lanes_f)(0.0f);
+    const intv in = is_inlier(s, &p, i, params);
+    mean.x += in ? s->x[i] : (floatv)(0.0f);
+    mean.y += in ? s->y[i] : (floatv)(0.0f);
+    mean.z += in ? s->z[i] : (floatv)(0.0f);
   }
   mean.x /= inliers;
   mean.y /= inliers;
   mean.z /= inliers;
   LanesSym3 m = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
-  lanes_f residuals2 = (lanes_f)(0.0f);
+  floatv residuals2 = (floatv)(0.0f);
   for (uint i = 0; i < SAMPLES; ++i) {
-    const lanes_i in = is_inlier(s, &p, i, params);
-    const lanes_f dx = in ? s->x[i] - mean.x : (lanes_f)(0.0f);
-    const lanes_f dy = in ? s->y[i] - mean.y : (lanes_f)(0.0f);
-    const lanes_f dz = in ? s->z[i] - mean.z : (lanes_f)(0.0f);
-    const lanes_f distance = in ? height(s, &p, i) - p.offset : (lanes_f)(0.0f);
+    const intv in = is_inlier(s, &p, i, params);
+    const floatv dx = in ? s->x[i] - mean.x : (floatv)(0.0f);
+    const floatv dy = in ? s->y[i] - mean.y : (floatv)(0.0f);
+    const floatv dz = in ? s->z[i] - mean.z : (floatv)(0.0f);
+    const floatv distance = in ? height(s, &p, i) - p.offset : (floatv)(0.0f);
     residuals2 += distance * distance;
     m.xx += dx * dx;
     m.xy += dx * dy;
@@ -258,14 +257,14 @@ static void describe(const Squares* s, Planes p, lanes_f inliers, const SquarePl
   }
   // Towards the scanner, which is at 0: the offset is negative.
   const LanesVec3 centroid = {s->origin.x + mean.x, s->origin.y + mean.y, s->origin.z + mean.z};
-  const lanes_f offset = p.offset + p.along;
-  const lanes_f sign = offset > 0.0f ? (lanes_f)(-1.0f) : (lanes_f)(1.0f);
-  const lanes_f cosine =
-      lanes_max(fabs(offset) / sqrt(lanes_dot(centroid, centroid)), (lanes_f)(params->min_cosine));
-  const lanes_f sigma = direction_sigma(m, p.normal, residuals2, inliers, params->sigma_m * cosine);
+  const floatv offset = p.offset + p.along;
+  const floatv sign = offset > 0.0f ? (floatv)(-1.0f) : (floatv)(1.0f);
+  const floatv cosine =
+      lanes_max(fabs(offset) / sqrt(lanes_dot(centroid, centroid)), (floatv)(params->min_cosine));
+  const floatv sigma = direction_sigma(m, p.normal, residuals2, inliers, params->sigma_m * cosine);
 
-  const lanes_i enough = s->valid >= (float)params->min_valid;
-  const lanes_i planar = enough & qualifies(inliers, s->valid, params->min_inlier_share);
+  const intv enough = s->valid >= (float)params->min_valid;
+  const intv planar = enough & qualifies(inliers, s->valid, params->min_inlier_share);
   float lane[VW];
   PUT(normal[0], sign * p.normal.x);
   PUT(normal[1], sign * p.normal.y);
@@ -283,10 +282,10 @@ static void describe(const Squares* s, Planes p, lanes_f inliers, const SquarePl
   PUT(scatter[5], m.zz);
   PUT(sigma_normal, sigma);
   PUT_COUNT(valid, s->valid);
-  PUT_COUNT(inliers, planar ? inliers : (lanes_f)(0.0f));
+  PUT_COUNT(inliers, planar ? inliers : (floatv)(0.0f));
   PUT_COUNT(state,
-            planar ? (lanes_f)((float)SQUARE_PLANAR)
-                   : (enough ? (lanes_f)((float)SQUARE_NON_PLANAR) : (lanes_f)((float)SQUARE_UNDERSAMPLED)));
+            planar ? (floatv)((float)SQUARE_PLANAR)
+                   : (enough ? (floatv)((float)SQUARE_NON_PLANAR) : (floatv)((float)SQUARE_UNDERSAMPLED)));
   for (uint l = 0; l < count; ++l) out[l].pad[0] = out[l].pad[1] = 0.0f;
 }
 
@@ -311,14 +310,14 @@ kernel void square_planes(SquarePlanesParams params, global const float* restric
     Planes found, refitted;
     search(&s, triplets, block, &params, &found);
     fit(&s, &found, &params, &refitted);
-    const lanes_i keep = qualifies(count_inliers(&s, &refitted, &params), s.valid, params.min_inlier_share);
+    const intv keep = qualifies(count_inliers(&s, &refitted, &params), s.valid, params.min_inlier_share);
     p.normal.x = keep ? refitted.normal.x : found.normal.x;
     p.normal.y = keep ? refitted.normal.y : found.normal.y;
     p.normal.z = keep ? refitted.normal.z : found.normal.z;
     p.offset = keep ? refitted.offset : found.offset;
     p.along = keep ? refitted.along : found.along;
   }
-  const lanes_f inliers = count_inliers(&s, &p, &params);
+  const floatv inliers = count_inliers(&s, &p, &params);
   const uint left = square_cols - square_col;
   describe(&s, p, inliers, &params, records + square_row * square_cols + square_col, left < VW ? left : VW);
 }

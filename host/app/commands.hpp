@@ -26,6 +26,9 @@ void add_set_option(CLI::App& command, CommonOptions& options);
 // Applies log level and thread count; call first in every command.
 void apply(const CommonOptions& options);
 
+// Progress is of level info.
+bool shows_progress(const CommonOptions& options);
+
 // "auto" or a number, as --square takes it.
 OptionValue parse_square(const std::string& text);
 

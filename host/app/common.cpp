@@ -33,6 +33,10 @@ void apply(const CommonOptions& options) {
   set_thread_count(options.threads);
 }
 
+bool shows_progress(const CommonOptions& options) {
+  return !options.quiet && (options.log_level == "info" || options.log_level == "debug");
+}
+
 OptionValue parse_square(const std::string& text) {
   std::int64_t side = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), side);

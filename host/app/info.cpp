@@ -5,6 +5,7 @@
 #include "app/commands.hpp"
 #include "io/model_info.hpp"
 #include "io/obj.hpp"
+#include "io/read_cameras.hpp"
 #include "io/scan_info.hpp"
 
 namespace hybrid::app {
@@ -51,14 +52,35 @@ Json model_json(const io::ModelInfo& model) {
           {"faces", faces}};
 }
 
-Json cameras_json(const io::CameraModelInfo& info) {
-  Json photographs = Json::array();
-  for (const auto& photograph : info.photographs)
+// The numbers of a calibration that are not zero, by name.
+Json calibration_json(const io::CalibratedCamera& calibrated) {
+  const Camera& c = calibrated.camera;
+  Json json = {{"id", calibrated.id},
+               {"model", calibrated.model},
+               {"size", {c.width, c.height}},
+               {"focal_length_px", {c.fx, c.fy}},
+               {"principal_point_px", {c.cx, c.cy}}};
+  const std::pair<const char*, double> distortion[] = {{"k1", c.k1}, {"k2", c.k2}, {"k3", c.k3},
+                                                       {"k4", c.k4}, {"k5", c.k5}, {"k6", c.k6},
+                                                       {"p1", c.p1}, {"p2", c.p2}};
+  for (const auto& [name, value] : distortion)
+    if (value != 0) json[name] = value;
+  return json;
+}
+
+Json cameras_json(const io::CameraSource& source) {
+  const io::CameraFile file = io::read_cameras(source);
+  Json cameras = Json::array(), photographs = Json::array();
+  for (const auto& camera : file.cameras) cameras.push_back(calibration_json(camera));
+  for (const auto& photograph : file.photographs)
     photographs.push_back({{"name", photograph.name},
-                           {"width", photograph.width},
-                           {"height", photograph.height},
-                           {"centre", json_of(photograph.centre)}});
-  return {{"cameras", info.cameras.size()}, {"photographs", photographs}};
+                           {"width", photograph.camera.width},
+                           {"height", photograph.camera.height},
+                           {"centre", json_of(photograph.centre())}});
+  const io::CentreBox box = io::box_of_centres(file.photographs);
+  return {{"format", io::name_of(source.format)}, {"cameras", cameras},
+          {"photographs", photographs},           {"minimum", json_of(box.minimum)},
+          {"maximum", json_of(box.maximum)},      {"notes", file.notes}};
 }
 
 // What the file is follows from its name: a camera folder, a model, else a scan.
@@ -67,8 +89,12 @@ Json describe(const fs::path& file) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   Json json = {{"file", file.string()}};
-  if (fs::is_directory(file)) {
-    json["cameras"] = cameras_json(io::describe_colmap(file));
+  if (const auto cameras = io::find_cameras(file)) {
+    json["cameras"] = cameras_json(*cameras);
+  } else if (fs::is_directory(file)) {
+    fail_input(
+        "{}: a folder without cameras (cameras.txt, cameras.bin, *.camera, transforms.json, bundle.out)",
+        file.string());
   } else if (extension == ".obj") {
     json["model"] = model_json(io::describe_model(io::read_obj(file)));
   } else {
@@ -96,7 +122,7 @@ void print_text(const Json& value, const std::string& name, std::string& text) {
 
 void add_info(CLI::App& program, int&) {
   auto* command = program.add_subcommand(
-      "info", "what is in a scan (.pcd .ply .ptx .exr), a model (.obj) or a COLMAP folder");
+      "info", "what is in a scan (.pcd .ply .ptx .exr), a model (.obj) or a file or folder of cameras");
   auto common = std::make_shared<CommonOptions>();
   auto file = std::make_shared<fs::path>();
   command->add_option("file", *file, "the file or folder")->required();

@@ -25,10 +25,10 @@ void add_planes(CLI::App& program, int& exit_code) {
     if (command->count("--square")) request->options.set_square(parse_square(*square));
     request->options.set_tile(common->tile);
     if (common->seed) request->options.set_seed(*common->seed);
-    request->quiet = common->quiet;
+    request->quiet = !shows_progress(*common);
+    request->force = common->force;
     if (common->dry_run) {
-      for (const auto& file : request->files)
-        std::cout << "would extract the planes of " << file.string() << "\n";
+      std::cout << batch::describe_planes_run(*request);
       return;
     }
     device::Queue queue(common->device);

@@ -25,14 +25,15 @@ int run_scene_command(const SceneCommand& command) {
   request.tile = common.tile;
   request.seed = common.seed;
   request.force = common.force;
-  request.quiet = common.quiet;
+  request.quiet = !shows_progress(common);
   if (common.dry_run) {
     std::cout << batch::describe_run(request) << "\n";
     return 0;
   }
   device::Queue queue(common.device);
-  const auto run = batch::run_scene(queue, request);
-  if (request.stages.count("report")) report::write_report(queue, run, request.out);
+  const auto run = batch::run_scene(queue, request, [&](const batch::SceneRun& made) {
+    report::write_report(queue, made, request.out);
+  });
   if (common.json)
     std::cout << run.summary.dump(1) << "\n";
   else

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "geometry/srgb.hpp"
-#include "io/colmap.hpp"
+#include "core/log.hpp"
+#include "geometry/colour.hpp"
 #include "io/exr.hpp"
 #include "io/picture.hpp"
 
@@ -48,7 +48,7 @@ Image8 difference(const Image8& photograph, const ImageF& view, const std::array
                 static_cast<std::size_t>(x)])
         continue;
       for (int k = 0; k < 3; ++k) {
-        const int ours = srgb_from_linear(gain[static_cast<std::size_t>(k)] * view.at(x, y)[k]);
+        const int ours = srgb_byte_from_linear(gain[static_cast<std::size_t>(k)] * view.at(x, y)[k]);
         out.at(x, y)[k] = static_cast<std::uint8_t>(
             std::min(255, kDifferenceGain * std::abs(ours - photograph.at(x, y)[k])));
       }
@@ -109,16 +109,36 @@ void write_view(const std::filesystem::path& stem, const stages::RenderedView& v
 
 }  // namespace
 
+std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
+                                                    const std::vector<Photograph>& cameras) {
+  std::vector<std::filesystem::path> files, missing;
+  for (const Photograph& photograph : cameras) {
+    files.push_back(section.images / photograph.name);
+    std::error_code code;
+    if (!std::filesystem::exists(files.back(), code)) missing.push_back(files.back());
+  }
+  if (!missing.empty())
+    fail_input(
+        "{}: no such file, and {} of {} photographs in all are missing; put them there, set [photographs] "
+        "images "
+        "to the folder that the names of {} start from, or take their cameras out",
+        missing.front().string(), missing.size(), files.size(), section.cameras.path.string());
+  return files;
+}
+
 PhotographSet read_photographs(const io::SceneFile::Photographs& section) {
   PhotographSet set;
-  set.cameras = io::read_colmap(section.colmap);
+  const io::CameraFile cameras = io::read_cameras(section.cameras, section.images);
+  for (const std::string& note : cameras.notes) log::warning("{}: {}", section.cameras.path.string(), note);
+  set.cameras = cameras.photographs;
+  set.files = photograph_files(section, set.cameras);
   const Pose world_from_photographs =
       section.world_from_photographs ? pose_from_row_major(*section.world_from_photographs) : Pose();
-  for (auto& photograph : set.cameras) {
+  for (std::size_t i = 0; i < set.cameras.size(); ++i) {
+    Photograph& photograph = set.cameras[i];
     photograph.cam_from_world = camera_in_world(photograph.cam_from_world, world_from_photographs);
-    set.files.push_back(section.images / photograph.name);
     set.pixels.push_back(
-        io::read_photograph(set.files.back(), photograph.camera.width, photograph.camera.height));
+        io::read_photograph(set.files[i], photograph.camera.width, photograph.camera.height));
   }
   return set;
 }
@@ -223,7 +243,7 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
 Image8 to_picture(const ImageF& linear) {
   Image8 picture(linear.width, linear.height, linear.channels);
   std::transform(linear.pixels.begin(), linear.pixels.end(), picture.pixels.begin(),
-                 [](float value) { return srgb_from_linear(value); });
+                 [](float value) { return srgb_byte_from_linear(value); });
   return picture;
 }
 

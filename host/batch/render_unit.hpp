@@ -15,6 +15,10 @@ struct PhotographSet {
   std::vector<Image8> pixels;
   std::vector<std::filesystem::path> files;
 };
+// Every photograph's file, all checked to be there before any is decoded. Throws ErrorKind::input naming the
+// first and telling how many there are.
+std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
+                                                    const std::vector<Photograph>& cameras);
 PhotographSet read_photographs(const io::SceneFile::Photographs& section);
 
 // Proxy, retained samples of all registered scans as splats, photographs (METHOD 10).

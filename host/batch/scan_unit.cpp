@@ -5,7 +5,7 @@
 
 #include "batch/planes_json.hpp"
 #include "core/log.hpp"
-#include "geometry/srgb.hpp"
+#include "geometry/colour.hpp"
 #include "io/exr.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
@@ -111,7 +111,7 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
     auto point = detail_point(scan.point(source));
     if (colours)
       for (std::size_t channel = 0; channel < 3; ++channel)
-        point.rgb[channel] = srgb_from_linear(colours->colour.pixels[3 * i + channel]);
+        point.rgb[channel] = srgb_byte_from_linear(colours->colour.pixels[3 * i + channel]);
     add(source, point);
   }
   // Samples that no grid node took are data too: they stay, without a colour from photographs (black).

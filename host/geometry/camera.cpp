@@ -1,34 +1,111 @@
 #include "geometry/camera.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "core/error.hpp"
 
 namespace hybrid {
 namespace {
 
-Vec2 distort(const Camera& c, const Vec2& p) {
-  const double r2 = p.squaredNorm();
-  const double radial = 1 + r2 * (c.k1 + r2 * c.k2);
-  return {p.x() * radial + 2 * c.p1 * p.x() * p.y() + c.p2 * (r2 + 2 * p.x() * p.x()),
-          p.y() * radial + 2 * c.p2 * p.x() * p.y() + c.p1 * (r2 + 2 * p.y() * p.y())};
+// q(s) and dq/ds.
+struct Radial {
+  double value, slope;
+};
+
+Radial brown_radial(const Camera& c, double s) {
+  const double above = 1 + s * (c.k1 + s * (c.k2 + s * c.k3)), below = 1 + s * (c.k4 + s * (c.k5 + s * c.k6));
+  const double above_slope = c.k1 + s * (2 * c.k2 + 3 * s * c.k3),
+               below_slope = c.k4 + s * (2 * c.k5 + 3 * s * c.k6);
+  return {above / below, (above_slope - above / below * below_slope) / below};
 }
+
+double fisheye_radius(const Camera& c, double angle) {
+  const double t = angle * angle;
+  return angle * (1 + t * (c.k1 + t * (c.k2 + t * (c.k3 + t * c.k4))));
+}
+
+Vec2 distort(const Camera& c, const Vec2& p) {
+  const double s = p.squaredNorm(), radius = std::sqrt(s);
+  if (c.lens == Lens::fisheye)
+    return radius > 0 ? Vec2(p * (fisheye_radius(c, std::atan(radius)) / radius)) : p;
+  const double q = brown_radial(c, s).value;
+  return {p.x() * q + 2 * c.p1 * p.x() * p.y() + c.p2 * (s + 2 * p.x() * p.x()),
+          p.y() * q + 2 * c.p2 * p.x() * p.y() + c.p1 * (s + 2 * p.y() * p.y())};
+}
+
+using Polynomial = std::vector<double>;  // coefficients from the constant one up
+
+double value_at(const Polynomial& polynomial, double s) {
+  double value = 0;
+  for (std::size_t i = polynomial.size(); i-- > 0;) value = value * s + polynomial[i];
+  return value;
+}
+
+// Where the polynomial changes its sign at positive s, ascending: between the extrema, by bisection.
+std::vector<double> sign_changes(Polynomial polynomial) {
+  while (!polynomial.empty() && polynomial.back() == 0) polynomial.pop_back();
+  if (polynomial.size() < 2) return {};
+  Polynomial slope;
+  double largest = 0;
+  for (std::size_t i = 1; i < polynomial.size(); ++i) {
+    slope.push_back(static_cast<double>(i) * polynomial[i]);
+    largest = std::max(largest, std::abs(polynomial[i - 1] / polynomial.back()));
+  }
+  std::vector<double> borders = sign_changes(slope), result;
+  borders.push_back(1 + largest);  // beyond it there is none (Cauchy's bound)
+  double low = 0;
+  for (double high : borders) {
+    const double start = low, sign = value_at(polynomial, start);
+    low = high;
+    if ((sign > 0) == (value_at(polynomial, high) > 0)) continue;
+    double left = start, right = high;
+    for (double middle = (left + right) / 2; middle > left && middle < right; middle = (left + right) / 2)
+      ((sign > 0) == (value_at(polynomial, middle) > 0) ? left : right) = middle;
+    result.push_back(right);
+  }
+  return result;
+}
+
+double first_sign_change(const Polynomial& polynomial) {
+  const auto changes = sign_changes(polynomial);
+  return changes.empty() ? std::numeric_limits<double>::infinity() : changes.front();
+}
+
+// The angle whose fisheye radius this is, at most `largest`.
+double fisheye_angle(const Camera& c, double radius, double largest) {
+  double low = 0, high = largest, angle = std::min(radius, largest);
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    const double t = angle * angle, error = fisheye_radius(c, angle) - radius;
+    if (std::abs(error) < 1e-15) break;
+    (error > 0 ? high : low) = angle;
+    const double slope = 1 + t * (3 * c.k1 + t * (5 * c.k2 + t * (7 * c.k3 + t * 9 * c.k4)));
+    angle -= error / slope;
+    if (!(angle > low && angle < high)) angle = (low + high) / 2;
+  }
+  return angle;
+}
+
+constexpr double kRightAngle = std::numbers::pi / 2;
 
 }  // namespace
 
 double Camera::max_radius2() const {
-  // d/dr of r (1 + k1 r^2 + k2 r^4) = 1 + 3 k1 s + 5 k2 s^2 with s = r^2; its smallest positive root.
   const double infinite = std::numeric_limits<double>::infinity();
-  if (k2 == 0) return k1 < 0 ? -1 / (3 * k1) : infinite;
-  const double a = 5 * k2, b = 3 * k1, discriminant = b * b - 4 * a;
-  if (discriminant < 0) return infinite;
-  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
-  double smallest = infinite;
-  for (double root : {q / a, 1 / q})
-    if (root > 0 && root < smallest) smallest = root;
-  return smallest;
+  if (k1 == 0 && k2 == 0 && k3 == 0 && k4 == 0 && k5 == 0 && k6 == 0) return infinite;
+  if (lens == Lens::fisheye) {
+    const double angle = std::sqrt(first_sign_change({1, 3 * k1, 5 * k2, 7 * k3, 9 * k4}));
+    return angle < kRightAngle ? std::tan(angle) * std::tan(angle) : infinite;
+  }
+  // The numerator of d/dr of r N(s) / D(s), s = r^2: (N + 2 s N') D - 2 s N D'; and the poles of D.
+  const double n[4] = {1, k1, k2, k3}, d[4] = {1, k4, k5, k6};
+  Polynomial slope(7, 0.0);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) slope[static_cast<std::size_t>(i + j)] += (1 + 2 * i - 2 * j) * n[i] * d[j];
+  return std::min(first_sign_change(slope), first_sign_change({d[0], d[1], d[2], d[3]}));
 }
 
 std::optional<Vec2> Camera::project(const Vec3& point_in_cam) const {
@@ -43,17 +120,37 @@ std::optional<Vec2> Camera::project(const Vec3& point_in_cam) const {
 
 Vec3 Camera::ray(const Vec2& pixel) const {
   const Vec2 target((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
-  Vec2 p = target;
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const Vec2 error = distort(*this, p) - target;
-    if (error.squaredNorm() < 1e-24) break;
-    const double r2 = p.squaredNorm(), x = p.x(), y = p.y();
-    const double radial = 1 + r2 * (k1 + r2 * k2), slope = 2 * (k1 + 2 * k2 * r2);
-    Eigen::Matrix2d jacobian;
-    jacobian << radial + x * x * slope + 2 * p1 * y + 6 * p2 * x, x * y * slope + 2 * p1 * x + 2 * p2 * y,
-        x * y * slope + 2 * p2 * y + 2 * p1 * x, radial + y * y * slope + 2 * p2 * x + 6 * p1 * y;
-    p -= jacobian.inverse() * error;
+  const Vec3 none = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  const double largest2 = max_radius2(), radius = target.norm();
+  if (lens == Lens::fisheye) {
+    const double largest = std::atan(std::sqrt(largest2));
+    if (!(radius < fisheye_radius(*this, largest))) return none;
+    const double angle = fisheye_angle(*this, radius, largest);
+    const Vec2 side = radius > 0 ? Vec2(target / radius * std::sin(angle)) : Vec2(0, 0);
+    return Vec3(side.x(), side.y(), std::cos(angle));
   }
+  Vec2 p = target;
+  // Strong distortion may want more than the plain guess: start inside the radius of growth.
+  if (p.squaredNorm() >= largest2) p *= 0.9 * std::sqrt(largest2) / radius;
+  Vec2 error = distort(*this, p) - target;
+  for (int iteration = 0; iteration < 50 && error.squaredNorm() > 1e-28; ++iteration) {
+    const double s = p.squaredNorm(), x = p.x(), y = p.y();
+    const Radial q = brown_radial(*this, s);
+    Eigen::Matrix2d jacobian;
+    jacobian << q.value + 2 * x * x * q.slope + 2 * p1 * y + 6 * p2 * x,
+        2 * x * y * q.slope + 2 * p1 * x + 2 * p2 * y, 2 * x * y * q.slope + 2 * p2 * y + 2 * p1 * x,
+        q.value + 2 * y * y * q.slope + 2 * p2 * x + 6 * p1 * y;
+    const Vec2 step = jacobian.inverse() * error;
+    // Half steps where a whole one would leave the radius of growth or not come nearer.
+    double share = 1;
+    for (int halving = 0; halving < 20; ++halving, share /= 2) {
+      const Vec2 next = p - share * step;
+      if (next.squaredNorm() < largest2 && (distort(*this, next) - target).norm() < error.norm()) break;
+    }
+    p -= share * step;
+    error = distort(*this, p) - target;
+  }
+  if (!(error.squaredNorm() < 1e-16 && p.squaredNorm() < largest2)) return none;
   return Vec3(p.x(), p.y(), 1).normalized();
 }
 

@@ -5,12 +5,18 @@
 
 namespace hybrid {
 
-// IEC 61966-2-1 (sRGB), both ways, 0..1.
+// IEC 61966-2-1 (sRGB). Pictures are sRGB, light inside is linear, pictures out are sRGB again.
+// Both ways, 0..1, not clamped.
 inline double linear_from_srgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 inline double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+// A picture's byte. Values outside [0, 1] are clamped; NaN becomes 0.
+inline std::uint8_t srgb_byte_from_linear(double linear) {
+  const double clamped = linear > 0 ? std::fmin(linear, 1.0) : 0.0;
+  return static_cast<std::uint8_t>(std::lround(255 * srgb_from_linear(clamped)));
 }
 
 // A pastel colour per index, sRGB 0..1: hues by the golden ratio, so that neighbours in number differ.

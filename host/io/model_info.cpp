@@ -41,18 +41,14 @@ ModelInfo describe_model(const PolygonModel& model) {
   return result;
 }
 
-CameraModelInfo describe_colmap(const std::filesystem::path& folder) {
-  CameraModelInfo result;
-  result.cameras = read_colmap_cameras(folder);
-  for (const Photograph& photograph : read_colmap(folder)) {
-    const Vec3 centre = photograph.centre();
-    if (result.photographs.empty()) result.minimum = result.maximum = centre;
-    result.minimum = result.minimum.cwiseMin(centre);
-    result.maximum = result.maximum.cwiseMax(centre);
-    result.photographs.push_back(
-        {photograph.name, photograph.camera.width, photograph.camera.height, centre});
+CentreBox box_of_centres(const std::vector<Photograph>& photographs) {
+  CentreBox box;
+  if (!photographs.empty()) box.minimum = box.maximum = photographs.front().centre();
+  for (const Photograph& photograph : photographs) {
+    box.minimum = box.minimum.cwiseMin(photograph.centre());
+    box.maximum = box.maximum.cwiseMax(photograph.centre());
   }
-  return result;
+  return box;
 }
 
 }  // namespace hybrid::io

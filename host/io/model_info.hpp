@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/polygon_model.hpp"
-#include "io/colmap.hpp"
+#include "io/camera_file.hpp"
 
 namespace hybrid::io {
 
@@ -29,19 +29,10 @@ struct ModelInfo {
 // them.
 ModelInfo describe_model(const PolygonModel& model);
 
-struct PhotographInfo {
-  std::string name;
-  int width = 0, height = 0;
-  Vec3 centre = Vec3::Zero();  // frame of the camera model
+// Of the photographs' centres, in the frame of the camera file.
+struct CentreBox {
+  Vec3 minimum = Vec3::Zero(), maximum = Vec3::Zero();
 };
-
-struct CameraModelInfo {
-  std::vector<ColmapCamera> cameras;  // used by a photograph or not
-  std::vector<PhotographInfo> photographs;
-  Vec3 minimum = Vec3::Zero(), maximum = Vec3::Zero();  // of the photographs' centres
-};
-
-// Throws ErrorKind::input as read_colmap does.
-CameraModelInfo describe_colmap(const std::filesystem::path& folder);
+CentreBox box_of_centres(const std::vector<Photograph>& photographs);
 
 }  // namespace hybrid::io

@@ -1,15 +1,22 @@
 #include "io/picture.hpp"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
 
 #include "core/error.hpp"
 #include "core/log.hpp"
+#include "core/parallel.hpp"
+#include "geometry/colour.hpp"
 #include "io/output.hpp"
+#include "io/output_file.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
@@ -24,17 +31,53 @@ std::string reason(std::string message) {
   return message.empty() ? "no reason given" : message;
 }
 
-void check_pixels(const fs::path& file, const OIIO::ImageSpec& spec) {
-  if (spec.format != OIIO::TypeUInt8 && spec.format != OIIO::TypeUInt16)
-    fail_input("{}: expected 8 or 16 bits per channel, found {}; convert to 8-bit sRGB", file.string(),
-               spec.format.c_str());
-  const std::string space(spec.get_string_attribute("oiio:ColorSpace"));
-  if (space == "Linear" || space == "linear")
-    fail_input("{}: expected sRGB values, found linear ones; convert to sRGB", file.string());
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1 ||
+using Input = std::unique_ptr<OIIO::ImageInput>;
+
+Input open_picture(const fs::path& file) {
+  check_readable(file);
+  OIIO::ImageSpec configuration;
+  configuration["oiio:UnassociatedAlpha"] = 1;  // else colours arrive multiplied by alpha
+  Input input = OIIO::ImageInput::open(file.string(), &configuration);
+  if (!input) fail_input("{}: is no picture that can be read: {}", file.string(), reason(OIIO::geterror()));
+  return input;
+}
+
+void check_size(const fs::path& file, const OIIO::ImageSpec& spec) {
+  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1 || spec.deep ||
       std::int64_t{spec.width} * spec.height > kMostPixels)
     fail_input("{}: expected one picture of at most 2^30 pixels, found {} x {} x {} with {} channels",
                file.string(), spec.width, spec.height, spec.depth, spec.nchannels);
+}
+
+bool is_linear(const OIIO::ImageSpec& spec) {
+  const std::string space(spec.get_string_attribute("oiio:ColorSpace"));
+  return spec.format.is_floating_point() || space == "Linear" || space == "linear";
+}
+
+void check_pixels(const fs::path& file, const OIIO::ImageSpec& spec) {
+  if (!spec.format.is_floating_point() && spec.format != OIIO::TypeUInt8 && spec.format != OIIO::TypeUInt16)
+    fail_input("{}: expected 8 or 16 bits per channel or floating point, found {}; convert to 8-bit sRGB",
+               file.string(), spec.format.c_str());
+  const std::string profile(spec.get_string_attribute("ICCProfile:profile_description"));
+  if (!profile.empty() && profile.find("sRGB") == std::string::npos)
+    log::warning("{}: its colour profile \"{}\" is not applied: taken as sRGB", file.string(), profile);
+}
+
+// Of an EXR only; other formats number their channels.
+void check_exr_channels(const fs::path& file, const OIIO::ImageSpec& spec) {
+  const auto& names = spec.channelnames;
+  const bool colour = names.size() >= 3 && names[0] == "R" && names[1] == "G" && names[2] == "B";
+  const bool grey = names[0] == "Y" && names.size() <= 2;  // with alpha
+  if (!colour && !grey)
+    fail_input("{}: expected the channels R, G, B or Y, found {}; export it as an RGB picture", file.string(),
+               fmt::join(names, ", "));
+  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
+      spec.height != spec.full_height)
+    fail_input(
+        "{}: expected a data window that is the display window ({} x {} at {}, {}), found {} x {} at {}, {}; "
+        "export it uncropped",
+        file.string(), spec.full_width, spec.full_height, spec.full_x, spec.full_y, spec.width, spec.height,
+        spec.x, spec.y);
 }
 
 // The EXIF orientation to apply (1 = none), settled by the camera's size as the header describes.
@@ -72,9 +115,11 @@ std::array<int, 2> stored_position(int orientation, int x, int y, int w, int h) 
   }
 }
 
-Image8 decode(const fs::path& file, OIIO::ImageInput& input, const OIIO::ImageSpec& spec) {
-  Image8 stored(spec.width, spec.height, spec.nchannels);
-  const bool read = input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeUInt8, stored.pixels.data());
+template <typename T>
+Image<T> decode(const fs::path& file, OIIO::ImageInput& input, const OIIO::ImageSpec& spec,
+                OIIO::TypeDesc type) {
+  Image<T> stored(spec.width, spec.height, spec.nchannels);
+  const bool read = input.read_image(0, 0, 0, spec.nchannels, type, stored.pixels.data());
   if (!read)
     fail_input("{}: does not decode: {}; copy or export it again", file.string(), reason(input.geterror()));
   if (input.has_error()) {
@@ -88,24 +133,48 @@ Image8 decode(const fs::path& file, OIIO::ImageInput& input, const OIIO::ImageSp
   return stored;
 }
 
+// Linear light as sRGB bytes; tells what does not fit.
+Image8 encode(const fs::path& file, const ImageF& linear) {
+  Image8 result(linear.width, linear.height, linear.channels);
+  parallel_for(static_cast<std::size_t>(linear.height), [&](std::size_t row) {
+    const std::size_t length =
+        static_cast<std::size_t>(linear.width) * static_cast<std::size_t>(linear.channels);
+    for (std::size_t i = row * length; i < (row + 1) * length; ++i)
+      result.pixels[i] = srgb_byte_from_linear(linear.pixels[i]);
+  });
+  const auto count = static_cast<double>(linear.pixels.size());
+  const auto bright =
+      std::count_if(linear.pixels.begin(), linear.pixels.end(), [](float v) { return v > 1; });
+  const auto none =
+      std::count_if(linear.pixels.begin(), linear.pixels.end(), [](float v) { return std::isnan(v); });
+  if (bright > 0)
+    log::warning("{}: {:.2f} % of its values are brighter than 1 and are clipped to 1", file.string(),
+                 100 * static_cast<double>(bright) / count);
+  if (none > 0)
+    log::warning("{}: {:.2f} % of its values are no numbers and become black", file.string(),
+                 100 * static_cast<double>(none) / count);
+  return result;
+}
+
 }  // namespace
 
 Image8 read_photograph(const fs::path& file, int expected_width, int expected_height) {
-  check_readable(file);
-  OIIO::ImageSpec configuration;
-  configuration["oiio:UnassociatedAlpha"] = 1;  // else colours arrive multiplied by alpha
-  const auto input = OIIO::ImageInput::open(file.string(), &configuration);
-  if (!input) fail_input("{}: is no picture that can be read: {}", file.string(), reason(OIIO::geterror()));
+  const Input input = open_picture(file);
   const OIIO::ImageSpec spec = input->spec();
+  check_size(file, spec);
   check_pixels(file, spec);
+  if (std::string_view(input->format_name()) == "openexr") check_exr_channels(file, spec);
   const int orientation = orientation_to_apply(file, spec, expected_width, expected_height);
-  Image8 result(orientation == 1 ? spec.width : spec.height, orientation == 1 ? spec.height : spec.width, 3);
-  if (expected_width != 0 && (result.width != expected_width || result.height != expected_height))
+  const int width = orientation == 1 ? spec.width : spec.height;
+  const int height = orientation == 1 ? spec.height : spec.width;
+  if (expected_width != 0 && (width != expected_width || height != expected_height))
     fail_input(
         "{}: expected the camera's {} x {} pixels, found {} x {}; give the photograph the cameras were "
         "computed from",
         file.string(), expected_width, expected_height, spec.width, spec.height);
-  const Image8 stored = decode(file, *input, spec);
+  Image8 result(width, height, 3);  // after the check, since a damaged header may say anything
+  const Image8 stored = is_linear(spec) ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat))
+                                        : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
   const int green = stored.channels >= 3 ? 1 : 0, blue = stored.channels >= 3 ? 2 : 0;
   for (int y = 0; y < result.height; ++y) {
     for (int x = 0; x < result.width; ++x) {
@@ -120,20 +189,31 @@ Image8 read_photograph(const fs::path& file, int expected_width, int expected_he
   return result;
 }
 
+PictureSize picture_size(const fs::path& file) {
+  const OIIO::ImageSpec spec = open_picture(file)->spec();
+  check_size(file, spec);
+  return {spec.width, spec.height};
+}
+
 void write_png(const fs::path& file, const Image8& image) {
   if (image.width < 1 || image.height < 1 ||
       (image.channels != 1 && image.channels != 3 && image.channels != 4))
     fail(ErrorKind::failed, "{}: expected a picture of 1, 3 or 4 channels, found {} x {} with {}",
          file.string(), image.width, image.height, image.channels);
+  // Encoded in memory: OpenImageIO does not look whether the last bytes of a file reached the disk.
+  OIIO::Filesystem::IOVecOutput encoded;
+  const auto output = OIIO::ImageOutput::create("png", &encoded);
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
+  spec["oiio:ColorSpace"] = "sRGB";
+  spec["oiio:UnassociatedAlpha"] = 1;
+  if (!output || !output->open("memory.png", spec) ||
+      !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
+    fail(ErrorKind::failed, "{}: cannot encode: {}", file.string(),
+         reason(output ? output->geterror() : OIIO::geterror()));
   write_atomically(file, [&](const fs::path& temporary) {
-    const auto output = OIIO::ImageOutput::create("png");
-    OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
-    spec["oiio:ColorSpace"] = "sRGB";
-    spec["oiio:UnassociatedAlpha"] = 1;
-    if (!output || !output->open(temporary.string(), spec) ||
-        !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
-      fail(ErrorKind::failed, "{}: cannot write: {}", file.string(),
-           reason(output ? output->geterror() : OIIO::geterror()));
+    OutputFile out(temporary);
+    out.write(encoded.buffer().data(), encoded.buffer().size());
+    out.close();
   });
 }
 

@@ -5,13 +5,23 @@
 
 namespace hybrid::io {
 
-// A photograph through OpenImageIO as 8-bit sRGB RGB: 8 or 16 bits per channel, grey or colour; alpha is
-// dropped without premultiplying. Throws ErrorKind::input: does not decode or is cut short, size differs from
-// the camera's (expected_width 0 = any), floating-point or linear pixels.
-// EXIF orientation: camera models may refer to the pixels as stored (COLMAP) or as displayed. A quarter turn
-// of a photograph that is not square is settled by the camera's size, whichever way fits; where the size
-// cannot tell (half turn, mirror, square, any size) it is an error that says how to settle it.
+// A photograph through OpenImageIO as 8-bit sRGB RGB, grey or colour; alpha is dropped without
+// premultiplying. Integers are taken as sRGB: 8 bits as they are, 16 bits (PNG, TIFF) rounded to 8, because
+// the device holds photographs as 8-bit sRGB, as fine as the eye sees. Floating point (EXR, TIFF) and
+// integers tagged as linear are linear light: encoded as sRGB and rounded; above 1 clipped, NaN black, both
+// with a warning that tells the share. A colour profile other than sRGB is not applied (a warning names it).
+// Throws ErrorKind::input: does not decode or is cut short, size differs from the camera's (expected_width 0
+// = any), an EXR without R, G, B or Y or with a data window that is not its display window. EXIF orientation:
+// camera models may refer to the pixels as stored (COLMAP) or as displayed. A quarter turn of a photograph
+// that is not square is settled by the camera's size, whichever way fits; where the size cannot tell (half
+// turn, mirror, square, any size) it is an error that says how to settle it.
 Image8 read_photograph(const std::filesystem::path& file, int expected_width, int expected_height);
+
+// Of the pixels as stored, without decoding them. Throws as read_photograph does.
+struct PictureSize {
+  int width = 0, height = 0;
+};
+PictureSize picture_size(const std::filesystem::path& file);
 
 // 1, 3 or 4 channels, sRGB, alpha not premultiplied; no metadata that changes between runs.
 void write_png(const std::filesystem::path& file, const Image8& image);

@@ -57,34 +57,44 @@ SceneScan read_scan(const SceneTable& table) {
   result.fixed = table.flag("fixed", false);
   if (result.fixed && !result.pose)
     table.fail_key("fixed", "expected a pose that is to be final, found none");
-  if (result.fixed && !result.landmarks.empty())
-    table.fail_key("fixed", "expected either landmarks or a pose that is final, found both; remove one");
+  if (result.pose && !result.landmarks.empty())
+    table.fail_key("pose", "expected either a pose or landmarks as the start, found both; remove one");
   return result;
 }
 
 SceneFile::Photographs read_photographs(const SceneTable& table) {
+  constexpr std::array kFormats{CameraFormat::colmap, CameraFormat::strecha, CameraFormat::bundler,
+                                CameraFormat::nerfstudio};
   std::vector<std::string_view> given;
-  for (std::string_view key : {"colmap", "strecha", "bundler", "nerfstudio"})
-    if (table.has(key)) given.push_back(key);
+  SceneFile::Photographs result;
+  for (CameraFormat format : kFormats) {
+    if (!table.has(name_of(format))) continue;
+    given.push_back(name_of(format));
+    result.cameras.format = format;
+  }
   if (given.size() != 1)
     table.fail_table("expected exactly one of colmap, strecha, bundler, nerfstudio, found {}",
                      given.empty() ? "none" : fmt::format("{}", fmt::join(given, ", ")));
-  if (given.front() != "colmap")
-    table.fail_key(given.front(), "not supported yet; convert to COLMAP text (cameras.txt, images.txt)");
-  SceneFile::Photographs result;
-  result.colmap = table.required_path("colmap");
-  result.images = table.required_path("images");
+  result.cameras.path = table.required_path(given.front());
+  // Nerfstudio's names start at its own file's folder.
+  result.images = result.cameras.format == CameraFormat::nerfstudio && !table.has("images")
+                      ? result.cameras.path.parent_path()
+                      : table.required_path("images");
   result.world_from_photographs = table.pose("world_from_photographs");
   return result;
 }
 
+const SceneTable::Names kEditKeys = {"remove_faces", "holes", "clip", "openings"};
+
 SceneOptions read_options(const SceneTable& root, std::string_view section) {
   SceneOptions result;
-  const auto table = root.table(section, {});
+  const auto table = root.table(section, section == "edit" ? kEditKeys : SceneTable::Names{});
   if (!table) return result;
   for (const std::string& key : table->keys()) {
-    if (section == "edit" && (key == "remove_faces" || key == "holes" || key == "clip"))
+    if (section == "edit" && key != "openings")
       table->fail_key(key, "not supported yet; edit the model's file instead");
+    if (section == "edit" && table->choice(key, {"off", "report", "cut"}, "off") != "off")
+      table->fail_key(key, "not supported yet; remove it or write \"off\"");
     result[key] = {table->line_of(key), table->scalar(key)};
   }
   return result;
@@ -159,7 +169,7 @@ void read_scene_table(const SceneTable& root, SceneFile& scene) {
 void read_model(const SceneTable& root, SceneFile& scene) {
   const auto table = root.table("model", {"file", "unit", "up"});
   if (!table) return;
-  SceneFile::Model& model = scene.model.emplace();
+  SceneFile::Model& model = *(scene.model = SceneFile::Model{});
   model.file = table->required_path("file");
   model.unit = table->choice("unit", {"m", "mm", "arbitrary"}, model.unit);
   model.up = table->choice("up", {"z", "y"}, model.up);

@@ -8,6 +8,7 @@
 
 #include "core/option_table.hpp"
 #include "geometry/vectors.hpp"
+#include "io/read_cameras.hpp"
 
 namespace hybrid::io {
 
@@ -69,7 +70,7 @@ struct SceneFile {
   };
   std::optional<Model> model;
   struct Photographs {
-    std::filesystem::path colmap;
+    CameraSource cameras;
     std::filesystem::path images;
     std::optional<std::array<double, 16>> world_from_photographs;
   };

@@ -1,6 +1,8 @@
 #include "report/report.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 
 #include "io/output.hpp"
 #include "report/figures.hpp"
@@ -27,11 +29,21 @@ std::string escape(const std::string& text) {
   return out;
 }
 
+// A relative path as a link: scan ids and view names may hold blanks, #, % and ?.
+std::string link(const std::string& path) {
+  std::string out;
+  for (char c : path) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || std::strchr("/._-~", c);
+    out += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
 std::string picture(const std::string& file, const std::string& caption) {
   return fmt::format(
       "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" "
       "loading=\"lazy\"></a><figcaption>{1}</figcaption></figure>\n",
-      escape(file), escape(caption));
+      link(file), escape(caption));
 }
 
 // A nested JSON object as rows "a / b / c : value".

@@ -54,6 +54,12 @@ void launch(device::Queue& queue, const DeviceBvh& geometry, const RayCastParams
                geometry.triangles, geometry.spheres, geometry.surfaces, no_directions, distance, id, surface);
 }
 
+std::uint32_t lens_of(const Camera& camera) {
+  if (camera.lens == Lens::fisheye) return CAMERA_FISHEYE;
+  const bool rational = camera.k3 != 0 || camera.k4 != 0 || camera.k5 != 0 || camera.k6 != 0;
+  return rational ? CAMERA_RATIONAL : CAMERA_POLYNOMIAL;
+}
+
 }  // namespace
 
 Eigen::AlignedBox3d scene_box(const RenderScene& scene) {
@@ -78,6 +84,9 @@ CameraRecord camera_record(const Photograph& photograph, const Vec3& origin) {
   record.cx = static_cast<float>(c.cx), record.cy = static_cast<float>(c.cy);
   record.k1 = static_cast<float>(c.k1), record.k2 = static_cast<float>(c.k2);
   record.p1 = static_cast<float>(c.p1), record.p2 = static_cast<float>(c.p2);
+  record.k3 = static_cast<float>(c.k3), record.k4 = static_cast<float>(c.k4);
+  record.k5 = static_cast<float>(c.k5), record.k6 = static_cast<float>(c.k6);
+  record.lens = lens_of(c);
   record.max_radius2 = static_cast<float>(c.max_radius2());
   record.width = static_cast<std::uint32_t>(c.width);
   record.height = static_cast<std::uint32_t>(c.height);

@@ -144,11 +144,28 @@ void list_extra(const Scan& scan, const ScanColumns& columns, RangeImage& image)
   }
 }
 
+// Empties the nodes nearer than `min_range_m`: what was measured there is kept beside the grid, but is no
+// part of the scene.
+void set_aside_near(double min_range_m, RangeImage& image) {
+  for (std::size_t i = 0; i < image.count(); ++i) {
+    if (!(image.range_m[i] < min_range_m)) continue;
+    if (image.mask[i] == kMeasured) image.extra.push_back(image.source[i]);
+    image.mask[i] = kEmpty;
+    image.source[i] = kNoSource;
+    image.range_m[i] = image.x[i] = image.y[i] = image.z[i] = NAN;
+    if (!image.intensity.empty()) image.intensity[i] = 0;
+    if (!image.rgb.empty()) image.rgb[i] = {0, 0, 0};
+  }
+  std::sort(image.extra.begin(), image.extra.end());
+}
+
 }  // namespace
 
 const std::vector<OptionRow<ResampleOptions>>& resample_option_table() {
   using O = ResampleOptions;
   static const std::vector<OptionRow<O>> table = {
+      {"min_range_m", "m", &O::min_range_m, 0, 1000,
+       "returns nearer than this (the scanner's own body) are kept, but are no part of the scene"},
       {"max_gap", "rows", &O::max_gap, 1, 16, "longest gap of a column that is interpolated", {}},
       {"jump_m", "m", &O::jump_m, 0, 10, "difference in range that is never a depth jump", {}},
       {"jump_slope",
@@ -170,7 +187,11 @@ const std::vector<OptionRow<ResampleOptions>>& resample_option_table() {
 }
 
 RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleOptions& options) {
-  if (scan.organised()) return arrange_grid(scan);
+  if (scan.organised()) {
+    RangeImage image = arrange_grid(scan);
+    set_aside_near(options.min_range_m, image);
+    return image;
+  }
   const ScanColumns columns = recover_columns(scan);
 
   RangeImage image = make_range_image(columns.rows, columns.count());
@@ -184,6 +205,7 @@ RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleO
                   options, image);
   carry_attributes(scan, image);
   list_extra(scan, columns, image);
+  set_aside_near(options.min_range_m, image);
   log::debug("scan {}: {} sweeps in {} columns x {} rows, {} samples beside the grid, {} duplicates",
              scan.name, columns.sweeps, image.cols, image.rows, image.extra.size(), image.duplicates.size());
   return image;

@@ -1,51 +1,108 @@
-// Projection and its inverse: the float twin of host/geometry/camera.cpp (same model, same conventions).
+// A photograph's lens and its inverse: the float twin of host/geometry/camera.cpp (same formulas and frames).
+// c->lens is one value for a whole launch, so its branches cost nothing where they are not taken.
 #ifndef HYBRID_LIB_CAMERA_H
 #define HYBRID_LIB_CAMERA_H
+#include "lib/packet.h"
 #include "shared/records.h"
 
-static inline float2 camera_distort(const CameraRecord* c, float2 p) {
-  const float r2 = p.x * p.x + p.y * p.y;
-  const float radial = 1.0f + r2 * (c->k1 + r2 * c->k2);
-  return (float2)(p.x * radial + 2.0f * c->p1 * p.x * p.y + c->p2 * (r2 + 2.0f * p.x * p.x),
-                  p.y * radial + 2.0f * c->p2 * p.x * p.y + c->p1 * (r2 + 2.0f * p.y * p.y));
+// The factor q of a direction (x, y) = (X, Y) / Z by s = x^2 + y^2, VW at a time.
+static inline floatv camera_radial(const CameraRecord* c, floatv s) {
+  if (c->lens == CAMERA_FISHEYE) {
+    const floatv radius = sqrt(s), angle = atan(radius), t = angle * angle;
+    const floatv bent = angle * (1.0f + t * (c->k1 + t * (c->k2 + t * (c->k3 + t * c->k4))));
+    return PICK(MASK(s > 0.0f), bent / radius, (floatv)(1.0f));
+  }
+  if (c->lens == CAMERA_RATIONAL)
+    return (1.0f + s * (c->k1 + s * (c->k2 + s * c->k3))) / (1.0f + s * (c->k4 + s * (c->k5 + s * c->k6)));
+  return 1.0f + s * (c->k1 + s * c->k2);
 }
 
-// Pixel position of a world point (top left pixel's centre = 0.5, 0.5). Returns 0 when the camera does not
-// see it.
-static inline int camera_project(const CameraRecord* c, float3 point, float2* pixel, float* depth) {
+// Pixel positions of world points (top left pixel's centre = 0.5, 0.5) and which of them the camera sees, as
+// a mask. NaN points are not seen; the positions of unseen points mean nothing.
+static inline intv camera_project(const CameraRecord* c, floatv px, floatv py, floatv pz, floatv* column,
+                                  floatv* row) {
   const float* m = c->rotation;
-  const float x = m[0] * point.x + m[1] * point.y + m[2] * point.z + c->translation[0];
-  const float y = m[3] * point.x + m[4] * point.y + m[5] * point.z + c->translation[1];
-  const float z = m[6] * point.x + m[7] * point.y + m[8] * point.z + c->translation[2];
-  *depth = z;
-  if (!(z > 0.0f)) return 0;
-  const float2 p = (float2)(x / z, y / z);
-  if (!(p.x * p.x + p.y * p.y < c->max_radius2)) return 0;
-  const float2 d = camera_distort(c, p);
-  *pixel = (float2)(c->fx * d.x + c->cx, c->fy * d.y + c->cy);
-  return pixel->x >= 0.0f && pixel->y >= 0.0f && pixel->x < (float)c->width && pixel->y < (float)c->height;
+  const floatv x = m[0] * px + m[1] * py + m[2] * pz + c->translation[0];
+  const floatv y = m[3] * px + m[4] * py + m[5] * pz + c->translation[1];
+  const floatv z = m[6] * px + m[7] * py + m[8] * pz + c->translation[2];
+  const intv before = MASK(z > 0.0f);
+  const floatv u = x / PICK(before, z, (floatv)(1.0f)), v = y / PICK(before, z, (floatv)(1.0f));
+  const floatv r2 = u * u + v * v;
+  const floatv radial = camera_radial(c, r2);
+  *column = c->fx * (u * radial + 2.0f * c->p1 * u * v + c->p2 * (r2 + 2.0f * u * u)) + c->cx;
+  *row = c->fy * (v * radial + 2.0f * c->p2 * u * v + c->p1 * (r2 + 2.0f * v * v)) + c->cy;
+  return before & MASK(r2 < c->max_radius2) & MASK(*column >= 0.0f) & MASK(*row >= 0.0f) &
+         MASK(*column < (float)c->width) & MASK(*row < (float)c->height);
 }
 
-// Unit world direction of a pixel position: Newton's method on the distortion, as on the host. NaN where no
-// direction projects there: beyond the radius at which the distortion folds back.
-static inline float3 camera_ray(const CameraRecord* c, float2 pixel) {
-  const float2 target = (float2)((pixel.x - c->cx) / c->fx, (pixel.y - c->cy) / c->fy);
-  float2 p = target, error = camera_distort(c, p) - target;
-  for (int i = 0; i < 10 && dot(error, error) > 1e-15f; ++i) {
-    const float r2 = dot(p, p);
-    const float radial = 1.0f + r2 * (c->k1 + r2 * c->k2), slope = 2.0f * (c->k1 + 2.0f * c->k2 * r2);
-    const float xx = radial + p.x * p.x * slope + 2.0f * c->p1 * p.y + 6.0f * c->p2 * p.x;
-    const float yy = radial + p.y * p.y * slope + 2.0f * c->p2 * p.x + 6.0f * c->p1 * p.y;
+// q(s) and dq/ds of the lenses that are no fisheye.
+static inline float2 camera_radial_slope(const CameraRecord* c, float s) {
+  const float above = 1.0f + s * (c->k1 + s * (c->k2 + s * c->k3));
+  const float above_slope = c->k1 + s * (2.0f * c->k2 + 3.0f * s * c->k3);
+  if (c->lens != CAMERA_RATIONAL) return (float2)(above, above_slope);
+  const float below = 1.0f + s * (c->k4 + s * (c->k5 + s * c->k6));
+  const float below_slope = c->k4 + s * (2.0f * c->k5 + 3.0f * s * c->k6);
+  return (float2)(above / below, (above_slope - above / below * below_slope) / below);
+}
+
+// Direction in the camera's frame whose fisheye image is `target`: Newton's method on the angle, bisection
+// where it would leave the bracket. NaN beyond the largest angle.
+static inline float3 camera_fisheye_direction(const CameraRecord* c, float2 target) {
+  const float largest = atan(sqrt(c->max_radius2)), radius = length(target);
+  float low = 0.0f, high = largest, angle = min(radius, largest);
+  float error = INFINITY;
+  for (int i = 0; i < 20 && fabs(error) > 1e-7f * (1.0f + radius); ++i) {
+    const float t = angle * angle;
+    error = angle * (1.0f + t * (c->k1 + t * (c->k2 + t * (c->k3 + t * c->k4)))) - radius;
+    if (error > 0.0f) high = angle;
+    if (error < 0.0f) low = angle;
+    angle -= error / (1.0f + t * (3.0f * c->k1 + t * (5.0f * c->k2 + t * (7.0f * c->k3 + t * 9.0f * c->k4))));
+    if (!(angle >= low && angle <= high)) angle = 0.5f * (low + high);
+  }
+  if (!(fabs(error) < 1e-4f && angle < largest)) return (float3)(NAN);
+  const float2 side = radius > 0.0f ? target * (sin(angle) / radius) : (float2)(0.0f);
+  return (float3)(side.x, side.y, cos(angle));
+}
+
+static inline float2 camera_distort_error(const CameraRecord* c, float2 p, float2 radial, float2 target) {
+  const float s = dot(p, p);
+  return (float2)(p.x * radial.x + 2.0f * c->p1 * p.x * p.y + c->p2 * (s + 2.0f * p.x * p.x),
+                  p.y * radial.x + 2.0f * c->p2 * p.x * p.y + c->p1 * (s + 2.0f * p.y * p.y)) -
+         target;
+}
+
+// Direction (x, y, 1) whose image is `target`: Newton's method, kept inside the radius of growth. NaN beyond
+// it.
+static inline float3 camera_brown_direction(const CameraRecord* c, float2 target) {
+  const float inside = 0.999f * c->max_radius2;
+  float2 p = target;
+  if (dot(p, p) > inside) p *= sqrt(0.8f * inside / dot(p, p));
+  float2 radial = camera_radial_slope(c, dot(p, p));
+  float2 error = camera_distort_error(c, p, radial, target);
+  for (int i = 0; i < 20 && dot(error, error) > 1e-15f; ++i) {
+    const float slope = 2.0f * radial.y;
+    const float xx = radial.x + p.x * p.x * slope + 2.0f * c->p1 * p.y + 6.0f * c->p2 * p.x;
+    const float yy = radial.x + p.y * p.y * slope + 2.0f * c->p2 * p.x + 6.0f * c->p1 * p.y;
     const float xy = p.x * p.y * slope + 2.0f * c->p1 * p.x + 2.0f * c->p2 * p.y;
     p -= (float2)(yy * error.x - xy * error.y, xx * error.y - xy * error.x) / (xx * yy - xy * xy);
-    error = camera_distort(c, p) - target;
+    if (dot(p, p) > inside) p *= sqrt(inside / dot(p, p));
+    radial = camera_radial_slope(c, dot(p, p));
+    error = camera_distort_error(c, p, radial, target);
   }
   // A thousandth of the focal length would be visible; rounding stays far below it.
   if (!(dot(error, error) < 1e-8f && dot(p, p) < c->max_radius2)) return (float3)(NAN);
+  return (float3)(p.x, p.y, 1.0f);
+}
+
+// Unit world direction of a pixel position. NaN where no direction projects there: beyond the radius at which
+// the distortion folds back.
+static inline float3 camera_ray(const CameraRecord* c, float2 pixel) {
+  const float2 target = (float2)((pixel.x - c->cx) / c->fx, (pixel.y - c->cy) / c->fy);
+  const float3 p =
+      c->lens == CAMERA_FISHEYE ? camera_fisheye_direction(c, target) : camera_brown_direction(c, target);
   const float* m = c->rotation;  // world_from_cam is its transpose
-  const float3 ray = (float3)(m[0] * p.x + m[3] * p.y + m[6], m[1] * p.x + m[4] * p.y + m[7],
-                              m[2] * p.x + m[5] * p.y + m[8]);
-  return normalize(ray);
+  return normalize((float3)(m[0] * p.x + m[3] * p.y + m[6] * p.z, m[1] * p.x + m[4] * p.y + m[7] * p.z,
+                            m[2] * p.x + m[5] * p.y + m[8] * p.z));
 }
 
 #endif

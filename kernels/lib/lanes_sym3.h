@@ -5,29 +5,29 @@
 #include "lib/lanes.h"
 
 typedef struct LanesSym3 {
-  lanes_f xx, xy, xz, yy, yz, zz;
+  floatv xx, xy, xz, yy, yz, zz;
 } LanesSym3;
 
 typedef struct LanesVec3 {
-  lanes_f x, y, z;
+  floatv x, y, z;
 } LanesVec3;
 
-static inline lanes_f lanes_dot(LanesVec3 a, LanesVec3 b) {
+static inline floatv lanes_dot(LanesVec3 a, LanesVec3 b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 // One Jacobi rotation in the plane of axes p and q; r is the third. Golub and Van Loan, algorithm 8.5.1: the
 // smaller of the two angles, so that cosine >= 1/sqrt(2); an entry already 0 turns nothing.
-static inline void lanes_rotate(lanes_f* pp, lanes_f* qq, lanes_f* pq, lanes_f* rp, lanes_f* rq, LanesVec3* p,
+static inline void lanes_rotate(floatv* pp, floatv* qq, floatv* pq, floatv* rp, floatv* rq, LanesVec3* p,
                                 LanesVec3* q) {
-  const lanes_f theta = (*qq - *pp) / (2.0f * *pq);
-  const lanes_f size = 1.0f / (fabs(theta) + sqrt(theta * theta + 1.0f));
-  const lanes_f tangent = *pq == 0.0f ? (lanes_f)(0.0f) : (theta < 0.0f ? -size : size);
-  const lanes_f cosine = 1.0f / sqrt(tangent * tangent + 1.0f), sine = tangent * cosine;
+  const floatv theta = (*qq - *pp) / (2.0f * *pq);
+  const floatv size = 1.0f / (fabs(theta) + sqrt(theta * theta + 1.0f));
+  const floatv tangent = *pq == 0.0f ? (floatv)(0.0f) : (theta < 0.0f ? -size : size);
+  const floatv cosine = 1.0f / sqrt(tangent * tangent + 1.0f), sine = tangent * cosine;
   *pp -= tangent * *pq;
   *qq += tangent * *pq;
   *pq = 0.0f;
-  const lanes_f at_p = *rp, at_q = *rq;
+  const floatv at_p = *rp, at_q = *rq;
   *rp = cosine * at_p - sine * at_q;
   *rq = sine * at_p + cosine * at_q;
   const LanesVec3 v = *p, w = *q;
@@ -48,13 +48,13 @@ static inline void lanes_smallest_eigenvector(LanesSym3 m, LanesVec3* v) {
     lanes_rotate(&m.xx, &m.zz, &m.xz, &m.xy, &m.yz, &a, &c);
     lanes_rotate(&m.yy, &m.zz, &m.yz, &m.xy, &m.xz, &b, &c);
   }
-  const lanes_i b_less = m.yy < m.xx;
-  const lanes_f least = b_less ? m.yy : m.xx;
-  const lanes_i c_less = m.zz < least;
+  const intv b_less = m.yy < m.xx;
+  const floatv least = b_less ? m.yy : m.xx;
+  const intv c_less = m.zz < least;
   v->x = c_less ? c.x : (b_less ? b.x : a.x);
   v->y = c_less ? c.y : (b_less ? b.y : a.y);
   v->z = c_less ? c.z : (b_less ? b.z : a.z);
-  const lanes_f length = sqrt(lanes_dot(*v, *v));
+  const floatv length = sqrt(lanes_dot(*v, *v));
   v->x /= length;
   v->y /= length;
   v->z /= length;

@@ -4,6 +4,10 @@
 #include "shared/layout.h"
 
 // A photograph's or view's camera; model and frames as in host/geometry/camera.hpp.
+#define CAMERA_POLYNOMIAL 0u  // k1, k2, p1, p2 (the rest is 0): the common case
+#define CAMERA_RATIONAL 1u    // k1 to k6, p1, p2
+#define CAMERA_FISHEYE 2u     // k1 to k4
+
 typedef struct CameraRecord {
   float rotation[9];     // cam_from_world, row-major
   float translation[3];  // cam_from_world
@@ -12,8 +16,9 @@ typedef struct CameraRecord {
   float k1, k2, p1, p2;
   float max_radius2;  // r2 up to which the distortion is monotonic
   HYBRID_UINT width, height;
-  HYBRID_UINT first_pixel;  // of this photograph in the array of all photographs' pixels
-  float pad[5];
+  HYBRID_UINT lens;  // CAMERA_...
+  float k3, k4, k5, k6;
+  float pad;
 } CameraRecord;
 LAYOUT_CHECK(CameraRecord, 128);
 

@@ -5,42 +5,48 @@
 #include <cmath>
 #include <numbers>
 
+#include "cases/project_points_case.hpp"
 #include "core/error.hpp"
 
 namespace hybrid {
 namespace {
 
-struct Model {
-  const char* name;
-  Camera camera;
-};
-
-// The five models of COLMAP with distortion of the size that real lenses have.
-std::vector<Model> models() {
-  return {
-      {"SIMPLE_PINHOLE", {1296, 1936, 2435, 2435, 648, 968, 0, 0, 0, 0}},
-      {"PINHOLE", {640, 480, 500, 520, 310.5, 247.25, 0, 0, 0, 0}},
-      {"SIMPLE_RADIAL", {1296, 1936, 2435.38, 2435.38, 648, 968, -0.0336422, 0, 0, 0}},
-      {"RADIAL", {1000, 800, 700, 700, 500, 400, -0.25, 0.08, 0, 0}},
-      {"OPENCV", {1000, 800, 700, 690, 505, 395, -0.28, 0.11, 0.0012, -0.0023}},
-  };
-}
-
 TEST(camera, ray_undoes_project_for_every_model) {
-  for (const auto& [name, camera] : models()) {
+  for (const auto& [name, camera] : testing::camera_models()) {
     SCOPED_TRACE(name);
+    int seen = 0;
     for (double v : {0.0, 0.1, 0.5, 0.77, 0.999}) {
       for (double u : {0.0, 0.1, 0.5, 0.77, 0.999}) {
         const Vec2 pixel(u * camera.width, v * camera.height);
         const Vec3 ray = camera.ray(pixel);
+        if (std::isnan(ray.x())) continue;
         EXPECT_NEAR(ray.norm(), 1, 1e-14);
-        const auto back = camera.project(7.5 * ray + Vec3(0, 0, 0));
         // The corner itself may come back outside by rounding.
         if (u == 0 || v == 0) continue;
+        const auto back = camera.project(7.5 * ray);
         ASSERT_TRUE(back) << pixel.transpose();
         EXPECT_NEAR((*back - pixel).norm(), 0, 1e-8);
+        ++seen;
       }
     }
+    EXPECT_EQ(seen, 16);  // every pixel of these images has its direction
+  }
+}
+
+// The other way round: a direction that is seen is the ray of where it is seen.
+TEST(camera, project_undoes_ray_for_every_model) {
+  for (const auto& [name, camera] : testing::camera_models()) {
+    SCOPED_TRACE(name);
+    int seen = 0;
+    for (double x = -1.5; x <= 1.5; x += 0.05)
+      for (double y = -1.5; y <= 1.5; y += 0.05) {
+        const Vec3 point(x, y, 1);
+        const auto pixel = camera.project(point);
+        if (!pixel) continue;
+        ++seen;
+        EXPECT_NEAR((camera.ray(*pixel) - point.normalized()).norm(), 0, 1e-9) << x << " " << y;
+      }
+    EXPECT_GT(seen, 60);
   }
 }
 
@@ -91,6 +97,50 @@ TEST(camera, the_fold_back_radius_is_where_the_distortion_stops_growing) {
     EXPECT_TRUE(camera.project({0.99 * std::sqrt(fold), 0, 1}));
     EXPECT_FALSE(camera.project({1.01 * std::sqrt(fold), 0, 1}));
   }
+}
+
+// The same for the other lenses, whose growth has no formula: sampled along the radius.
+TEST(camera, fold_of_rational_and_fisheye_lenses) {
+  const std::vector<Camera> folding = {
+      {1 << 20, 1 << 20, 10, 10, 1 << 19, 1 << 19, -0.2, 0.02, 0, 0, -0.01},
+      {1 << 20, 1 << 20, 10, 10, 1 << 19, 1 << 19, 0, 0, 0, 0, 0, 0.5, 0.1},
+      {1 << 20, 1 << 20, 10, 10, 1 << 19, 1 << 19, 0.3, 0, 0, 0, 0, 0.2, 0.1, 0.3},
+      {1 << 20, 1 << 20, 10, 10, 1 << 19, 1 << 19, -0.2, 0, 0, 0, 0, 0, 0, 0, Lens::fisheye},
+      {1 << 20, 1 << 20, 10, 10, 1 << 19, 1 << 19, 0.1, -0.1, 0, 0, 0.01, -0.01, 0, 0, Lens::fisheye},
+  };
+  for (const Camera& camera : folding) {
+    const double fold = std::sqrt(camera.max_radius2()), centre = camera.cx;
+    SCOPED_TRACE(fold);
+    ASSERT_TRUE(std::isfinite(fold));
+    double before = 0;
+    for (int i = 1; i < 100; ++i) {
+      const auto pixel = camera.project({fold * i / 100, 0, 1});
+      ASSERT_TRUE(pixel);
+      EXPECT_GT(pixel->x() - centre, before);
+      before = pixel->x() - centre;
+    }
+    EXPECT_FALSE(camera.project({1.001 * fold, 0, 1}));
+    EXPECT_TRUE(camera.ray({centre + 1.01 * before, camera.cy}).array().isNaN().all());
+  }
+}
+
+// A pole of the rational lens: the image runs away to infinity there and comes back from the other side.
+TEST(camera, nothing_is_seen_beyond_a_pole) {
+  const Camera camera{1000, 1000, 100, 100, 500, 500, 0, 0, 0, 0, 0, -0.5};
+  EXPECT_DOUBLE_EQ(camera.max_radius2(), 2);
+  EXPECT_TRUE(camera.project({1, 0, 1}));
+  EXPECT_FALSE(camera.project({1.5, 0, 1}));
+}
+
+TEST(camera, a_fisheye_by_hand) {
+  const Camera camera{1000, 1000, 200, 300, 500, 400, 0.1, 0.01, 0, 0, 0.001, 0.0001, 0, 0, Lens::fisheye};
+  // 60 degrees to the right and as much down: the direction's angle is the arc tangent of sqrt(6).
+  const double a = std::atan(std::sqrt(6.0));
+  const double bent =
+      a + 0.1 * std::pow(a, 3) + 0.01 * std::pow(a, 5) + 0.001 * std::pow(a, 7) + 0.0001 * std::pow(a, 9);
+  const Vec2 pixel = *camera.project({std::sqrt(3.0), std::sqrt(3.0), 1});
+  EXPECT_NEAR(pixel.x(), 200 * bent / std::sqrt(2.0) + 500, 1e-9);
+  EXPECT_NEAR(pixel.y(), 300 * bent / std::sqrt(2.0) + 400, 1e-9);
 }
 
 TEST(camera, no_fold_without_one) {

@@ -3,9 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
-#include <sstream>
 
+#include "io/colmap_tracks.hpp"
 #include "io/files.hpp"
 #include "io/picture.hpp"
 
@@ -23,7 +22,7 @@ std::vector<Photograph> read_model(const TemporaryFolder& folder, const std::str
                                    const std::string& images) {
   folder.write("cameras.txt", cameras);
   folder.write("images.txt", images);
-  return read_colmap(folder.path());
+  return read_colmap(folder.path()).photographs;
 }
 
 TEST(colmap, camera_models) {
@@ -31,9 +30,14 @@ TEST(colmap, camera_models) {
   folder.write("cameras.txt",
                "# comment\n\n1 SIMPLE_PINHOLE 64 48 50 32 24\n2 PINHOLE 64 48 50 51 32 24\n"
                "3 SIMPLE_RADIAL 64 48 50 32 24 0.1\n4 RADIAL 64 48 50 32 24 0.1 0.2\n"
-               "5 OPENCV 64 48 50 51 32 24 0.1 0.2 0.3 0.4\n");
-  const auto cameras = read_colmap_cameras(folder.path());
-  ASSERT_EQ(cameras.size(), 5u);
+               "5 OPENCV 64 48 50 51 32 24 0.1 0.2 0.3 0.4\n"
+               "6 FULL_OPENCV 64 48 50 51 32 24 0.1 0.2 0.3 0.4 0.5 0.6 0.7 0.8\n"
+               "7 OPENCV_FISHEYE 64 48 50 51 32 24 0.1 0.2 0.3 0.4\n"
+               "8 SIMPLE_RADIAL_FISHEYE 64 48 50 32 24 0.1\n"
+               "9 RADIAL_FISHEYE 64 48 50 32 24 0.1 0.2\n");
+  folder.write("images.txt", "1 1 0 0 0 1 2 3 5 a.jpg\n\n");
+  const auto cameras = read_colmap(folder.path()).cameras;
+  ASSERT_EQ(cameras.size(), 9u);
   const auto numbers = [](const Camera& c) {
     return std::vector<double>{
         double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2};
@@ -44,7 +48,17 @@ TEST(colmap, camera_models) {
   EXPECT_EQ(numbers(cameras[3].camera), (std::vector<double>{64, 48, 50, 50, 32, 24, 0.1, 0.2, 0, 0}));
   EXPECT_EQ(numbers(cameras[4].camera), (std::vector<double>{64, 48, 50, 51, 32, 24, 0.1, 0.2, 0.3, 0.4}));
   EXPECT_EQ(cameras[4].model, "OPENCV");
-  EXPECT_EQ(cameras[4].line, 7);
+  EXPECT_EQ(cameras[4].id, "5");
+  const auto terms = [](const Camera& c) {
+    return std::vector<double>{c.k1, c.k2, c.p1, c.p2, c.k3, c.k4, c.k5, c.k6};
+  };
+  EXPECT_EQ(terms(cameras[5].camera), (std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8}));
+  EXPECT_EQ(terms(cameras[6].camera), (std::vector<double>{0.1, 0.2, 0, 0, 0.3, 0.4, 0, 0}));
+  EXPECT_EQ(terms(cameras[7].camera), (std::vector<double>{0.1, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(cameras[7].camera.fy, 50);
+  EXPECT_EQ(terms(cameras[8].camera), (std::vector<double>{0.1, 0.2, 0, 0, 0, 0, 0, 0}));
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    EXPECT_EQ(cameras[i].camera.lens, i < 6 ? Lens::brown : Lens::fisheye);
 }
 
 TEST(colmap, images_sorted_by_name_with_empty_second_lines) {
@@ -77,8 +91,11 @@ TEST(colmap, errors_name_file_and_line) {
   const TemporaryFolder folder;
   const std::vector<Broken> cases = {
       {"1 FISHEYE 64 48 50 32 24\n", "", "cameras.txt:1", "found FISHEYE"},
+      {"1 FOV 64 48 50 50 32 24 0\n", "", "cameras.txt:1", "found FOV, which is not supported"},
+      {"1 THIN_PRISM_FISHEYE 64 48 50 50 32 24 0 0 0 0 0 0 0 0\n", "", "cameras.txt:1",
+       "found THIN_PRISM_FISHEYE, which is not supported"},
       {"1 OPENCV 64 48 50 50 32 24 0 0\n", "", "cameras.txt:1", "parameter 7 of 8 of OPENCV"},
-      {"1 SIMPLE_PINHOLE 64 48 50 32 24 0.1\n", "", "cameras.txt:1", "found more: \"0.1\""},
+      {"1 SIMPLE_PINHOLE 64 48 50 32 24 0.1\n", "", "cameras.txt:1", "and no more, found \"0.1\""},
       {"#\n1 SIMPLE_PINHOLE 0 48 50 32 24\n", "", "cameras.txt:2", "width: expected 1 to"},
       {"1 SIMPLE_PINHOLE 64 -48 50 32 24\n", "", "cameras.txt:1", "height: expected 1 to"},
       {"1 SIMPLE_PINHOLE 64 48 0 32 24\n", "", "cameras.txt:1", "focal length"},
@@ -87,7 +104,8 @@ TEST(colmap, errors_name_file_and_line) {
       {"x PINHOLE 64 48 50 51 32 24\n", "", "cameras.txt:1", "camera id"},
       {"# none\n", "", "cameras.txt:1", "at least one camera"},
       {kCamera, "# none\n", "images.txt:1", "at least one image"},
-      {kCamera, "1 1 0 0 0 1 2 3 8 a.jpg\n\n", "images.txt:1", "camera id: expected one of the 1 cameras"},
+      {kCamera, "1 1 0 0 0 1 2 3 8 a.jpg\n\n", "images.txt:1",
+       "camera id: expected one of the model's 1 cameras"},
       {kCamera, "1 0 0 0 0 1 2 3 7 a.jpg\n\n", "images.txt:1", "found length 0"},
       {kCamera, "1 nan 0 0 0 1 2 3 7 a.jpg\n\n", "images.txt:1", "QW: expected a finite number"},
       {kCamera, "1 1 1 0 0 1 2 3 7 a.jpg\n\n", "images.txt:1", "found length 1.41421"},
@@ -119,60 +137,27 @@ TEST(colmap, folders_that_are_no_text_model) {
   EXPECT_TRUE(holds(message(folder.path() / "nowhere"), "no such folder"));
   EXPECT_TRUE(holds(message(folder.write("file", "")), "found a file"));
   folder.write("cameras.bin", "");
-  EXPECT_TRUE(holds(message(folder.path()), "model_converter --output_type TXT"));
+  EXPECT_TRUE(holds(message(folder.path()), "cameras.bin: byte 0: the file is empty"));
   folder.write("cameras.txt", kCamera);
   EXPECT_TRUE(holds(message(folder.path()), "images.txt: no such file"));
 }
 
-// Observed pixels of one image of images.txt, by the image's id; read here without the reader under test.
-struct Observations {
-  std::string name;
-  std::vector<Vec2> pixels;
-};
-
-std::map<int, Observations> observations_of(const std::filesystem::path& file) {
-  std::map<int, Observations> result;
-  std::ifstream in(file);
-  for (std::string first, second; std::getline(in, first);) {
-    if (first.starts_with('#')) continue;
-    std::getline(in, second);
-    std::istringstream words(first), points(second);
-    int id = 0, camera = 0;
-    double skip = 0;
-    std::string name;
-    words >> id;
-    for (int i = 0; i < 7; ++i) words >> skip;
-    words >> camera >> name;
-    result[id].name = name;
-    for (double x = 0, y = 0, point = 0; points >> x >> y >> point;) result[id].pixels.push_back({x, y});
-  }
-  return result;
-}
-
 // Proves axes, pixel centre and distortion at once: the reconstruction's own error is 0.22 px in the median.
+// The kernel's projection is held against the same points in kernels/project_points_test.cpp.
 TEST(colmap, real_points_project_to_where_they_were_seen) {
   const auto model = real_data("photos/lund-door/colmap_ground_truth");
   if (!std::filesystem::exists(model)) GTEST_SKIP() << model << " is absent";
-  const auto photographs = read_colmap(model);
+  const auto photographs = read_colmap(model).photographs;
   ASSERT_EQ(photographs.size(), 12u);
-  const auto observations = observations_of(model / "images.txt");
-  std::ifstream in(model / "points3D.txt");
+  const auto tracks = testing::tracks_of(model);
   std::vector<double> errors;
   std::size_t seen = 0;
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with('#')) continue;
-    std::istringstream words(line);
-    double id = 0, colour = 0, x = 0, y = 0, z = 0, error = 0;
-    words >> id >> x >> y >> z >> colour >> colour >> colour >> error;
-    for (std::size_t image = 0, index = 0; words >> image >> index; ++seen) {
-      const Observations& there = observations.at(static_cast<int>(image));
-      const auto photograph = std::find_if(photographs.begin(), photographs.end(),
-                                           [&](const Photograph& p) { return p.name == there.name; });
-      ASSERT_NE(photograph, photographs.end());
-      const auto pixel = photograph->camera.project(photograph->cam_from_world * Vec3(x, y, z));
-      if (pixel) errors.push_back((*pixel - there.pixels.at(index)).norm());
+  for (const Photograph& photograph : photographs)
+    for (const testing::Observation& there : tracks.at(photograph.name)) {
+      ++seen;
+      const auto pixel = photograph.camera.project(photograph.cam_from_world * there.point);
+      if (pixel) errors.push_back((*pixel - there.pixel).norm());
     }
-  }
   EXPECT_EQ(errors.size(), seen);
   ASSERT_GT(errors.size(), 70000u);
   std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
@@ -186,7 +171,7 @@ TEST(colmap, real_points_project_to_where_they_were_seen) {
 TEST(colmap, real_photographs_have_the_cameras_size) {
   const auto root = real_data("photos/lund-door");
   if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is absent";
-  const auto photographs = read_colmap(root / "colmap_ground_truth");
+  const auto photographs = read_colmap(root / "colmap_ground_truth").photographs;
   const Image8 image = read_photograph(root / "images" / photographs[0].name, photographs[0].camera.width,
                                        photographs[0].camera.height);
   EXPECT_EQ(image.width, 1296);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "io/colmap.hpp"
 #include "io/files.hpp"
 #include "io/obj.hpp"
 
@@ -42,15 +43,16 @@ TEST(model_info, cameras_and_photographs) {
   const TemporaryFolder folder;
   folder.write("cameras.txt", "1 PINHOLE 640 480 500 510 320 240\n2 SIMPLE_RADIAL 64 48 50 32 24 0.1\n");
   folder.write("images.txt", "1 1 0 0 0 -1 -2 -3 1 b.jpg\n\n2 1 0 0 0 -4 1 0 1 a.jpg\n\n");
-  const CameraModelInfo info = describe_colmap(folder.path());
-  ASSERT_EQ(info.cameras.size(), 2u);
-  EXPECT_EQ(info.cameras[1].model, "SIMPLE_RADIAL");  // listed though no photograph uses it
-  ASSERT_EQ(info.photographs.size(), 2u);
-  EXPECT_EQ(info.photographs[0].name, "a.jpg");
-  EXPECT_EQ(info.photographs[0].width, 640);
-  EXPECT_EQ(info.photographs[1].centre, Vec3(1, 2, 3));
-  EXPECT_EQ(info.minimum, Vec3(1, -1, 0));
-  EXPECT_EQ(info.maximum, Vec3(4, 2, 3));
+  const CameraFile cameras = read_colmap(folder.path());
+  ASSERT_EQ(cameras.cameras.size(), 2u);
+  EXPECT_EQ(cameras.cameras[1].model, "SIMPLE_RADIAL");  // listed though no photograph uses it
+  ASSERT_EQ(cameras.photographs.size(), 2u);
+  EXPECT_EQ(cameras.photographs[0].name, "a.jpg");
+  EXPECT_EQ(cameras.photographs[0].camera.width, 640);
+  EXPECT_EQ(cameras.photographs[1].centre(), Vec3(1, 2, 3));
+  const CentreBox box = box_of_centres(cameras.photographs);
+  EXPECT_EQ(box.minimum, Vec3(1, -1, 0));
+  EXPECT_EQ(box.maximum, Vec3(4, 2, 3));
 }
 
 TEST(model_info, real_box) {

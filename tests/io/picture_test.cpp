@@ -3,8 +3,10 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <set>
 
+#include "geometry/colour.hpp"
 #include "io/files.hpp"
 
 namespace hybrid::io {
@@ -18,9 +20,10 @@ using testing::TemporaryFolder;
 // Writes `values` (0..65535, as many channels as fit) as a picture of the given type.
 template <typename T>
 fs::path write_with_oiio(const fs::path& file, int width, int height, const std::vector<T>& values,
-                         OIIO::TypeDesc type, int orientation = 1) {
+                         OIIO::TypeDesc type, int orientation = 1,
+                         OIIO::TypeDesc stored = OIIO::TypeUnknown) {
   const int channels = static_cast<int>(values.size()) / (width * height);
-  OIIO::ImageSpec spec(width, height, channels, type);
+  OIIO::ImageSpec spec(width, height, channels, stored == OIIO::TypeUnknown ? type : stored);
   spec["oiio:UnassociatedAlpha"] = 1;
   if (orientation != 1) spec["Orientation"] = orientation;
   const auto output = OIIO::ImageOutput::create(file.string());
@@ -94,11 +97,86 @@ TEST(picture, sixteen_bits_are_rounded_to_eight) {
   }
 }
 
-TEST(picture, floating_point_is_refused) {
+// Linear light comes in, sRGB goes on: 0.5 of the light is the byte 188.
+TEST(picture, floating_point_is_linear_light) {
   const TemporaryFolder folder;
+  for (const char* name : {"a.exr", "a.tif"})
+    for (const auto type : {OIIO::TypeFloat, OIIO::TypeHalf}) {
+      if (type == OIIO::TypeHalf && std::string(name) == "a.tif") continue;  // TIFF knows no half
+      SCOPED_TRACE(name);
+      const auto file = write_with_oiio<float>(
+          folder.path() / name, 2, 1,
+          {0.5f, 0.0f, 1.0f, 7.5f, -1.0f, std::numeric_limits<float>::quiet_NaN()}, OIIO::TypeFloat, 1, type);
+      const Image8 back = read_photograph(file, 2, 1);
+      EXPECT_EQ(pixel(back, 0, 0), (std::vector<int>{188, 0, 255}));
+      EXPECT_EQ(pixel(back, 1, 0), (std::vector<int>{255, 0, 0}));
+    }
+}
+
+TEST(picture, linear_integers_are_linear_light) {
+  const TemporaryFolder folder;
+  OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeUInt16);
+  spec["oiio:ColorSpace"] = "Linear";
+  const std::vector<std::uint16_t> values = {32768, 0, 65535};
+  const auto file = (folder.path() / "a.png").string();  // PNG keeps it as a gamma of 1
+  const auto output = OIIO::ImageOutput::create(file);
+  ASSERT_TRUE(output && output->open(file, spec) && output->write_image(OIIO::TypeUInt16, values.data()) &&
+              output->close());
+  EXPECT_EQ(pixel(read_photograph(file, 1, 1), 0, 0), (std::vector<int>{188, 0, 255}));
+}
+
+TEST(picture, every_byte_survives_linear_light) {
+  const TemporaryFolder folder;
+  std::vector<float> linear;
+  for (int i = 0; i < 256; ++i)
+    for (int k = 0; k < 3; ++k) linear.push_back(static_cast<float>(linear_from_srgb(i / 255.0)));
+  const auto file = write_with_oiio<float>(folder.path() / "a.exr", 256, 1, linear, OIIO::TypeFloat);
+  const Image8 back = read_photograph(file, 256, 1);
+  for (int i = 0; i < 256; ++i) EXPECT_EQ(pixel(back, i, 0), (std::vector<int>{i, i, i}));
+}
+
+TEST(picture, exr_files_that_are_no_photographs) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const OIIO::ImageSpec& spec) {
+    const auto file = (folder.path() / "a.exr").string();
+    const std::vector<float> values(static_cast<std::size_t>(spec.width * spec.height * spec.nchannels));
+    const auto output = OIIO::ImageOutput::create(file);
+    EXPECT_TRUE(output && output->open(file, spec) && output->write_image(OIIO::TypeFloat, values.data()) &&
+                output->close());
+    return error_of(ErrorKind::input, [&] { read_photograph(file, 4, 3); });
+  };
+  OIIO::ImageSpec depth(4, 3, 1, OIIO::TypeFloat);
+  depth.channelnames = {"range"};
+  EXPECT_TRUE(holds(refused(depth), "expected the channels R, G, B or Y, found range"));
+  OIIO::ImageSpec cropped(4, 3, 3, OIIO::TypeFloat);
+  cropped.full_width = 8, cropped.full_height = 6, cropped.x = 2;
+  EXPECT_TRUE(holds(refused(cropped), "expected a data window that is the display window (8 x 6 at 0, 0)"));
+}
+
+TEST(picture, the_size_without_the_pixels) {
+  const TemporaryFolder folder;
+  const auto file = write_with_oiio<std::uint8_t>(folder.path() / "a.jpg", 31, 17, gradient(31, 17, 3).pixels,
+                                                  OIIO::TypeUInt8, 6);
+  EXPECT_EQ(picture_size(file).width, 31);  // as stored, whatever its orientation
+  EXPECT_EQ(picture_size(file).height, 17);
+  EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { picture_size(folder.path() / "none.jpg"); }),
+                    "none.jpg: no such file"));
+}
+
+// The tag as cameras write it, in a JPEG's EXIF: right for a camera model of the stored and of the turned
+// pixels.
+TEST(picture, exif_of_a_jpeg_turns_it) {
+  const TemporaryFolder folder;
+  Image8 image(64, 32, 3, 0);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 64; ++x)
+      if (x < 16 && y < 16) std::fill_n(image.at(x, y), 3, std::uint8_t{255});  // the top left corner
   const auto file =
-      write_with_oiio<float>(folder.path() / "a.tif", 1, 1, {0.1f, 0.2f, 0.3f}, OIIO::TypeFloat);
-  EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read_photograph(file, 1, 1); }), "found float"));
+      write_with_oiio<std::uint8_t>(folder.path() / "a.jpg", 64, 32, image.pixels, OIIO::TypeUInt8, 6);
+  EXPECT_GT(pixel(read_photograph(file, 64, 32), 4, 4)[0], 200);
+  const Image8 turned = read_photograph(file, 32, 64);  // "6": row 0 is the right side
+  EXPECT_LT(pixel(turned, 4, 4)[0], 50);
+  EXPECT_GT(pixel(turned, 27, 4)[0], 200);
 }
 
 TEST(picture, the_size_is_the_cameras) {

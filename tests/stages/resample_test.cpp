@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/error.hpp"
 #include "device.hpp"
 #include "stages/room_scan.hpp"
@@ -174,6 +176,28 @@ TEST(Resample, second_returns_are_kept_beside_the_grid) {
   expect_verbatim(twice, image);
   const double count = static_cast<double>(scan.points.size());
   EXPECT_NEAR(static_cast<double>(image.extra.size()), count / 3, 0.03 * count);
+}
+
+TEST(Resample, the_scanners_own_body_is_kept_beside_the_grid) {
+  const Scan scan = scan_room();
+  const RangeImage truth = image_room(60, 90, 0.02, 0.002);
+  const auto whole = [](std::size_t) { return false; };
+  for (const Scan& input : {scan, organised(truth, false, false, whole)}) {
+    const RangeImage all = resample_scan(queue(), input);
+    auto ranges = all.range_m;
+    std::nth_element(ranges.begin(), ranges.begin() + 500, ranges.end());  // NaN-free: the room is closed
+    const double near = ranges[500];
+    const RangeImage image = resample_scan(queue(), input, {.min_range_m = near});
+    expect_complete(input, image);
+    expect_verbatim(input, image);
+    std::size_t moved = 0;
+    for (std::size_t i = 0; i < all.count(); ++i) {
+      ASSERT_EQ(image.mask[i], all.range_m[i] < near ? std::uint8_t{kEmpty} : all.mask[i]);
+      moved += all.range_m[i] < near && all.mask[i] == kMeasured;
+    }
+    EXPECT_GT(moved, 0u);
+    EXPECT_EQ(image.extra.size(), all.extra.size() + moved);
+  }
 }
 
 TEST(Resample, an_organised_scan_keeps_its_grid_however_it_is_turned) {

@@ -1,0 +1,56 @@
+#include "io/read_cameras.hpp"
+
+#include "io/bundler.hpp"
+#include "io/colmap.hpp"
+#include "io/nerfstudio.hpp"
+#include "io/strecha.hpp"
+
+namespace hybrid::io {
+namespace fs = std::filesystem;
+
+std::string_view name_of(CameraFormat format) {
+  switch (format) {
+    case CameraFormat::colmap:
+      return "colmap";
+    case CameraFormat::strecha:
+      return "strecha";
+    case CameraFormat::bundler:
+      return "bundler";
+    case CameraFormat::nerfstudio:
+      return "nerfstudio";
+  }
+  return "";
+}
+
+CameraFile read_cameras(const CameraSource& source, const fs::path& images) {
+  switch (source.format) {
+    case CameraFormat::colmap:
+      return read_colmap(source.path);
+    case CameraFormat::strecha:
+      return read_strecha(source.path);
+    case CameraFormat::bundler:
+      return read_bundler(source.path, images);
+    case CameraFormat::nerfstudio:
+      return read_nerfstudio(source.path, images);
+  }
+  return {};
+}
+
+std::optional<CameraSource> find_cameras(const fs::path& path) {
+  std::error_code code;
+  if (!fs::is_directory(path, code)) {
+    if (path.extension() == ".out") return CameraSource{CameraFormat::bundler, path};
+    if (path.extension() == ".json") return CameraSource{CameraFormat::nerfstudio, path};
+    return std::nullopt;
+  }
+  if (fs::exists(path / "cameras.txt", code) || fs::exists(path / "cameras.bin", code))
+    return CameraSource{CameraFormat::colmap, path};
+  if (fs::exists(path / "transforms.json", code))
+    return CameraSource{CameraFormat::nerfstudio, path / "transforms.json"};
+  if (fs::exists(path / "bundle.out", code)) return CameraSource{CameraFormat::bundler, path / "bundle.out"};
+  for (fs::directory_iterator entry(path, code), end; !code && entry != end; entry.increment(code))
+    if (entry->path().extension() == ".camera") return CameraSource{CameraFormat::strecha, path};
+  return std::nullopt;
+}
+
+}  // namespace hybrid::io
