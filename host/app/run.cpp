@@ -29,6 +29,8 @@ void add_run(CLI::App& program, int& exit_code) {
           "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
           "them")
       ->delimiter(',');
+  scene.command->add_flag("--leave-one-out", scene.request->leave_one_out,
+                          "after the scene's views, every photograph's made from all the others, scored");
   scene.command->callback([=, &exit_code] {
     scene.request->stages = parse_stages(*only);
     exit_code = run_scene_command(scene);

@@ -13,6 +13,7 @@ SceneCommand make_scene_command(CLI::App& program, const std::string& name, cons
   made.command->add_option("scene", made.request->scene_file, "the scene file (TOML)")->required();
   made.command->add_option("--out", made.request->out, "output folder")->required();
   add_common_options(*made.command, *made.common);
+  add_set_option(*made.command, *made.common);
   return made;
 }
 
@@ -20,6 +21,7 @@ int run_scene_command(const SceneCommand& command) {
   const auto& common = *command.common;
   auto& request = *command.request;
   apply(common);
+  request.assignments = common.assignments;
   request.tile = common.tile;
   request.seed = common.seed;
   request.force = common.force;

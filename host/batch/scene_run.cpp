@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 // The scene file with the request's options; checks what can be checked before any input is opened.
 io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options) {
   auto scene = io::read_scene_file(request.scene_file);
-  options = read_stage_options(scene);
+  options = read_stage_options(scene, request.assignments);
   options.set_tile(request.tile);
   if (request.seed) options.set_seed(*request.seed);
   if (request.square) options.set_square(*request.square);
@@ -95,6 +95,9 @@ class Run {
       run_.photographs = read_photographs(*run_.scene.photographs);
       for (const auto& file : run_.photographs.files) add_input(file);
     }
+    if (request_.leave_one_out && run_.photographs.cameras.size() < 2)
+      fail_input("--leave-one-out: {}: expected at least 2 photographs, found {}", run_.scene.path.string(),
+                 run_.photographs.cameras.size());
     if (run_.scene.truth) truth_ = io::read_truth(*run_.scene.truth);
   }
 
@@ -107,8 +110,8 @@ class Run {
 
   // Photographs left out in turn are counted when they are known.
   int view_count() const {
-    if (request_.leave_one_out) return 0;
-    return request_.only_view.empty() ? static_cast<int>(run_.scene.views.size()) : 1;
+    if (!request_.only_view.empty()) return 1;
+    return request_.scene_views ? static_cast<int>(run_.scene.views.size()) : 0;
   }
 
   // An id that the scene file gives is no longer free for a scan that is named after its file.
@@ -132,9 +135,12 @@ class Run {
     } catch (const Error& error) {
       if (ends_the_run(error.kind())) throw;
       log::error("{}", error.what());
+      std::string assignments;
+      for (const auto& assignment : request_.assignments) assignments += " --set " + assignment;
       run_.failures.push_back(
           {name, error.what(), error.kind(),
-           fmt::format("hybrid run {} --out {}", request_.scene_file.string(), request_.out.string())});
+           fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(), request_.out.string(),
+                       assignments)});
     }
   }
 
@@ -206,17 +212,21 @@ class Run {
     return attributes;
   }
 
+  std::vector<io::SceneView> views() const {
+    std::vector<io::SceneView> views;
+    for (const auto& view : run_.scene.views)
+      if (request_.only_view.empty() ? request_.scene_views : view.name == request_.only_view)
+        views.push_back(view);
+    if (request_.leave_one_out)
+      for (auto& view : leave_one_out_views(run_.photographs)) views.push_back(std::move(view));
+    return views;
+  }
+
   void render_all() {
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs);
     stages::Renderer renderer(queue_, scene, options_.render);
-    auto views = run_.scene.views;
-    if (!request_.only_view.empty())
-      std::erase_if(views, [&](const auto& view) { return view.name != request_.only_view; });
-    if (request_.leave_one_out) {
-      views = leave_one_out_views(run_.photographs);
-      progress_.expect(static_cast<int>(views.size()));
-    }
-    for (const auto& view : views)
+    if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));
+    for (const auto& view : views())
       unit("view " + view.name, [&] {
         progress_.step("render", "view " + view.name);
         views_.push_back(render_view(renderer, view, run_.photographs, request_.out));
@@ -269,6 +279,8 @@ class Run {
                     {"scans", scans},
                     {"views", views_},
                     {"failures", Json::array()}};
+    if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
+      run_.summary["leave_one_out"] = scores;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
   }
 
