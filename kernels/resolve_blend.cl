@@ -1,6 +1,6 @@
 // Colours from what blend_photos summed over all photographs (METHOD 10): the weighted mean (linear), the
-// heaviest photograph (nearest), or the mean of the low bands plus the high band of the heaviest (dual). Seen
-// by no photograph = red (1,0,0), the paper's figure 6.
+// heaviest photograph (nearest), or the mean of the low bands plus the mean of the high bands, in which the
+// heaviest rules (dual). Seen by no photograph = red (1,0,0), the paper's figure 6.
 //
 // Mapping: one work-item per point.
 //
@@ -9,7 +9,7 @@
 //
 // out: colour[3 * count], linear light, interleaved; NaN where there is no surface. Dual is clamped at 0.
 //
-// Cost: 40 bytes read, 12 written, 10 flops per point. Reference twin: tests/reference/resolve_blend.cpp.
+// Cost: 44 bytes read, 12 written, 10 flops per point. Reference twin: tests/reference/resolve_blend.cpp.
 #include "shared/params_blend_photos.h"
 
 kernel void resolve_blend(const ResolveBlendParams params, global const float* restrict surface_x,
@@ -22,7 +22,8 @@ kernel void resolve_blend(const ResolveBlendParams params, global const float* r
       (float3)(sums[BLEND_SUM_R * count + i], sums[BLEND_SUM_G * count + i], sums[BLEND_SUM_B * count + i]) /
       sums[BLEND_SUM_WEIGHT * count + i];
   const float3 best = (float3)(sums[BLEND_BEST_R * count + i], sums[BLEND_BEST_G * count + i],
-                               sums[BLEND_BEST_B * count + i]);
+                               sums[BLEND_BEST_B * count + i]) /
+                      sums[BLEND_BEST_SHARE * count + i];
   float3 result = (float3)(1.0f, 0.0f, 0.0f);
   if (isnan(surface_x[i]))
     result = (float3)(NAN);

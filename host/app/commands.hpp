@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/option_table.hpp"
 
@@ -15,12 +16,18 @@ struct CommonOptions {
   bool json = false, quiet = false, dry_run = false, force = false;
   std::string log_level = "info";
   int tile = 1024;
+  std::vector<std::string> assignments;  // --set, as given
 };
 
 // Adds the common options to a command and keeps them alive with it.
 void add_common_options(CLI::App& command, CommonOptions& options);
+// Adds --set, for commands that have options of stages.
+void add_set_option(CLI::App& command, CommonOptions& options);
 // Applies log level and thread count; call first in every command.
 void apply(const CommonOptions& options);
+
+// Progress is of level info.
+bool shows_progress(const CommonOptions& options);
 
 // "auto" or a number, as --square takes it.
 OptionValue parse_square(const std::string& text);

@@ -20,9 +20,21 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--log-level", options.log_level, "debug, info, warning, error or off");
 }
 
+void add_set_option(CLI::App& command, CommonOptions& options) {
+  command
+      .add_option("--set", options.assignments,
+                  "SECTION.KEY=VALUE: an option of [planes], [register] or [render], over the scene file's; "
+                  "repeatable")
+      ->allow_extra_args(false);
+}
+
 void apply(const CommonOptions& options) {
   log::set_level(options.quiet && options.log_level == "info" ? "warning" : options.log_level);
   set_thread_count(options.threads);
+}
+
+bool shows_progress(const CommonOptions& options) {
+  return !options.quiet && (options.log_level == "info" || options.log_level == "debug");
 }
 
 OptionValue parse_square(const std::string& text) {

@@ -18,15 +18,17 @@ void add_planes(CLI::App& program, int& exit_code) {
   command->add_option("--out", request->out, "output folder")->required();
   command->add_option("--square", *square, "side of the squares in samples: auto or 3..16");
   add_common_options(*command, *common);
+  add_set_option(*command, *common);
   command->callback([=, &exit_code] {
     apply(*common);
-    request->options.set_square(parse_square(*square));
+    for (const auto& assignment : common->assignments) request->options.set(assignment);
+    if (command->count("--square")) request->options.set_square(parse_square(*square));
     request->options.set_tile(common->tile);
-    request->options.set_seed(common->seed.value_or(1));
-    request->quiet = common->quiet;
+    if (common->seed) request->options.set_seed(*common->seed);
+    request->quiet = !shows_progress(*common);
+    request->force = common->force;
     if (common->dry_run) {
-      for (const auto& file : request->files)
-        std::cout << "would extract the planes of " << file.string() << "\n";
+      std::cout << batch::describe_planes_run(*request);
       return;
     }
     device::Queue queue(common->device);

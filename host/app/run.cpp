@@ -7,9 +7,13 @@ namespace {
 
 std::set<std::string> parse_stages(const std::vector<std::string>& names) {
   if (names.empty()) return batch::kAllStages;
-  for (const auto& name : names)
+  for (const auto& name : names) {
+    if (name == "edit" || name == "export")
+      fail(ErrorKind::usage, "--only {}: this version has no stage {} yet; it has {}", name, name,
+           fmt::join(batch::kAllStages, ", "));
     if (batch::kAllStages.count(name) == 0)
       fail(ErrorKind::usage, "--only {}: expected stages among {}", name, fmt::join(batch::kAllStages, ", "));
+  }
   return {names.begin(), names.end()};
 }
 
@@ -19,8 +23,14 @@ void add_run(CLI::App& program, int& exit_code) {
   const auto scene = make_scene_command(program, "run", "one scene, all its stages");
   auto only = std::make_shared<std::vector<std::string>>();
   scene.command
-      ->add_option("--only", *only, "stages whose outputs are written, among planes,register,render,report")
+      ->add_option(
+          "--only", *only,
+          "stages whose outputs are written, among planes,register,render,report; what they need is computed "
+          "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
+          "them")
       ->delimiter(',');
+  scene.command->add_flag("--leave-one-out", scene.request->leave_one_out,
+                          "after the scene's views, every photograph's made from all the others, scored");
   scene.command->callback([=, &exit_code] {
     scene.request->stages = parse_stages(*only);
     exit_code = run_scene_command(scene);

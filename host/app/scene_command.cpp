@@ -13,6 +13,7 @@ SceneCommand make_scene_command(CLI::App& program, const std::string& name, cons
   made.command->add_option("scene", made.request->scene_file, "the scene file (TOML)")->required();
   made.command->add_option("--out", made.request->out, "output folder")->required();
   add_common_options(*made.command, *made.common);
+  add_set_option(*made.command, *made.common);
   return made;
 }
 
@@ -20,17 +21,18 @@ int run_scene_command(const SceneCommand& command) {
   const auto& common = *command.common;
   auto& request = *command.request;
   apply(common);
+  request.assignments = common.assignments;
   request.tile = common.tile;
   request.seed = common.seed;
   request.force = common.force;
-  request.quiet = common.quiet;
+  request.quiet = !shows_progress(common);
   if (common.dry_run) {
     std::cout << batch::describe_run(request) << "\n";
     return 0;
   }
   device::Queue queue(common.device);
-  const auto run = batch::run_scene(queue, request);
-  if (request.stages.count("report")) report::write_report(queue, run, request.out);
+  const auto run = batch::run_scene(
+      queue, request, [&](const batch::SceneRun& made) { report::write_report(queue, made, request.out); });
   if (common.json)
     std::cout << run.summary.dump(1) << "\n";
   else

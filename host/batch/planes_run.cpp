@@ -1,6 +1,8 @@
 #include "batch/planes_run.hpp"
 
+#include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
+#include "batch/timing_json.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
@@ -28,6 +30,8 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
 }  // namespace
 
 PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
+  check_output_folder(request.out, "", request.force);
+  begin_output(request.out, "");
   PlanesRun run;
   Progress progress(request.quiet);
   progress.expect(static_cast<int>(request.files.size()) * 7);
@@ -38,7 +42,7 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
     try {
       with_context(unit, body);
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::interrupted || error.kind() == ErrorKind::device) throw;
+      if (ends_the_run(error.kind())) throw;
       log::error("{}", error.what());
       failures.push_back({{"unit", unit}, {"error", error.what()}});
       last_failure = error.kind();
@@ -62,15 +66,21 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
                  {"options", describe(request.options)["planes"]},
                  {"scans", scans},
                  {"failures", failures}};
+  const auto timing = timing_json(queue, progress, request.files, request.out);
+  io::write_text(request.out / "timing.json", timing.dump(1) + "\n");
   io::write_text(request.out / "summary.json", run.summary.dump(1) + "\n");
-  Json kernels = Json::object();
-  for (const auto& [label, row] : queue.profile())
-    kernels[label] = {{"launches", row.launches}, {"seconds", row.seconds}};
-  io::write_text(
-      request.out / "timing.json",
-      Json{{"seconds_by_stage", progress.seconds_by_stage()}, {"kernels", kernels}}.dump(1) + "\n");
   if (!failures.empty()) run.exit_code = scans.empty() ? hybrid::exit_code(last_failure) : 3;
   return run;
+}
+
+std::string describe_planes_run(const PlanesRequest& request) {
+  check_output_folder(request.out, "", request.force);
+  std::string text;
+  for (const auto& file : request.files) {
+    io::check_readable(file);
+    text += fmt::format("would extract the planes of {} into {}\n", file.string(), request.out.string());
+  }
+  return text;
 }
 
 std::string text_of(const PlanesRun& run) {

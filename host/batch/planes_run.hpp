@@ -13,6 +13,7 @@ struct PlanesRequest {
   std::filesystem::path out;
   StageOptions options;
   bool quiet = false;
+  bool force = false;  // write into the output folder of a scene
 };
 
 struct PlanesRun {
@@ -23,6 +24,9 @@ struct PlanesRun {
 // Planes, contours and decimation of every scan in the files, each written to out/scans/<id>/ as soon as it
 // is done; one scan is in memory at a time, and one that fails does not stop the others.
 PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request);
+
+// --dry-run: checks that every file can be read; says what would be done.
+std::string describe_planes_run(const PlanesRequest& request);
 
 // A table for a person.
 std::string text_of(const PlanesRun& run);

@@ -1,6 +1,7 @@
 #include "batch/render_unit.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "core/log.hpp"
 #include "geometry/colour.hpp"
@@ -11,6 +12,8 @@ namespace hybrid::batch {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr const char* kLeaveOneOut = "leave-one-out/";  // what such views' names begin with
 
 // The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's
 // centre moves with the world's scale, its image does not change.
@@ -33,13 +36,55 @@ std::vector<std::uint8_t> seen_mask(const stages::RenderedView& view) {
   return mask;
 }
 
-Image8 side_by_side(const Image8& left, const Image8& right) {
-  Image8 pair(left.width + right.width, left.height, 3);
-  for (int y = 0; y < pair.height; ++y) {
-    std::copy_n(left.at(0, y), 3 * left.width, pair.at(0, y));
-    std::copy_n(right.at(0, y), 3 * right.width, pair.at(left.width, y));
+// kDifferenceGain times what the view's sRGB values, at the photograph's exposure, are off by; black where
+// nothing was compared.
+Image8 difference(const Image8& photograph, const ImageF& view, const std::array<double, 3>& gain,
+                  const std::vector<std::uint8_t>& mask) {
+  constexpr int kDifferenceGain = 4;
+  Image8 out(view.width, view.height, 3);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      if (!mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) +
+                static_cast<std::size_t>(x)])
+        continue;
+      for (int k = 0; k < 3; ++k) {
+        const int ours = srgb_byte_from_linear(gain[static_cast<std::size_t>(k)] * view.at(x, y)[k]);
+        out.at(x, y)[k] = static_cast<std::uint8_t>(
+            std::min(255, kDifferenceGain * std::abs(ours - photograph.at(x, y)[k])));
+      }
+    }
+  return out;
+}
+
+// Images of one height, the first three channels of each.
+Image8 side_by_side(const std::vector<Image8>& images) {
+  int width = 0;
+  for (const auto& image : images) width += image.width;
+  Image8 row(width, images.front().height, 3);
+  int left = 0;
+  for (const auto& image : images) {
+    for (int y = 0; y < row.height; ++y)
+      for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), 3, row.at(left + x, y));
+    left += image.width;
   }
-  return pair;
+  return row;
+}
+
+// "a/b.jpg" -> "a_b": a file name of its own for every photograph.
+std::vector<std::string> leave_one_out_names(const PhotographSet& photographs) {
+  std::vector<std::string> names;
+  std::map<std::string, int> uses;
+  const auto flat = [](std::string name) {
+    std::replace_if(name.begin(), name.end(), [](char c) { return c == '/' || c == '\\'; }, '_');
+    return name;
+  };
+  for (const auto& photograph : photographs.cameras) {
+    names.push_back(flat(std::filesystem::path(photograph.name).replace_extension().generic_string()));
+    ++uses[names.back()];
+  }
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (uses[names[i]] > 1) names[i] = flat(photographs.cameras[i].name);  // they differ by extension only
+  return names;
 }
 
 void write_view(const std::filesystem::path& stem, const stages::RenderedView& view) {
@@ -137,14 +182,28 @@ stages::ViewRequest view_request(const io::SceneView& view, const PhotographSet&
 
 std::vector<io::SceneView> leave_one_out_views(const PhotographSet& photographs) {
   std::vector<io::SceneView> views;
-  for (const auto& photograph : photographs.cameras) {
+  const auto names = leave_one_out_names(photographs);
+  for (std::size_t i = 0; i < names.size(); ++i) {
     io::SceneView view;
-    view.name = "leave-one-out/" + std::filesystem::path(photograph.name).stem().string();
-    view.photograph = photograph.name;
-    view.leave_out = {photograph.name};
+    view.name = kLeaveOneOut + names[i];
+    view.photograph = photographs.cameras[i].name;
+    view.leave_out = {view.photograph};
     views.push_back(view);
   }
   return views;
+}
+
+Json leave_one_out_figures(const Json& views) {
+  Json rows = Json::array();
+  Json mean = {{"psnr_db", 0.0}, {"ssim", 0.0}, {"share_seen", 0.0}};
+  for (const auto& view : views) {
+    if (view["name"].get<std::string>().rfind(kLeaveOneOut, 0) != 0 || !view.contains("left_out")) continue;
+    rows.push_back(view["left_out"]);
+    for (auto& [key, sum] : mean.items()) sum = sum.get<double>() + rows.back()[key].get<double>();
+  }
+  if (rows.empty()) return {};
+  for (auto& [key, sum] : mean.items()) sum = sum.get<double>() / static_cast<double>(rows.size());
+  return {{"mean", mean}, {"photographs", rows}};
 }
 
 Json render_view(stages::Renderer& renderer, const io::SceneView& view, const PhotographSet& photographs,
@@ -167,14 +226,16 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
       std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
   if (view.texture && !view.photograph.empty() && left_out) {
     const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
-    const auto quality =
-        stages::compare_images(rendered.colour, photographs.pixels[index], seen_mask(rendered));
+    const auto& photograph = photographs.pixels[index];
+    const auto mask = seen_mask(rendered);
+    const auto quality = stages::compare_images(rendered.colour, photograph, mask);
     figures["left_out"] = {{"photograph", view.photograph},
                            {"psnr_db", quality.psnr_db},
                            {"ssim", quality.ssim},
                            {"share_seen", quality.share_seen}};
     io::write_png((out / "views" / view.name).string() + "-pair.png",
-                  side_by_side(photographs.pixels[index], to_picture(rendered.colour)));
+                  side_by_side({photograph, to_picture(rendered.colour),
+                                difference(photograph, rendered.colour, quality.gain, mask)}));
   }
   return figures;
 }

@@ -30,12 +30,16 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
 // exist.
 stages::ViewRequest view_request(const io::SceneView& view, const PhotographSet& photographs);
 
-// One view per photograph, seen through its own camera, made from all the others.
+// One view per photograph, seen through its own camera, made from all the others: "leave-one-out/<name>".
 std::vector<io::SceneView> leave_one_out_views(const PhotographSet& photographs);
+
+// From the figures of all views, those of leave_one_out_views: per photograph and their mean (METHOD, how
+// results are scored). Null when there are none.
+nlohmann::ordered_json leave_one_out_figures(const nlohmann::ordered_json& views);
 
 // Renders, writes views/<name>.exr and .png and returns the view's figures; a view through a photograph's
 // camera that leaves that photograph out is compared with it (PSNR, SSIM on the pixels seen) and written
-// beside it as views/<name>-pair.png.
+// beside it as views/<name>-pair.png: photograph, view, and four times their difference after the gain.
 nlohmann::ordered_json render_view(stages::Renderer& renderer, const io::SceneView& view,
                                    const PhotographSet& photographs, const std::filesystem::path& out);
 

@@ -1,14 +1,14 @@
 #include "batch/scene_run.hpp"
 
-#include <unistd.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 
+#include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
+#include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
-#include "core/parallel.hpp"
 #include "io/obj.hpp"
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
@@ -20,14 +20,27 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-// Refuses the output folder of another scene, so that no summary is replaced by accident.
-void check_output_folder(const RunRequest& request, const std::string& scene_name) {
-  const fs::path summary = request.out / "summary.json";
-  if (request.force || !fs::exists(summary)) return;
-  const auto found = Json::parse(io::read_text(summary), nullptr, false).value("scene", std::string("?"));
-  if (found != scene_name)
-    fail_input("{}: holds the results of scene '{}', not of '{}'; choose another --out or add --force",
-               request.out.string(), found, scene_name);
+// The scene file with the request's options; checks what can be checked before any input is opened.
+io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options) {
+  auto scene = io::read_scene_file(request.scene_file);
+  options = read_stage_options(scene, request.assignments);
+  options.set_tile(request.tile);
+  if (request.seed) options.set_seed(*request.seed);
+  if (request.square) options.set_square(*request.square);
+  if (stages.count("report")) {  // its page shows the others' files
+    stages.insert("planes");
+    if (scene.model) stages.insert({"register", "render"});
+  }
+  if ((stages.count("register") || stages.count("render")) && !scene.model)
+    fail_input("{}: no [model]: registration and rendering need one; add it, or use --only planes,report",
+               scene.path.string());
+  const auto named = [&](const auto& view) { return view.name == request.only_view; };
+  if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
+    fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
+  if (request.leave_one_out && !scene.photographs)
+    fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
+  check_output_folder(request.out, scene.name, request.force);
+  return scene;
 }
 
 PolygonModel read_model(const io::SceneFile::Model& section) {
@@ -42,34 +55,37 @@ std::string relative_name(const fs::path& file, const io::SceneFile& scene) {
 // Walks through the run; each method is one paragraph of run_scene().
 class Run {
  public:
-  Run(device::Queue& queue, const RunRequest& request)
-      : queue_(queue), request_(request), progress_(request.quiet) {}
+  Run(device::Queue& queue, const RunRequest& request, const WriteReport& write_report)
+      : queue_(queue),
+        request_(request),
+        write_report_(write_report),
+        stages_(request.stages),
+        progress_(request.quiet) {}
 
   SceneRun go() {
     read_inputs();
+    begin_output(request_.out, run_.scene.name);
     for (const auto& entry : run_.scene.scans) process_file(entry);
     if (wants("register") || wants("render")) register_all();
-    if (wants("planes") || wants("register")) write_scans();
+    if (wants("planes")) write_scans();
     if (wants("render")) render_all();
+    if (wants("report")) report();
     progress_.finish();
     write_summary();
     return std::move(run_);
   }
 
  private:
-  bool wants(const std::string& stage) const { return request_.stages.count(stage) > 0; }
+  bool wants(const std::string& stage) const { return stages_.count(stage) > 0; }
   bool colours_scans() const {
     return wants("render") && wants("planes") && run_.scene.photographs.has_value();
   }
   fs::path scan_folder(const std::string& id) const { return request_.out / "scans" / id; }
 
   void read_inputs() {
-    run_.scene = io::read_scene_file(request_.scene_file);
-    check_output_folder(request_, run_.scene.name);
-    options_ = read_stage_options(run_.scene);
-    options_.set_tile(request_.tile);
-    if (request_.seed) options_.set_seed(*request_.seed);
-    if (request_.square) options_.set_square(*request_.square);
+    run_.scene = read_scene(request_, stages_, options_);
+    reserve_ids();
+    expect_steps();
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
       run_.model = read_model(*run_.scene.model);
@@ -79,14 +95,29 @@ class Run {
       run_.photographs = read_photographs(*run_.scene.photographs);
       for (const auto& file : run_.photographs.files) add_input(file);
     }
+    if (request_.leave_one_out && run_.photographs.cameras.size() < 2)
+      fail_input("--leave-one-out: {}: expected at least 2 photographs, found {}", run_.scene.path.string(),
+                 run_.photographs.cameras.size());
     if (run_.scene.truth) truth_ = io::read_truth(*run_.scene.truth);
-    if ((wants("register") || wants("render")) && !run_.model)
-      fail_input("{}: no [model]: registration and rendering need one; add it, or use --only planes",
-                 run_.scene.path.string());
-    const int steps_per_scan = 6 + (wants("register") || wants("render") ? 3 : 0) + 1;
+  }
+
+  void expect_steps() {
+    const int steps_per_scan =
+        6 + (wants("register") || wants("render") ? 3 : 0) + wants("planes") + colours_scans();
     progress_.expect(1 + static_cast<int>(run_.scene.scans.size()) * steps_per_scan +
-                     (wants("render") ? static_cast<int>(run_.scene.views.size()) : 0) +
-                     (colours_scans() ? static_cast<int>(run_.scene.scans.size()) : 0));
+                     (wants("render") ? view_count() : 0) + wants("report"));
+  }
+
+  // Photographs left out in turn are counted when they are known.
+  int view_count() const {
+    if (!request_.only_view.empty()) return 1;
+    return request_.scene_views ? static_cast<int>(run_.scene.views.size()) : 0;
+  }
+
+  // An id that the scene file gives is no longer free for a scan that is named after its file.
+  void reserve_ids() {
+    for (const auto& entry : run_.scene.scans)
+      if (!entry.id.empty()) ids_.push_back(entry.id);
   }
 
   void add_input(const fs::path& file) {
@@ -95,18 +126,21 @@ class Run {
         {{"file", relative_name(file, run_.scene)}, {"bytes", print.bytes}, {"xxh3", print.xxh3}});
   }
 
-  // Runs the body of one unit: an input's or a step's error is recorded and the night goes on; a lost device
-  // or an interrupt ends the run.
+  // Runs the body of one unit: an input's or a step's error is recorded and the night goes on; a lost device,
+  // a full disk or an interrupt ends the run.
   template <typename Body>
   void unit(const std::string& name, const Body& body) {
     try {
       with_context(name, body);
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::interrupted || error.kind() == ErrorKind::device) throw;
+      if (ends_the_run(error.kind())) throw;
       log::error("{}", error.what());
+      std::string assignments;
+      for (const auto& assignment : request_.assignments) assignments += " --set " + assignment;
       run_.failures.push_back(
           {name, error.what(), error.kind(),
-           fmt::format("hybrid run {} --out {}", request_.scene_file.string(), request_.out.string())});
+           fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(), request_.out.string(),
+                       assignments)});
     }
   }
 
@@ -116,21 +150,27 @@ class Run {
     std::vector<Scan> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      scans = io::read_scans(entry.file);
+      auto read = io::read_scans(entry.file);
       add_input(entry.file);
-      if (!entry.index) return;
-      if (*entry.index < 0 || static_cast<std::size_t>(*entry.index) >= scans.size())
+      if (entry.index && static_cast<std::size_t>(*entry.index) >= read.size())
         fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index,
-                   scans.size());
-      Scan chosen = std::move(scans[static_cast<std::size_t>(*entry.index)]);
-      scans.clear();
-      scans.push_back(std::move(chosen));
+                   read.size());
+      if (entry.index)
+        scans.push_back(std::move(read[static_cast<std::size_t>(*entry.index)]));
+      else
+        scans = std::move(read);
     });
     for (std::size_t i = 0; i < scans.size(); ++i) {
-      const fs::path named = entry.id.empty() ? entry.file : fs::path(entry.id + ".scan");
-      ids_.push_back(io::default_scan_id(named, static_cast<int>(i), static_cast<int>(scans.size()), ids_));
-      process(ids_.back(), entry, std::move(scans[i]));
+      process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry,
+              std::move(scans[i]));
     }
+  }
+
+  std::string scan_id(const io::SceneScan& entry, int index, int count) {
+    if (!entry.id.empty() && count == 1) return entry.id;  // reserved
+    const fs::path named = entry.id.empty() ? entry.file : fs::path(entry.id + ".scan");
+    ids_.push_back(io::default_scan_id(named, index, count, ids_));
+    return ids_.back();
   }
 
   void process(const std::string& id, const io::SceneScan& entry, Scan scan) {
@@ -147,8 +187,9 @@ class Run {
       unit("scan " + run_.products[i].id, [&] {
         run_.registrations[i] =
             register_scan(queue_, entries_[i], *run_.model, options_, run_.products[i], progress_);
-        io::write_text(scan_folder(run_.products[i].id) / "pose.json",
-                       pose_json(run_.products[i], *run_.registrations[i]).dump(1) + "\n");
+        if (wants("register"))
+          io::write_text(scan_folder(run_.products[i].id) / "pose.json",
+                         pose_json(run_.products[i], *run_.registrations[i]).dump(1) + "\n");
       });
   }
 
@@ -171,16 +212,21 @@ class Run {
     return attributes;
   }
 
+  std::vector<io::SceneView> views() const {
+    std::vector<io::SceneView> views;
+    for (const auto& view : run_.scene.views)
+      if (request_.only_view.empty() ? request_.scene_views : view.name == request_.only_view)
+        views.push_back(view);
+    if (request_.leave_one_out)
+      for (auto& view : leave_one_out_views(run_.photographs)) views.push_back(std::move(view));
+    return views;
+  }
+
   void render_all() {
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs);
     stages::Renderer renderer(queue_, scene, options_.render);
-    auto views = run_.scene.views;
-    if (!request_.only_view.empty()) {
-      std::erase_if(views, [&](const auto& view) { return view.name != request_.only_view; });
-      if (views.empty()) fail_input("--view {}: the scene file has no view of that name", request_.only_view);
-    }
-    if (request_.leave_one_out) views = leave_one_out_views(run_.photographs);
-    for (const auto& view : views)
+    if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));
+    for (const auto& view : views())
       unit("view " + view.name, [&] {
         progress_.step("render", "view " + view.name);
         views_.push_back(render_view(renderer, view, run_.photographs, request_.out));
@@ -215,43 +261,52 @@ class Run {
     return json;
   }
 
-  void write_summary() {
-    Json scans = Json::array(), failures = Json::array();
+  void report() {
+    make_summary();
+    unit("report", [&] {
+      progress_.step("report", "scene " + run_.scene.name);
+      write_report_(run_);
+    });
+  }
+
+  void make_summary() {
+    Json scans = Json::array();
     for (std::size_t i = 0; i < run_.products.size(); ++i) scans.push_back(scan_summary(i));
-    for (const auto& failure : run_.failures)
-      failures.push_back({{"unit", failure.unit}, {"error", failure.error}});
     run_.summary = {{"program", {{"name", "hybrid"}, {"version", HYBRID_VERSION}}},
                     {"scene", run_.scene.name},
                     {"inputs", inputs_},
                     {"options", describe(options_)},
                     {"scans", scans},
                     {"views", views_},
-                    {"failures", failures}};
+                    {"failures", Json::array()}};
+    if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
+      run_.summary["leave_one_out"] = scores;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
+  }
 
-    std::array<char, 256> host{};
-    gethostname(host.data(), host.size() - 1);
-    Json kernels = Json::object();
-    for (const auto& [label, row] : queue_.profile())
-      kernels[label] = {{"launches", row.launches}, {"seconds", row.seconds}};
-    run_.timing = {{"host", host.data()},
-                   {"device", queue_.device().name},
-                   {"threads", thread_count()},
-                   {"scene_file", fs::absolute(request_.scene_file).string()},
-                   {"out", fs::absolute(request_.out).string()},
-                   {"seconds_by_stage", progress_.seconds_by_stage()},
-                   {"kernels", kernels}};
-    io::write_text(request_.out / "summary.json", run_.summary.dump(1) + "\n");
+  // summary.json last: where it is, everything else is.
+  void write_summary() {
+    if (run_.summary.is_null()) make_summary();
+    for (const auto& failure : run_.failures)
+      run_.summary["failures"].push_back({{"unit", failure.unit}, {"error", failure.error}});
+    auto inputs = std::vector{request_.scene_file};
+    for (const auto& input : inputs_)
+      inputs.push_back(run_.scene.path.parent_path() / input["file"].get<std::string>());
+    run_.timing = {{"scene", run_.scene.name}};
+    run_.timing.update(timing_json(queue_, progress_, inputs, request_.out));
     io::write_text(request_.out / "timing.json", run_.timing.dump(1) + "\n");
+    io::write_text(request_.out / "summary.json", run_.summary.dump(1) + "\n");
   }
 
   device::Queue& queue_;
   const RunRequest& request_;
+  const WriteReport& write_report_;
+  std::set<std::string> stages_;
   Progress progress_;
   StageOptions options_;
   std::vector<Scan> sources_;           // one per product
   std::vector<io::SceneScan> entries_;  // one per product
-  std::vector<std::string> ids_;        // given out so far
+  std::vector<std::string> ids_;        // no longer free
   std::optional<io::SceneTruth> truth_;
   Json inputs_ = Json::array(), views_ = Json::array();
   SceneRun run_;
@@ -259,16 +314,17 @@ class Run {
 
 }  // namespace
 
-SceneRun run_scene(device::Queue& queue, const RunRequest& request) {
-  return Run(queue, request).go();
+SceneRun run_scene(device::Queue& queue, const RunRequest& request, const WriteReport& write_report) {
+  return Run(queue, request, write_report).go();
 }
 
 std::string describe_run(const RunRequest& request) {
-  const auto scene = io::read_scene_file(request.scene_file);
-  read_stage_options(scene);
-  check_output_folder(request, scene.name);
-  std::string text = fmt::format("scene {}: {} scan entries, {} views, into {}\n", scene.name,
-                                 scene.scans.size(), scene.views.size(), request.out.string());
+  auto stages = request.stages;
+  StageOptions options;
+  const auto scene = read_scene(request, stages, options);
+  std::string text =
+      fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name, scene.scans.size(),
+                  scene.views.size(), fmt::join(stages, ", "), request.out.string());
   const auto line = [&](const char* what, const fs::path& file) {
     io::check_readable(file);
     text += fmt::format("  {} {}\n", what, file.string());

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -12,14 +13,19 @@
 
 namespace hybrid::batch {
 
-inline const std::set<std::string> kAllStages = {"planes", "register", "edit", "render", "export", "report"};
+// Stages of the contract that this version has.
+inline const std::set<std::string> kAllStages = {"planes", "register", "render", "report"};
 
 struct RunRequest {
   std::filesystem::path scene_file;
   std::filesystem::path out;
-  std::set<std::string> stages = kAllStages;  // whose outputs are written; what they need is computed anyway
+  // Whose outputs are written. What they need is computed again from the inputs, never taken from `out`;
+  // "report" brings the others with it, since its page shows their files.
+  std::set<std::string> stages = kAllStages;
   std::string only_view;                      // render: this view alone
-  bool leave_one_out = false;                 // render: every photograph from the others
+  bool scene_views = true;                    // render: the scene file's views
+  bool leave_one_out = false;                 // render: then every photograph from the others
+  std::vector<std::string> assignments;       // SECTION.KEY=VALUE, override the scene file
   std::optional<OptionValue> square;          // overrides the scene file
   int tile = 1024;
   std::optional<int> seed;  // overrides the scene file
@@ -48,10 +54,13 @@ struct SceneRun {
   nlohmann::ordered_json timing;
 };
 
-// Runs a scene's stages and writes DIR's files, all but the report's. Inputs that concern the whole scene
-// (scene file, model, cameras) throw; a scan or view that fails is recorded in `failures` and the others go
-// on.
-SceneRun run_scene(device::Queue& queue, const RunRequest& request);
+// Writes the report of a run whose summary is made (report/ lies above this folder).
+using WriteReport = std::function<void(const SceneRun&)>;
+
+// Runs a scene's stages and writes DIR's files, summary.json last. Inputs that concern the whole scene (scene
+// file, model, cameras) throw; a scan, view or report that fails is recorded in `failures` and the others go
+// on. A lost device, a full disk and an interrupt end the run.
+SceneRun run_scene(device::Queue& queue, const RunRequest& request, const WriteReport& write_report);
 
 // --dry-run: reads the scene file and checks that every input exists; says what would be done.
 std::string describe_run(const RunRequest& request);

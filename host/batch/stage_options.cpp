@@ -1,5 +1,8 @@
 #include "batch/stage_options.hpp"
 
+#include <algorithm>
+#include <charconv>
+
 namespace hybrid::batch {
 namespace {
 
@@ -31,14 +34,74 @@ bool apply(const std::string& key, const OptionValue& value, T& options,
   return row != nullptr;
 }
 
-template <typename Apply>
-void apply_section(const io::SceneFile& scene, const std::string& section, const io::SceneOptions& options,
-                   const std::string& known, const Apply& apply_key) {
-  for (const auto& [key, option] : options)
-    with_context(fmt::format("{}:{}: [{}]", scene.path.string(), option.line, section),
-                 [&, &k = key, &o = option] {
-                   if (!apply_key(k, o.value)) fail_input("unknown key '{}'; known keys: {}", k, known);
-                 });
+// Each sets one key of its section; false when the section has no such key.
+bool apply_planes(StageOptions& options, const std::string& key, const OptionValue& value) {
+  if (key == "square") {
+    options.set_square(value);
+    return true;
+  }
+  return apply(key, value, options.resample, stages::resample_option_table()) ||
+         apply(key, value, options.squares, stages::square_plane_option_table()) ||
+         apply(key, value, options.superclusters, stages::supercluster_option_table());
+}
+
+bool apply_register(StageOptions& options, const std::string& key, const OptionValue& value) {
+  if (key == "scale") {
+    const auto scale = detail::checked_text(key, {"fixed", "free"}, value);
+    options.icp.free_scale = options.landmarks.free_scale = scale == "free";
+    return true;
+  }
+  return apply(key, value, options.landmarks, landmark_rows()) ||
+         apply(key, value, options, register_rows()) ||
+         apply(key, value, options.icp, stages::icp_option_table());
+}
+
+bool apply_render(StageOptions& options, const std::string& key, const OptionValue& value) {
+  return apply(key, value, options.render, stages::render_option_table());
+}
+
+// A section of options in the scene file and on the command line.
+struct Section {
+  std::string name;
+  const io::SceneOptions io::SceneFile::*written;
+  bool (*apply_key)(StageOptions&, const std::string& key, const OptionValue&);
+  std::string known;  // its keys, for the error that rejects another
+};
+
+const std::vector<Section>& sections() {
+  static const std::vector<Section> all = {
+      {"planes", &io::SceneFile::planes, apply_planes,
+       option_names(stages::resample_option_table()) + ", " +
+           option_names(stages::square_plane_option_table()) + ", " +
+           option_names(stages::supercluster_option_table())},
+      {"register", &io::SceneFile::registration, apply_register,
+       "scale, " + option_names(landmark_rows()) + ", " + option_names(register_rows()) + ", " +
+           option_names(stages::icp_option_table())},
+      {"render", &io::SceneFile::render, apply_render, option_names(stages::render_option_table())},
+  };
+  return all;
+}
+
+void apply_key(StageOptions& options, const Section& section, const std::string& key,
+               const OptionValue& value) {
+  if (!section.apply_key(options, key, value))
+    fail_input("unknown key '{}'; known keys: {}", key, section.known);
+}
+
+// A value as it stands on the command line: true, false, a number, else text, with or without quotes.
+OptionValue parse_value(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  const char* const end = text.data() + text.size();
+  std::int64_t whole = 0;
+  if (const auto parsed = std::from_chars(text.data(), end, whole);
+      parsed.ec == std::errc() && parsed.ptr == end)
+    return whole;
+  double number = 0;
+  if (const auto parsed = std::from_chars(text.data(), end, number);
+      parsed.ec == std::errc() && parsed.ptr == end)
+    return number;
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
+  return text;
 }
 
 template <typename T>
@@ -70,42 +133,29 @@ void StageOptions::set_square(const OptionValue& value) {
   auto_square = false;
 }
 
-StageOptions read_stage_options(const io::SceneFile& scene) {
+void StageOptions::set(const std::string& assignment) {
+  const auto dot = assignment.find('.'), equals = assignment.find('=');
+  if (dot == std::string::npos || equals == std::string::npos || dot > equals)
+    fail(ErrorKind::usage, "--set {}: expected SECTION.KEY=VALUE, such as render.blend=linear", assignment);
+  const std::string name = assignment.substr(0, dot), key = assignment.substr(dot + 1, equals - dot - 1);
+  const auto section =
+      std::find_if(sections().begin(), sections().end(), [&](const auto& s) { return s.name == name; });
+  try {
+    if (section == sections().end())
+      fail_input("unknown section '{}'; expected planes, register or render", name);
+    apply_key(*this, *section, key, parse_value(assignment.substr(equals + 1)));
+  } catch (const Error& error) {
+    fail(ErrorKind::usage, "--set {}: {}", assignment, error.what());
+  }
+}
+
+StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<std::string>& assignments) {
   StageOptions options;
-  const auto& resample = stages::resample_option_table();
-  const auto& squares = stages::square_plane_option_table();
-  const auto& superclusters = stages::supercluster_option_table();
-  apply_section(scene, "planes", scene.planes,
-                option_names(resample) + ", " + option_names(squares) + ", " + option_names(superclusters),
-                [&](const std::string& key, const OptionValue& value) {
-                  if (key == "square") {
-                    options.set_square(value);
-                    return true;
-                  }
-                  return apply(key, value, options.resample, resample) ||
-                         apply(key, value, options.squares, squares) ||
-                         apply(key, value, options.superclusters, superclusters);
-                });
-
-  const auto& icp = stages::icp_option_table();
-  const std::string register_names = "scale, " + option_names(landmark_rows()) + ", " +
-                                     option_names(register_rows()) + ", " + option_names(icp);
-  apply_section(scene, "register", scene.registration, register_names,
-                [&](const std::string& key, const OptionValue& value) {
-                  if (key == "scale") {
-                    const auto scale = detail::checked_text(key, {"fixed", "free"}, value);
-                    options.icp.free_scale = options.landmarks.free_scale = scale == "free";
-                    return true;
-                  }
-                  return apply(key, value, options.landmarks, landmark_rows()) ||
-                         apply(key, value, options, register_rows()) || apply(key, value, options.icp, icp);
-                });
-
-  const auto& render = stages::render_option_table();
-  apply_section(scene, "render", scene.render, option_names(render),
-                [&](const std::string& key, const OptionValue& value) {
-                  return apply(key, value, options.render, render);
-                });
+  for (const auto& section : sections())
+    for (const auto& [key, option] : scene.*section.written)
+      with_context(fmt::format("{}:{}: [{}]", scene.path.string(), option.line, section.name),
+                   [&, &k = key, &o = option] { apply_key(options, section, k, o.value); });
+  for (const auto& assignment : assignments) options.set(assignment);
   return options;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "io/scene_file.hpp"
 #include "stages/contours.hpp"
@@ -14,8 +15,8 @@
 
 namespace hybrid::batch {
 
-// The options of one run: defaults, then the scene file's sections, then the command line (tile, seed,
-// square).
+// The options of one run: defaults, then the scene file's sections, then the command line: --set, then tile,
+// seed and square.
 struct StageOptions {
   bool auto_square = true;  // square = "auto": the side follows from noise and sample spacing
   stages::ResampleOptions resample;
@@ -32,11 +33,14 @@ struct StageOptions {
   void set_seed(int seed);
   // "auto" or 3..16. Throws ErrorKind::input.
   void set_square(const OptionValue& value);
+  // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register or render, KEY and VALUE as in the
+  // scene file. Throws ErrorKind::usage naming the assignment, the key, what was expected and what was found.
+  void set(const std::string& assignment);
 };
 
-// Applies [planes], [register] and [render]. Unknown keys, wrong types and values out of range throw
-// ErrorKind::input naming file, line and key.
-StageOptions read_stage_options(const io::SceneFile& scene);
+// Applies [planes], [register] and [render], then the assignments of --set. Unknown keys, wrong types and
+// values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for --set).
+StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<std::string>& assignments = {});
 
 // All options as they were used, for summary.json.
 nlohmann::ordered_json describe(const StageOptions& options);

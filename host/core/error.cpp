@@ -11,6 +11,10 @@ void Error::compose() {
   text_ = fmt::format("{}", fmt::join(chain_, ": "));
 }
 
+bool ends_the_run(ErrorKind kind) {
+  return kind == ErrorKind::device || kind == ErrorKind::temporary || kind == ErrorKind::interrupted;
+}
+
 int exit_code(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::failed:

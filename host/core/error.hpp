@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <new>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -30,6 +31,10 @@ class Error : public std::exception {
   std::string text_;
 };
 
+// No other unit of the same run can succeed after such an error: device, temporary (a full disk),
+// interrupted.
+bool ends_the_run(ErrorKind kind);
+
 // Process exit code of SCENE.md: 1 failed, 2 usage, 4 input, 5 device, 75 temporary, 130 interrupted.
 int exit_code(ErrorKind kind);
 
@@ -43,7 +48,11 @@ template <typename... Args>
   throw Error(ErrorKind::input, fmt::format(format, std::forward<Args>(args)...));
 }
 
-// Runs `body`; an Error that leaves it gets `context` in front. Other exceptions become ErrorKind::failed.
+inline constexpr const char* kOutOfMemory =
+    "out of memory; use fewer or smaller scans at a time, or a smaller --tile";
+
+// Runs `body`; an Error that leaves it gets `context` in front. Running out of memory becomes
+// ErrorKind::device, other exceptions ErrorKind::failed.
 template <typename Body>
 auto with_context(const std::string& context, Body&& body) -> std::invoke_result_t<Body> {
   try {
@@ -51,6 +60,10 @@ auto with_context(const std::string& context, Body&& body) -> std::invoke_result
   } catch (Error& error) {
     error.add_context(context);
     throw;
+  } catch (const std::bad_alloc&) {
+    Error error(ErrorKind::device, kOutOfMemory);
+    error.add_context(context);
+    throw error;
   } catch (const std::exception& other) {
     Error error(ErrorKind::failed, other.what());
     error.add_context(context);

@@ -3,6 +3,9 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
+#include <string_view>
+
 #include "core/error.hpp"
 
 namespace hybrid::log {
@@ -10,7 +13,8 @@ namespace {
 
 spdlog::logger& logger() {
   static const auto instance = [] {
-    auto made = spdlog::stderr_color_mt("hybrid");
+    const auto colours = escapes_allowed() ? spdlog::color_mode::automatic : spdlog::color_mode::never;
+    auto made = spdlog::stderr_color_mt("hybrid", colours);
     made->set_pattern("%^%l%$ %v");
     return made;
   }();
@@ -34,6 +38,12 @@ spdlog::level::level_enum native(Level level) {
 }
 
 }  // namespace
+
+bool escapes_allowed() {
+  const char* no_colour = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  return !(no_colour && *no_colour) && terminal && std::string_view(terminal) != "dumb";
+}
 
 void set_level(const std::string& level) {
   if (level == "debug") return logger().set_level(native(Level::debug));

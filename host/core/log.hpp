@@ -10,6 +10,8 @@ enum class Level { debug, info, warning, error, off };
 
 // All log lines go to stderr; stdout is for results. `level` is one of debug, info, warning, error, off.
 void set_level(const std::string& level);
+// Colours and rewritten lines on a terminal: not with NO_COLOR set or TERM unset or dumb.
+bool escapes_allowed();
 void write(Level level, const std::string& line);
 
 template <typename... Args>

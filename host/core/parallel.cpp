@@ -20,7 +20,9 @@ std::unique_ptr<tbb::global_control>& limit() {
 }  // namespace
 
 void set_thread_count(int count) {
-  if (count < 0) fail(ErrorKind::usage, "--threads {}: expected 0 (all cores) or a positive number", count);
+  constexpr int kMost = 4096;
+  if (count < 0 || count > kMost)
+    fail(ErrorKind::usage, "--threads {}: expected 0 (all cores) or a number from 1 to {}", count, kMost);
   if (count == 0) return;
   limit() = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                   static_cast<std::size_t>(count));

@@ -1,8 +1,11 @@
 #include "device/device_list.hpp"
 
 #include <unistd.h>
+
+#include <cerrno>
 #include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 #include "core/error.hpp"
@@ -27,16 +30,36 @@ T value_of(cl_device_id id, cl_device_info what) {
   return value;
 }
 
-void check_pocl_cache_folder() {
-  const char* folder = std::getenv("POCL_CACHE_DIR");
-  if (!folder || !*folder) return;
-  std::error_code ignored;
-  std::filesystem::create_directories(folder, ignored);
-  if (!std::filesystem::is_directory(folder, ignored) || access(folder, W_OK | X_OK) != 0)
+// Why PoCL cannot use its cache folder; "" when it can.
+std::string cache_problem() {
+  const auto folder = kernel_cache_folder();
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code) return code.message();
+  return access(folder.c_str(), W_OK | X_OK) == 0 ? "" : std::strerror(errno);
+}
+
+void check_chosen_cache_folder() {
+  const char* chosen = std::getenv("POCL_CACHE_DIR");
+  if (!chosen || !*chosen) return;
+  if (const auto problem = cache_problem(); !problem.empty())
     fail(ErrorKind::device,
-         "POCL_CACHE_DIR={}: expected a writable folder for PoCL's compiled kernels; create it, or unset the "
-         "variable",
-         folder);
+         "POCL_CACHE_DIR={}: expected a writable folder for PoCL's compiled kernels ({}); name another, or "
+         "unset the variable",
+         chosen, problem);
+}
+
+// Other drivers need no such folder, so that the default one counts only when there is no device.
+[[noreturn]] void fail_without_device() {
+  const auto problem = cache_problem();
+  if (!problem.empty())
+    fail(ErrorKind::device,
+         "no OpenCL device found; if PoCL is installed: it cannot use its cache folder {} ({}): set "
+         "POCL_CACHE_DIR to a writable folder",
+         kernel_cache_folder().string(), problem);
+  fail(ErrorKind::device,
+       "no OpenCL device found; install a driver (Debian: apt-get install pocl-opencl-icd), or correct "
+       "OCL_ICD_VENDORS if it is set; `hybrid devices` tests it");
 }
 
 DeviceInfo describe(cl_platform_id platform, cl_device_id id, int index) {
@@ -59,10 +82,18 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id id, int index) {
 
 }  // namespace
 
+std::filesystem::path kernel_cache_folder() {
+  const auto value = [](const char* name) { return std::string(std::getenv(name) ? std::getenv(name) : ""); };
+  if (!value("POCL_CACHE_DIR").empty()) return value("POCL_CACHE_DIR");
+  if (!value("XDG_CACHE_HOME").empty()) return value("XDG_CACHE_HOME") + "/pocl/kcache";
+  return value("HOME").empty() ? "/tmp/pocl/kcache" : value("HOME") + "/.cache/pocl/kcache";
+}
+
 std::vector<DeviceInfo> list_devices() {
-  check_pocl_cache_folder();
+  check_chosen_cache_folder();
   cl_uint platform_count = 0;
-  if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0) return {};
+  if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0)
+    fail_without_device();
   std::vector<cl_platform_id> platforms(platform_count);
   check(clGetPlatformIDs(platform_count, platforms.data(), nullptr), "list platforms");
   std::vector<DeviceInfo> devices;
@@ -73,15 +104,12 @@ std::vector<DeviceInfo> list_devices() {
     check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "list devices");
     for (cl_device_id id : ids) devices.push_back(describe(platform, id, static_cast<int>(devices.size())));
   }
+  if (devices.empty()) fail_without_device();
   return devices;
 }
 
 DeviceInfo choose_device(const std::string& choice) {
   const auto devices = list_devices();
-  if (devices.empty())
-    fail(ErrorKind::device,
-         "no OpenCL device found; install a driver (Debian: apt-get install pocl-opencl-icd) and check "
-         "`hybrid devices`");
   std::string known;
   for (const auto& device : devices) known += fmt::format(" [{}] {}", device.index, device.name);
   if (choice.empty()) {

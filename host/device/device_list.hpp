@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,11 @@ struct DeviceInfo {
   cl_platform_id platform_id = nullptr;
 };
 
-// Every OpenCL device of the machine. Empty when there is none. Throws ErrorKind::device when PoCL's cache
-// folder (POCL_CACHE_DIR) is set but unusable, since PoCL then merely reports no devices.
+// Where PoCL keeps compiled kernels: POCL_CACHE_DIR, else the user's cache folder.
+std::filesystem::path kernel_cache_folder();
+
+// Every OpenCL device of the machine, at least one. Throws ErrorKind::device when there is none, or when
+// POCL_CACHE_DIR is set but unusable, since PoCL then merely reports no devices.
 std::vector<DeviceInfo> list_devices();
 
 // `choice`: "" (first CPU device, else the first of any kind), "cpu", "gpu" or an index. Throws

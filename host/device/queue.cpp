@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/interrupt.hpp"
 #include "device/program.hpp"
 
 namespace hybrid::device {
@@ -86,6 +87,7 @@ void Queue::set_argument_bytes(const Kernel& kernel, cl_uint index, const void* 
 
 void Queue::enqueue(const std::string& label, const Kernel& kernel, const Grid& grid) {
   if (grid.width == 0 || grid.height == 0) return;
+  check_interrupted();
   // Few local sizes, because PoCL compiles each kernel anew for every one it meets.
   const std::size_t items = grid.width * grid.height;
   std::size_t group = work_group_size_;

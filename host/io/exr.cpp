@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/error.hpp"
+#include "io/exr_stream.hpp"
 #include "io/exr_threads.hpp"
 #include "io/output.hpp"
 
@@ -52,9 +53,11 @@ void write_exr(const std::filesystem::path& file, int width, int height,
                                            step * static_cast<std::size_t>(width)));
   }
   write_atomically(file, [&](const std::filesystem::path& temporary) {
-    Imf::TiledOutputFile out(temporary.c_str(), header, start_exr_threads());
-    out.setFrameBuffer(buffer);
-    out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
+    write_exr_stream(temporary, [&](ExrStream& stream) {
+      Imf::TiledOutputFile out(stream, header, start_exr_threads());
+      out.setFrameBuffer(buffer);
+      out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
+    });
   });
 }
 

@@ -1,43 +1,74 @@
 #include "io/exr_header.hpp"
 
+#include <array>
 #include <cstdint>
 
 #include "core/error.hpp"
-#include "io/mapped_file.hpp"
 #include "io/scalar_type.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
 namespace {
 
+constexpr std::int64_t kMostChannelBytes = 4096;  // about 200 channels: the library allocates a tile of each
+
 class HeaderWalk {
  public:
-  HeaderWalk(const std::string& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
+  explicit HeaderWalk(InputFile& input) : input_(input), file_(input.name()) {}
 
   void run(unsigned tile_px) {
-    if (!bytes_.starts_with("\x76\x2f\x31\x01"))
+    const std::string_view magic = input_.ahead(0, 4).substr(0, 4);
+    if (magic != "\x76\x2f\x31\x01")
       fail_input("{}: byte 0: expected an OpenEXR file (76 2f 31 01), found {}; is this a range image?",
-                 file_, in_quotes(bytes_.substr(0, 4)));
-    if (bytes_.size() < 8) fail_at("the version of the file");
+                 file_, in_quotes(magic));
+    if (input_.size() < 8) fail_at("the version of the file");
     // Bit 9: tiles; bits 11 and 12: deep samples, several parts.
-    if ((static_cast<std::uint32_t>(whole(4)) & 0x1a00u) != 0x200u)
-      fail_input("{}: byte 4: expected a tiled image in a single part, found another kind of OpenEXR file",
-                 file_);
+    const bool lines = tile_px == kExrLines;
+    if ((static_cast<std::uint32_t>(whole(4)) & 0x1a00u) != (lines ? 0u : 0x200u))
+      fail_input(
+          "{}: byte 4: expected a {} image in a single part, found another kind of OpenEXR file; write it "
+          "again",
+          file_, lines ? "scan-line" : "tiled");
     at_ = 8;
-    for (std::string_view name = text(); !name.empty(); name = text()) attribute(name);
-    const auto tiles = [&](std::int64_t pixels) {
-      return static_cast<std::uint64_t>((pixels - 1) / tile_px + 1);
-    };
+    for (std::string name = text(); !name.empty(); name = text()) attribute(name);
     if (width_ < 1 || height_ < 1)
       fail_input("{}: byte {}: expected a data window of at least 1 x 1, found {} x {}; the file is damaged",
                  file_, at_, width_, height_);
-    // A tile takes its entry in the offset table, its coordinates and its size, even when nothing follows.
-    constexpr std::uint64_t kLeastTile = 8 + 20;
-    check_count_fits(file_, fmt::format("byte {}", at_), "tiles", tiles(width_) * tiles(height_), kLeastTile,
-                     bytes_.size() - at_);
+    if (lines)
+      check_lines();
+    else
+      check_tiles(tile_px);
   }
 
  private:
+  void check_tiles(unsigned tile_px) const {
+    if (tile_width_ != tile_px || tile_height_ != tile_px)
+      fail_input(
+          "{}: byte {}: expected tiles of {} x {} pixels, found {} x {}; this file is from another program",
+          file_, at_, tile_px, tile_px, tile_width_, tile_height_);
+    const auto tiles = [&](std::int64_t pixels) {
+      return static_cast<std::uint64_t>((pixels - 1) / tile_px + 1);
+    };
+    // A tile takes its entry in the offset table, its coordinates and its size, even when nothing follows.
+    constexpr std::uint64_t kLeastTile = 8 + 20;
+    check_count_fits(file_, fmt::format("byte {}", at_), "tiles", tiles(width_) * tiles(height_), kLeastTile,
+                     input_.size() - at_);
+  }
+
+  void check_lines() const {
+    constexpr std::int64_t kMostWidth = 1 << 16;
+    constexpr std::array<std::uint8_t, 10> kLinesOfBlock{1,  1,  1,  16, 32,
+                                                         16, 32, 32, 32, 255};  // by compression
+    if (width_ > kMostWidth || compression_ >= kLinesOfBlock.size())
+      fail_input("{}: byte {}: expected lines of at most {} pixels, found {} with compression {}", file_, at_,
+                 kMostWidth, width_, compression_);
+    // A block takes its entry in the offset table, its first line's number and its size.
+    constexpr std::uint64_t kLeastBlock = 8 + 8;
+    check_count_fits(file_, fmt::format("byte {}", at_), "blocks of lines",
+                     static_cast<std::uint64_t>((height_ - 1) / kLinesOfBlock[compression_] + 1), kLeastBlock,
+                     input_.size() - at_);
+  }
+
   [[noreturn]] void fail_at(const char* expected) const {
     fail_input(
         "{}: byte {}: expected {}, found the end of the file; the file is cut short or damaged: copy it "
@@ -45,44 +76,61 @@ class HeaderWalk {
         file_, at_, expected);
   }
 
-  std::string_view text() {
-    const std::size_t end = bytes_.find('\0', std::min(at_, bytes_.size()));
-    if (end == bytes_.npos) fail_at("an attribute of the header");
-    const std::string_view result = bytes_.substr(at_, end - at_);
-    at_ = end + 1;
-    return result;
+  // Names have at most 255 bytes.
+  std::string text() {
+    const std::string_view rest = input_.ahead(at_, 256).substr(0, 256);
+    const std::size_t end = rest.find('\0');
+    if (end == rest.npos) {
+      if (rest.size() < 256) fail_at("an attribute of the header");
+      fail_input(
+          "{}: byte {}: expected a name of at most 255 bytes, found {}; the file is damaged: copy it again",
+          file_, at_, in_quotes(rest));
+    }
+    at_ += end + 1;
+    return std::string(rest.substr(0, end));
   }
 
-  std::int32_t whole(std::size_t at) const { return load_as<std::int32_t>(bytes_.data() + at, false); }
+  std::int32_t whole(std::uint64_t at) { return load_as<std::int32_t>(input_.at(at, 4), false); }
 
-  void attribute(std::string_view name) {
-    const std::string_view type = text();
-    if (bytes_.size() - at_ < 4) fail_at("the size of an attribute");
+  void attribute(const std::string& name) {
+    const std::string type = text();
+    if (input_.size() - at_ < 4) fail_at("the size of an attribute");
     const std::int64_t size = whole(at_);
     at_ += 4;
-    if (size < 0 || static_cast<std::uint64_t>(size) > bytes_.size() - at_)
+    if (size < 0 || static_cast<std::uint64_t>(size) > input_.size() - at_)
       fail_input(
           "{}: byte {}: expected {} bytes of attribute {}, found {} to the end of the file; it is cut short "
           "or "
           "damaged: copy it again",
-          file_, at_, size, in_quotes(name), bytes_.size() - at_);
+          file_, at_, size, in_quotes(name), input_.size() - at_);
     if (name == "dataWindow" && type == "box2i" && size == 16) {
       width_ = std::int64_t{whole(at_ + 8)} - whole(at_) + 1;
       height_ = std::int64_t{whole(at_ + 12)} - whole(at_ + 4) + 1;
     }
-    at_ += static_cast<std::size_t>(size);
+    if (name == "tiles" && type == "tiledesc" && size == 9) {
+      tile_width_ = static_cast<std::uint32_t>(whole(at_));
+      tile_height_ = static_cast<std::uint32_t>(whole(at_ + 4));
+    }
+    if (name == "compression" && size == 1) compression_ = static_cast<unsigned char>(*input_.at(at_, 1));
+    if (name == "channels" && size > kMostChannelBytes)
+      fail_input(
+          "{}: byte {}: expected at most {} bytes that describe channels, found {}; is this a range image?",
+          file_, at_, kMostChannelBytes, size);
+    at_ += static_cast<std::uint64_t>(size);
   }
 
+  InputFile& input_;
   const std::string& file_;
-  std::string_view bytes_;
-  std::size_t at_ = 0;
+  std::uint64_t at_ = 0;
   std::int64_t width_ = 0, height_ = 0;
+  std::size_t compression_ = 0;
+  std::uint32_t tile_width_ = 0, tile_height_ = 0;
 };
 
 }  // namespace
 
-void check_exr_header(const std::string& file, std::string_view bytes, unsigned tile_px) {
-  HeaderWalk(file, bytes).run(tile_px);
+void check_exr_header(InputFile& file, unsigned tile_px) {
+  HeaderWalk(file).run(tile_px);
 }
 
 }  // namespace hybrid::io

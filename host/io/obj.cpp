@@ -11,8 +11,10 @@
 
 #include "core/error.hpp"
 #include "geometry/keyhole.hpp"
+#include "io/input_file.hpp"
 #include "io/output.hpp"
 #include "io/plain_text.hpp"
+#include "io/text_cursor.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
@@ -23,32 +25,33 @@ constexpr std::array<std::string_view, 16> kIgnored = {
     "vt",    "vn",       "vp",       "s",   "mtllib", "l",      "p",          "mg",
     "bevel", "c_interp", "d_interp", "lod", "maplib", "usemap", "shadow_obj", "trace_obj"};
 
+constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
+
 // Reads one file statement by statement.
 class ObjReader {
  public:
-  ObjReader(const fs::path& file, double scale, bool y_up) : file_(file), scale_(scale), y_up_(y_up) {}
+  ObjReader(const fs::path& file, double scale, bool y_up)
+      : file_(file), scale_(scale), y_up_(y_up), input_(file), cursor_(input_, start_of_text(input_)) {}
 
   PolygonModel read() {
-    const std::string text = read_plain_text(file_);
-    LineReader lines(text);
-    while (next_statement(lines)) read_statement(statement_);
-    finish(std::max(1, lines.number()));
+    while (next_statement()) read_statement(statement_);
+    finish(std::max<std::uint64_t>(cursor_.line(), 2) - 1);
     return std::move(model_);
   }
 
  private:
   // The next line, joined with the following ones while it ends in a backslash.
-  bool next_statement(LineReader& lines) {
-    if (!lines.next()) return false;
-    line_ = lines.number();
-    statement_ = lines.line();
-    joined_.clear();
-    while (statement_.ends_with('\\')) {
-      statement_.remove_suffix(1);
-      joined_ = std::string(statement_) + " ";
-      if (lines.next()) joined_ += lines.line();
-      statement_ = joined_;
+  bool next_statement() {
+    if (cursor_.at_end()) return false;
+    line_ = cursor_.line();
+    statement_ = cursor_.next_line();
+    if (!statement_.ends_with('\\')) return true;
+    joined_ = statement_;
+    while (joined_.ends_with('\\')) {
+      joined_.back() = ' ';
+      if (!cursor_.at_end()) joined_ += cursor_.next_line();
     }
+    statement_ = joined_;
     return true;
   }
 
@@ -64,8 +67,7 @@ class ObjReader {
     } else if (std::find(kIgnored.begin(), kIgnored.end(), keyword) == kIgnored.end()) {
       fail_at(file_, line_,
               "expected an OBJ statement (v, f, g, o, usemtl, ...), found \"{}\"; curves and surfaces are "
-              "not read, "
-              "export polygons",
+              "not read, export polygons",
               excerpt(keyword));
     }
   }
@@ -86,8 +88,11 @@ class ObjReader {
               model_.vertices.size(), count);
     if (count == 4 && numbers[3] != 1)
       fail_at(file_, line_,
-              "vertex {}: expected w = 1 (rational weights have no meaning for polygons), found {}",
+              "vertex {}: expected w = 1 (rational weights have no meaning for polygons), found {}; write x "
+              "y z alone",
               model_.vertices.size(), numbers[3]);
+    if (model_.vertices.size() >= kMostVertices)
+      fail_at(file_, line_, "expected at most {} vertices, found more; split the model", kMostVertices);
     const Vec3 point = scale_ * Vec3(numbers[0], numbers[1], numbers[2]);
     model_.vertices.push_back(y_up_ ? Vec3(point.x(), -point.z(), point.y()) : point);
   }
@@ -127,7 +132,7 @@ class ObjReader {
     return static_cast<std::uint32_t>(*index > 0 ? *index - 1 : count + *index);
   }
 
-  void finish(int last_line) {
+  void finish(std::uint64_t last_line) {
     if (model_.faces.empty())
       fail_at(file_, last_line,
               "expected at least one face (f), found none among {} vertices; export polygons",
@@ -166,11 +171,13 @@ class ObjReader {
   fs::path file_;
   double scale_;
   bool y_up_;
+  InputFile input_;
+  TextCursor cursor_;
   PolygonModel model_;
-  std::vector<int> face_lines_;
+  std::vector<std::uint64_t> face_lines_;
   std::string_view statement_;
   std::string joined_, name_;
-  int line_ = 0;
+  std::uint64_t line_ = 0;
 };
 
 }  // namespace

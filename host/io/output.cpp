@@ -4,84 +4,161 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <mutex>
+#include <set>
 
 #include "core/error.hpp"
+#include "core/interrupt.hpp"
+#include "io/output_file.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
 namespace {
 
-// The folder's file system still has room? Writers of libraries hide errno; this tells a full disk from other
-// failures.
+// The folder's file system has no room left: tells a full disk from other failures of a writer that hides
+// errno.
 bool disk_is_full(const fs::path& folder) {
   std::error_code code;
   const auto space = fs::space(folder, code);
   return !code && space.available < 64 * 1024;
 }
 
-void create_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (!fs::is_directory(folder, code) || access(folder.c_str(), W_OK) != 0)
-    fail(ErrorKind::failed,
-         "{}: expected a writable output folder; choose another --out or change its permissions",
-         folder.string());
+// A file in the making is called .part-<host>-<process>-<number><extension>, the host as a short hash.
+constexpr std::string_view kPart = ".part-";
+
+std::string host_hash() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return fmt::format("{:08x}", XXH3_64bits(name.data(), std::strlen(name.data())) & 0xffffffffu);
 }
 
-void sync_file(const fs::path& file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) fail(ErrorKind::failed, "{}: {}", file.string(), std::strerror(errno));
-  const int result = fsync(descriptor);
-  const int reason = errno;
+fs::path temporary_name(const fs::path& folder, const fs::path& extension) {
+  static std::atomic<unsigned> counter{0};
+  return folder / fmt::format("{}{}-{}-{}{}", kPart, host_hash(), getpid(), counter++, extension.string());
+}
+
+// What processes of this host that were killed in the middle of a write (kill -9, power cut) left in the
+// folder. Another host's processes cannot be asked whether they live: theirs stays.
+void remove_left_parts(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> done;
+  const std::lock_guard lock(mutex);
+  if (!done.insert(folder).second) return;
+  const std::string own = std::string(kPart) + host_hash() + "-";
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(own)) continue;
+    int process = 0;
+    std::from_chars(name.data() + own.size(), name.data() + name.size(), process);
+    if (process > 0 && kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), code);
+  }
+}
+
+// A file that a library may have written and closed.
+void bring_to_disk(const fs::path& temporary, const fs::path& file) {
+  const int descriptor = open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail_output(file, errno);
+  const int reason = fsync(descriptor) == 0 ? 0 : errno;
   close(descriptor);
-  if (result != 0)
-    fail(reason == ENOSPC ? ErrorKind::temporary : ErrorKind::failed, "{}: {}", file.string(),
-         std::strerror(reason));
+  if (reason != 0) fail_output(file, reason);
+}
+
+// The new name. Folders that cannot be read or synchronised (some network file systems) are left alone.
+void bring_names_to_disk(const fs::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  const int reason = fsync(descriptor) == 0 ? 0 : errno;
+  close(descriptor);
+  if (reason != 0 && reason != EINVAL) fail_output(folder, reason);
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+const char* kind_of(const fs::file_status& status) {
+  switch (status.type()) {
+    case fs::file_type::directory:
+      return "a folder";
+    case fs::file_type::fifo:
+      return "a pipe";
+    case fs::file_type::socket:
+      return "a socket";
+    default:
+      return "a device";
+  }
 }
 
 }  // namespace
 
+void create_output_folder(const fs::path& folder) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code.value() == ENOSPC || code.value() == EDQUOT) fail_output(folder, code.value());
+  std::error_code unknown;
+  if (!fs::is_directory(folder, unknown))
+    fail(ErrorKind::failed, "{}: expected a writable output folder, found {}; choose another --out",
+         folder.string(), code ? code.message() : "a file");
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    fail(ErrorKind::failed,
+         "{}: expected a writable output folder ({}); choose another --out or change its permissions",
+         folder.string(), std::strerror(errno));
+}
+
 void write_atomically(const fs::path& file, const std::function<void(const fs::path&)>& write) {
-  static std::atomic<unsigned> counter{0};
+  check_interrupted();
   const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
-  create_folder(folder);
-  const fs::path temporary = folder / fmt::format(".{}.{}.{}{}", file.stem().string(), getpid(), counter++,
-                                                  file.extension().string());
+  create_output_folder(folder);
+  remove_left_parts(folder);
+  const fs::path temporary = temporary_name(folder, file.extension());
   std::error_code ignored;
   try {
     write(temporary);
-    sync_file(temporary);
-    fs::rename(temporary, file);
+    bring_to_disk(temporary, file);
+    if (std::rename(temporary.c_str(), file.c_str()) != 0) fail_output(file, errno);
+    bring_names_to_disk(folder);
   } catch (const std::exception& error) {
+    const auto* known = dynamic_cast<const Error*>(&error);
+    const std::string text = replaced(error.what(), temporary.string(), file.string());
     const bool full = disk_is_full(folder);
     fs::remove(temporary, ignored);
+    if (known && known->kind() != ErrorKind::failed) throw Error(known->kind(), text);
     if (full)
-      fail(ErrorKind::temporary, "{}: the disk is full; free space and run again ({})", file.string(),
-           error.what());
-    if (auto known = dynamic_cast<const Error*>(&error)) throw Error(*known);
-    fail(ErrorKind::failed, "{}: cannot write: {}", file.string(), error.what());
+      fail(ErrorKind::temporary, "{}: the disk is full; free space and run again ({})", file.string(), text);
+    if (known) throw Error(known->kind(), text);
+    fail(ErrorKind::failed, "{}: cannot write: {}", file.string(), text);
   }
 }
 
 void write_text(const fs::path& file, const std::string& text) {
   write_atomically(file, [&](const fs::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
-    out << text;
-    out.flush();
-    if (!out) fail(ErrorKind::failed, "{}: cannot write {} bytes", file.string(), text.size());
+    OutputFile out(temporary);
+    out.write(text.data(), text.size());
+    out.close();
   });
 }
 
 void check_readable(const fs::path& file) {
   std::error_code code;
   const auto status = fs::status(file, code);
-  if (!fs::exists(status)) fail_input("{}: no such file; check the path", file.string());
-  if (fs::is_directory(status)) fail_input("{}: expected a file, found a folder", file.string());
+  if (status.type() == fs::file_type::not_found)
+    fail_input("{}: no such file; check the path", file.string());
+  if (code) fail_input("{}: cannot be found ({}); check the path", file.string(), code.message());
+  if (!fs::is_regular_file(status))
+    fail_input("{}: expected a regular file, found {}; save it to a file first", file.string(),
+               kind_of(status));
   if (access(file.c_str(), R_OK) != 0)
     fail_input("{}: cannot be read ({}); change its permissions", file.string(), std::strerror(errno));
 }

@@ -5,16 +5,21 @@
 
 namespace hybrid::io {
 
+// Makes the folder and those above it. Throws ErrorKind::failed when there is no writable folder then,
+// ErrorKind::temporary when the disk is full.
+void create_output_folder(const std::filesystem::path& folder);
+
 // Calls write(temporary) with a fresh name in the target's folder (same extension), then renames it to
-// `file`; on any failure the temporary is removed and nothing half-written remains. Creates the parent
-// folders. Throws ErrorKind::temporary when the disk is full, ErrorKind::failed for an unwritable folder,
-// naming both.
+// `file`; on any failure the temporary is removed and nothing half-written remains; what a killed process
+// left there is removed too. Creates the parent folders. Throws ErrorKind::temporary when the disk is full,
+// ErrorKind::failed for an unwritable folder or file, naming it, ErrorKind::interrupted before anything is
+// written.
 void write_atomically(const std::filesystem::path& file,
                       const std::function<void(const std::filesystem::path&)>& write);
 
 void write_text(const std::filesystem::path& file, const std::string& text);
 
-// The whole file. Throws ErrorKind::input: missing, a folder, unreadable.
+// The whole file. Throws ErrorKind::input: missing, a folder, a pipe or device, unreadable.
 std::string read_text(const std::filesystem::path& file);
 
 // Same checks, without reading: call before handing a path to a library whose own message is unclear.

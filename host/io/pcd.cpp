@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "io/input_file.hpp"
 #include "io/lzf.hpp"
-#include "io/mapped_file.hpp"
 #include "io/pcd_header.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
@@ -70,11 +70,11 @@ void add_sample(ScanBuilder& builder, const UsedFields& used, const Number& numb
 class PcdReader {
  public:
   explicit PcdReader(const std::filesystem::path& file)
-      : mapped_(file),
-        file_(mapped_.name()),
-        text_(without_byte_order_mark(file_, mapped_.bytes())),
-        header_(read_pcd_header(file_, text_)),
-        data_(text_.substr(header_.data_offset)),
+      : input_(file),
+        file_(input_.name()),
+        header_(read_pcd_header(input_)),
+        data_(header_.data_offset),
+        data_bytes_(input_.size() - data_),
         name_(file.stem().string()) {
     used_ = find_fields(file_, header_, unused_);
   }
@@ -97,18 +97,15 @@ class PcdReader {
   }
 
   // Where a byte of the data lies in the file.
-  std::string byte(std::size_t offset) const {
-    const auto start = static_cast<std::size_t>(data_.data() - mapped_.bytes().data());
-    return fmt::format("byte {}", start + offset);
-  }
+  std::string byte(std::uint64_t offset) const { return fmt::format("byte {}", data_ + offset); }
 
-  Scan read_ascii() const {
+  Scan read_ascii() {
     // A value takes a digit and a separator; the last line may lack its end.
     check_count_fits(file_, fmt::format("line {}", header_.data_line), "points", header_.points,
-                     2 * header_.point_values, data_.size() + 1);
+                     2 * header_.point_values, data_bytes_ + 1);
     ScanBuilder result = builder();
-    TextCursor cursor(file_, data_, header_.data_line);
-    std::vector<double> values(header_.point_values);
+    TextCursor cursor(input_, data_, header_.data_line);
+    std::vector<double> values(header_.points > 0 ? header_.point_values : 0);
     const auto number = [&](const PcdField& field) { return values[field.value_offset]; };
     const auto bits = [&](const PcdField& field) {
       if (is_real(field.type)) return std::bit_cast<std::uint32_t>(static_cast<float>(number(field)));
@@ -131,63 +128,81 @@ class PcdReader {
     }
     if (cursor.commas_seen())
       result.add_note("values are separated by commas, which PCD does not provide for");
-    cursor.skip_blank_lines();
-    if (!cursor.at_end())
-      result.add_note(fmt::format("line {}: {} bytes after the last point are ignored", cursor.line(),
-                                  cursor.remaining()));
+    note_rest(result, cursor);
     return result.finish();
   }
 
-  // `records`: the points' bytes, point by point, or field by field (compressed).
-  void add_records(ScanBuilder& result, const char* records, bool by_field) const {
+  // A further point means that the header is wrong; anything else is told.
+  void note_rest(ScanBuilder& result, TextCursor& cursor) const {
+    cursor.skip_blank_lines();
+    if (cursor.at_end()) return;
+    const std::uint64_t line = cursor.line(), rest = cursor.remaining();
+    if (cursor.next_line_is_numbers(header_.point_values))
+      fail_input(
+          "{}: line {}: expected the end of the file after {} points, found another point; correct WIDTH, "
+          "HEIGHT and POINTS in the header",
+          file_, line, header_.points);
+    result.add_note(fmt::format("line {}: {} bytes after the last point are ignored", line, rest));
+  }
+
+  // at(field, i): where the field of point i lies in memory.
+  template <typename At>
+  void add_records(ScanBuilder& result, const At& at) const {
     std::uint64_t i = 0;
-    const auto at = [&](const PcdField& field) {
-      return by_field ? records + header_.points * field.byte_offset + i * size_of(field.type)
-                      : records + i * header_.point_bytes + field.byte_offset;
-    };
-    const auto number = [&](const PcdField& field) { return load_scalar(at(field), field.type, false); };
-    const auto bits = [&](const PcdField& field) { return load_as<std::uint32_t>(at(field), false); };
+    const auto number = [&](const PcdField& field) { return load_scalar(at(field, i), field.type, false); };
+    const auto bits = [&](const PcdField& field) { return load_as<std::uint32_t>(at(field, i), false); };
     for (; i < header_.points; ++i) add_sample(result, used_, number, bits);
   }
 
   // PCL's writer fills the last page with zeros, which are worth no note.
-  void note_rest(ScanBuilder& result, std::size_t used_bytes) const {
-    const std::string_view rest = data_.substr(used_bytes);
-    if (rest.find_first_not_of('\0') == rest.npos) return;
-    result.add_note(
-        fmt::format("{}: {} bytes after the last point are ignored", byte(used_bytes), rest.size()));
+  void note_rest(ScanBuilder& result, std::uint64_t used_bytes) {
+    const std::uint64_t rest = data_bytes_ - used_bytes;
+    if (rest > 0) check_not_sent_as_text(input_, data_);
+    if (input_.only_zeros_from(data_ + used_bytes)) return;
+    if (header_.data == PcdData::binary && rest >= header_.point_bytes)
+      fail_input(
+          "{}: {}: expected the end of the file after {} points, found {} more bytes, room for {} points; "
+          "correct WIDTH, HEIGHT and POINTS in the header",
+          file_, byte(used_bytes), header_.points, rest, rest / header_.point_bytes);
+    result.add_note(fmt::format("{}: {} bytes after the last point are ignored", byte(used_bytes), rest));
   }
 
-  Scan read_binary() const {
-    check_count_fits(file_, byte(0), "points", header_.points, header_.point_bytes, data_.size());
+  // Field by field through the file's window: a point may be longer than that.
+  Scan read_binary() {
+    check_count_fits(file_, byte(0), "points", header_.points, header_.point_bytes, data_bytes_);
     ScanBuilder result = builder();
-    add_records(result, data_.data(), false);
+    add_records(result, [&](const PcdField& field, std::uint64_t i) {
+      return input_.at(data_ + i * header_.point_bytes + field.byte_offset, size_of(field.type));
+    });
     note_rest(result, header_.points * header_.point_bytes);
     return result.finish();
   }
 
-  Scan read_compressed() const {
-    check_count_fits(file_, byte(0), "sizes", 2, 4, data_.size());
-    const std::uint64_t compressed = load_as<std::uint32_t>(data_.data(), false);
-    const std::uint64_t expanded = load_as<std::uint32_t>(data_.data() + 4, false);
-    const std::string_view input = data_.substr(8);
-    if (compressed > input.size())
+  Scan read_compressed() {
+    check_count_fits(file_, byte(0), "sizes", 2, 4, data_bytes_);
+    const std::uint64_t compressed = load_as<std::uint32_t>(input_.at(data_, 4), false);
+    const std::uint64_t expanded = load_as<std::uint32_t>(input_.at(data_ + 4, 4), false);
+    if (compressed > data_bytes_ - 8)
       fail_input(
           "{}: {}: expected {} compressed bytes, found {}; the file is cut short: copy or export it again",
-          file_, byte(0), compressed, input.size());
+          file_, byte(0), compressed, data_bytes_ - 8);
     if (header_.points > expanded / header_.point_bytes || header_.points * header_.point_bytes != expanded)
       fail_input(
           "{}: {}: expected {} points of {} bytes, found an uncompressed size of {} bytes; the header is "
-          "wrong",
+          "wrong, or the file damaged: export it again",
           file_, byte(4), header_.points, header_.point_bytes, expanded);
     check_count_fits(file_, byte(4), "uncompressed bytes", expanded, 1, compressed * kLzfLargestExpansion);
-    std::vector<char> records(expanded);
-    const std::string damage = decompress_lzf(input.substr(0, compressed), records);
+    std::vector<char> packed(compressed), records(expanded);
+    input_.read(data_ + 8, packed);
+    const std::string damage = decompress_lzf({packed.data(), packed.size()}, records);
     if (!damage.empty())
       fail_input("{}: {}: expected LZF data, found {}; the file is damaged: copy or export it again", file_,
                  byte(8), damage);
+    packed = {};
     ScanBuilder result = builder();
-    add_records(result, records.data(), true);
+    add_records(result, [&](const PcdField& field, std::uint64_t i) {
+      return records.data() + header_.points * field.byte_offset + i * size_of(field.type);
+    });
     note_rest(result, 8 + compressed);
     return result.finish();
   }
@@ -201,11 +216,10 @@ class PcdReader {
         "VIEWPOINT is taken as the scanner's pose, and the points as being in the scanner's frame");
   }
 
-  MappedFile mapped_;
+  InputFile input_;
   const std::string& file_;
-  std::string_view text_;
   PcdHeader header_;
-  std::string_view data_;
+  std::uint64_t data_, data_bytes_;  // where the data begins, and how much there is
   std::string name_, unused_;
   UsedFields used_;
 };

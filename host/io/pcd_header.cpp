@@ -10,9 +10,11 @@
 namespace hybrid::io {
 namespace {
 
+constexpr std::uint64_t kLongestHeaderLine_bytes = 1 << 20;
+
 struct Line {
   std::uint64_t number = 0;
-  std::vector<std::string_view> values;  // after the keyword
+  std::vector<std::string> values;  // after the keyword
 };
 
 // The lines of a header by keyword.
@@ -34,7 +36,7 @@ class Lines {
   std::uint64_t number(const std::string& keyword) const { return lines_.at(keyword).number; }
 
   // The values of a keyword, which must be `count` (0: any).
-  const std::vector<std::string_view>& values(const std::string& keyword, std::size_t count = 0) const {
+  const std::vector<std::string>& values(const std::string& keyword, std::size_t count = 0) const {
     if (!has(keyword))
       fail_input("{}: line {}: expected a {} line before DATA, found none; this is no complete PCD header",
                  file_, number("DATA"), keyword);
@@ -61,8 +63,7 @@ class Lines {
     if (kKnown.find(" " + keyword + " ") == kKnown.npos)
       fail_input(
           "{}: line {}: expected a PCD header keyword (VERSION, FIELDS, SIZE, ..., DATA), found {}; is this "
-          "a PCD "
-          "file with its header?",
+          "a PCD file with its header?",
           file_, number, in_quotes(line[0]));
     if (!lines_.try_emplace(keyword, Line{number, {line.begin() + 1, line.end()}}).second)
       fail_input("{}: line {}: expected {} once, found it again; correct the header", file_, number, keyword);
@@ -139,8 +140,9 @@ void read_viewpoint(const std::string& file, const Lines& lines, PcdHeader& head
 
 }  // namespace
 
-PcdHeader read_pcd_header(const std::string& file, std::string_view text) {
-  TextCursor cursor(file, text);
+PcdHeader read_pcd_header(InputFile& input) {
+  const std::string& file = input.name();
+  TextCursor cursor(input, start_of_text(input), 1, kLongestHeaderLine_bytes);
   const Lines lines(file, cursor);
   PcdHeader header;
   read_fields(file, lines, header);

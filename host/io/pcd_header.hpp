@@ -2,9 +2,9 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "io/input_file.hpp"
 #include "io/scalar_type.hpp"
 
 namespace hybrid::io {
@@ -26,13 +26,13 @@ struct PcdHeader {
   PcdData data = PcdData::ascii;
   std::uint64_t point_bytes = 0;   // of a binary point
   std::uint64_t point_values = 0;  // of an ascii line
-  std::size_t data_offset = 0;     // from the start of the text
+  std::uint64_t data_offset = 0;   // in the file
   std::uint64_t data_line = 0;
 };
 
 // The header of PCD 0.5 to 0.7 up to and with its DATA line. Throws ErrorKind::input naming the line: an
 // unknown keyword or type, missing FIELDS, SIZE, TYPE, WIDTH or DATA, WIDTH x HEIGHT other than POINTS, a
 // VIEWPOINT that is no pose.
-PcdHeader read_pcd_header(const std::string& file, std::string_view text);
+PcdHeader read_pcd_header(InputFile& file);
 
 }  // namespace hybrid::io

@@ -1,5 +1,6 @@
 #include "io/picture.hpp"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/ranges.h>
 
@@ -15,6 +16,7 @@
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
 #include "io/output.hpp"
+#include "io/output_file.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
@@ -163,12 +165,14 @@ Image8 read_photograph(const fs::path& file, int expected_width, int expected_he
   check_pixels(file, spec);
   if (std::string_view(input->format_name()) == "openexr") check_exr_channels(file, spec);
   const int orientation = orientation_to_apply(file, spec, expected_width, expected_height);
-  Image8 result(orientation == 1 ? spec.width : spec.height, orientation == 1 ? spec.height : spec.width, 3);
-  if (expected_width != 0 && (result.width != expected_width || result.height != expected_height))
+  const int width = orientation == 1 ? spec.width : spec.height;
+  const int height = orientation == 1 ? spec.height : spec.width;
+  if (expected_width != 0 && (width != expected_width || height != expected_height))
     fail_input(
         "{}: expected the camera's {} x {} pixels, found {} x {}; give the photograph the cameras were "
         "computed from",
         file.string(), expected_width, expected_height, spec.width, spec.height);
+  Image8 result(width, height, 3);  // after the check, since a damaged header may say anything
   const Image8 stored = is_linear(spec) ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat))
                                         : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
   const int green = stored.channels >= 3 ? 1 : 0, blue = stored.channels >= 3 ? 2 : 0;
@@ -196,15 +200,20 @@ void write_png(const fs::path& file, const Image8& image) {
       (image.channels != 1 && image.channels != 3 && image.channels != 4))
     fail(ErrorKind::failed, "{}: expected a picture of 1, 3 or 4 channels, found {} x {} with {}",
          file.string(), image.width, image.height, image.channels);
+  // Encoded in memory: OpenImageIO does not look whether the last bytes of a file reached the disk.
+  OIIO::Filesystem::IOVecOutput encoded;
+  const auto output = OIIO::ImageOutput::create("png", &encoded);
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
+  spec["oiio:ColorSpace"] = "sRGB";
+  spec["oiio:UnassociatedAlpha"] = 1;
+  if (!output || !output->open("memory.png", spec) ||
+      !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
+    fail(ErrorKind::failed, "{}: cannot encode: {}", file.string(),
+         reason(output ? output->geterror() : OIIO::geterror()));
   write_atomically(file, [&](const fs::path& temporary) {
-    const auto output = OIIO::ImageOutput::create("png");
-    OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
-    spec["oiio:ColorSpace"] = "sRGB";
-    spec["oiio:UnassociatedAlpha"] = 1;
-    if (!output || !output->open(temporary.string(), spec) ||
-        !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
-      fail(ErrorKind::failed, "{}: cannot write: {}", file.string(),
-           reason(output ? output->geterror() : OIIO::geterror()));
+    OutputFile out(temporary);
+    out.write(encoded.buffer().data(), encoded.buffer().size());
+    out.close();
   });
 }
 

@@ -31,8 +31,11 @@ std::string read_plain_text(const std::filesystem::path& file) {
     fail_at(file, 1, "expected UTF-8 text, found UTF-16; save the file as UTF-8");
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n');
-    fail_at(file, static_cast<int>(line),
-            "expected text, found a zero byte (byte {}): a binary file, or UTF-16 without its mark", zero);
+    fail_at(file, static_cast<std::uint64_t>(line),
+            "expected text, found a zero byte (byte {}): a binary file, or UTF-16 without its mark; give a "
+            "text file "
+            "saved as UTF-8",
+            zero);
   }
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   return text;

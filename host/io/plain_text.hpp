@@ -44,8 +44,8 @@ std::string excerpt(std::string_view text);
 
 // "file:line: message" as ErrorKind::input.
 template <typename... Args>
-[[noreturn]] void fail_at(const std::filesystem::path& file, int line, fmt::format_string<Args...> format,
-                          Args&&... args) {
+[[noreturn]] void fail_at(const std::filesystem::path& file, std::uint64_t line,
+                          fmt::format_string<Args...> format, Args&&... args) {
   fail_input("{}:{}: {}", file.string(), line, fmt::format(format, std::forward<Args>(args)...));
 }
 

@@ -1,9 +1,10 @@
 #include "io/ply.hpp"
 
+#include <cmath>
 #include <optional>
 
 #include "core/error.hpp"
-#include "io/mapped_file.hpp"
+#include "io/input_file.hpp"
 #include "io/ply_header.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
@@ -12,6 +13,8 @@ namespace hybrid::io {
 namespace {
 
 using Index = std::optional<std::size_t>;
+
+constexpr double kTwoTo64 = 18446744073709551616.0;
 
 // The vertex properties that become a Scan, by their place in the element.
 struct UsedProperties {
@@ -60,12 +63,11 @@ void add_sample(ScanBuilder& builder, const UsedProperties& used, const Number& 
 class PlyReader {
  public:
   explicit PlyReader(const std::filesystem::path& file)
-      : mapped_(file),
-        file_(mapped_.name()),
-        text_(without_byte_order_mark(file_, mapped_.bytes())),
-        header_(read_ply_header(file_, text_)),
-        data_(text_.substr(header_.data_offset)),
-        cursor_(file_, data_, header_.data_line),
+      : input_(file),
+        file_(input_.name()),
+        header_(read_ply_header(input_)),
+        at_(header_.data_offset),
+        cursor_(input_, header_.data_offset, header_.data_line),
         name_(file.stem().string()) {}
 
   Scan read() {
@@ -74,7 +76,7 @@ class PlyReader {
     for (const PlyElement& element : header_.elements) {
       check_count_fits(file_, fmt::format("line {}", element.line), element.name.c_str(), element.count,
                        ascii() ? 2 * element.properties.size() : element.least_bytes(),
-                       ascii() ? cursor_.remaining() + 1 : data_.size() - at_);
+                       ascii() ? cursor_.remaining() + 1 : rest());
       if (element.name == "vertex") {
         builder.emplace(read_vertices(element));
       } else {
@@ -96,10 +98,7 @@ class PlyReader {
   bool ascii() const { return header_.format == PlyFormat::ascii; }
   bool swap() const { return header_.format == PlyFormat::big_endian; }
 
-  // Where a byte of the data lies in the file.
-  std::size_t byte(std::size_t offset) const {
-    return static_cast<std::size_t>(data_.data() - mapped_.bytes().data()) + offset;
-  }
+  std::uint64_t rest() const { return input_.size() - at_; }  // binary
 
   ScanBuilder read_vertices(const PlyElement& vertex) {
     std::string unused;
@@ -118,7 +117,8 @@ class PlyReader {
       }
     } else {
       const auto number = [&](std::size_t i) {
-        return load_scalar(data_.data() + places_[i], vertex.properties[i].type, swap());
+        const ScalarType type = vertex.properties[i].type;
+        return load_scalar(input_.at(places_[i], size_of(type)), type, swap());
       };
       for (std::uint64_t row = 0; row < vertex.count; ++row) {
         find_places(vertex, row);
@@ -136,12 +136,10 @@ class PlyReader {
     }
     places_.assign(element.properties.size(), 0);
     for (std::uint64_t row = 0; row < element.count; ++row) {
-      if (ascii()) {
-        start_line(element, row);
-        cursor_.next_line();
-      } else {
+      if (ascii())
+        read_line(element, row);
+      else
         find_places(element, row);
-      }
     }
   }
 
@@ -150,8 +148,7 @@ class PlyReader {
     if (cursor_.at_end())
       fail_input(
           "{}: line {}: expected {} records of element {}, found {}; the file is cut short: copy or export "
-          "it "
-          "again",
+          "it again",
           file_, cursor_.line(), element.count, element.name, row);
   }
 
@@ -165,9 +162,11 @@ class PlyReader {
       places_[i] = expected;
       if (element.properties[i].list && expected < values_.size()) {
         const double count = values_[expected];
-        if (!(count >= 0 && count < static_cast<double>(values_.size())))
-          fail_input("{}: line {}: expected the count of list {}, found {}", file_, line,
-                     in_quotes(element.properties[i].name), count);
+        if (!(count >= 0 && count < static_cast<double>(values_.size())) || count != std::floor(count))
+          fail_input(
+              "{}: line {}: expected the count of list {} of {}, found {}; correct that line, or the "
+              "counts in the header",
+              file_, line, in_quotes(element.properties[i].name), element.name, count);
         expected += static_cast<std::size_t>(count);
       }
       ++expected;
@@ -177,59 +176,71 @@ class PlyReader {
                  file_, line, expected, element.name, values_.size());
   }
 
-  // Steps over a binary record; places_[i] is where property i stands in the data.
+  // Steps over a binary record; places_[i] is where property i stands in the file.
   void find_places(const PlyElement& element, std::uint64_t row) {
     for (std::size_t i = 0; i < element.properties.size(); ++i) {
       const PlyProperty& property = element.properties[i];
       places_[i] = at_;
-      double count = 1;
+      std::uint64_t count = 1;
       if (property.list) {
-        need(size_of(property.count_type), element, row);
-        count = load_scalar(data_.data() + at_, property.count_type, swap());
-        if (count < 0)
+        need(1, size_of(property.count_type), element, row);
+        const double value =
+            load_scalar(input_.at(at_, size_of(property.count_type)), property.count_type, swap());
+        if (value < 0)
           fail_input("{}: byte {}: expected the count of list {} of {} {}, found {}; the file is damaged",
-                     file_, byte(at_), in_quotes(property.name), element.name, row, count);
+                     file_, at_, in_quotes(property.name), element.name, row, value);
         at_ += size_of(property.count_type);
+        count = value < kTwoTo64 ? static_cast<std::uint64_t>(value) : ~std::uint64_t{0};
       }
-      const auto size = static_cast<double>(size_of(property.type));
-      need(count * size, element, row);
-      at_ += static_cast<std::size_t>(count * size);
+      need(count, size_of(property.type), element, row);
+      at_ += count * size_of(property.type);
     }
   }
 
-  void need(double bytes, const PlyElement& element, std::uint64_t row) const {
-    if (bytes > static_cast<double>(data_.size() - at_))
+  void need(std::uint64_t count, std::uint64_t size, const PlyElement& element, std::uint64_t row) const {
+    if (count > rest() / size)
       fail_input(
-          "{}: byte {}: expected {} more bytes for {} {} of {}, found {}; the file is cut short: copy or "
-          "export "
-          "it again",
-          file_, byte(at_), bytes, element.name, row, element.count, data_.size() - at_);
+          "{}: byte {}: expected {} values of {} bytes for {} {} of {}, found {} bytes; the file is cut "
+          "short: "
+          "copy or export it again",
+          file_, at_, count, size, element.name, row, element.count, rest());
   }
 
+  // A further vertex means that the header is wrong; anything else is told.
   void note_rest(ScanBuilder& builder) {
+    const PlyElement& last = header_.elements.back();
+    const bool countable = last.name == "vertex" && !last.has_lists();
     if (ascii()) {
       cursor_.skip_blank_lines();
       if (cursor_.commas_seen())
         builder.add_note("values are separated by commas, which PLY does not provide for");
-      if (!cursor_.at_end())
-        builder.add_note(fmt::format("line {}: {} bytes after the last record are ignored", cursor_.line(),
-                                     cursor_.remaining()));
-    } else if (at_ < data_.size()) {
-      builder.add_note(
-          fmt::format("byte {}: {} bytes after the last record are ignored", byte(at_), data_.size() - at_));
+      if (cursor_.at_end()) return;
+      const std::uint64_t line = cursor_.line(), bytes = cursor_.remaining();
+      if (countable && cursor_.next_line_is_numbers(last.properties.size()))
+        fail_input(
+            "{}: line {}: expected the end of the file after {} vertices, found another vertex; correct "
+            "\"element vertex\" in the header",
+            file_, line, last.count);
+      builder.add_note(fmt::format("line {}: {} bytes after the last record are ignored", line, bytes));
+    } else if (rest() > 0) {
+      check_not_sent_as_text(input_, header_.data_offset);
+      if (countable && rest() >= last.least_bytes() && !input_.only_zeros_from(at_))
+        fail_input(
+            "{}: byte {}: expected the end of the file after {} vertices, found {} more bytes, room for {} "
+            "vertices; correct \"element vertex\" in the header",
+            file_, at_, last.count, rest(), rest() / last.least_bytes());
+      builder.add_note(fmt::format("byte {}: {} bytes after the last record are ignored", at_, rest()));
     }
   }
 
-  MappedFile mapped_;
+  InputFile input_;
   const std::string& file_;
-  std::string_view text_;
   PlyHeader header_;
-  std::string_view data_;
-  TextCursor cursor_;   // ascii: in data_
-  std::size_t at_ = 0;  // binary: in data_
+  std::uint64_t at_;   // binary: in the file
+  TextCursor cursor_;  // ascii
   std::string name_;
   std::vector<double> values_;
-  std::vector<std::size_t> places_;
+  std::vector<std::uint64_t> places_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/error.hpp"
 #include "io/text_cursor.hpp"
@@ -11,17 +12,18 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
+constexpr std::uint64_t kLongestHeaderLine_bytes = 1 << 20;
+
 class HeaderReader {
  public:
-  HeaderReader(const std::string& file, std::string_view text)
-      : file_(file), text_(text), cursor_(file, text) {}
+  explicit HeaderReader(InputFile& input)
+      : file_(input.name()), cursor_(input, start_of_text(input), 1, kLongestHeaderLine_bytes) {}
 
   PlyHeader read() {
-    const Words magic = next();
-    if (magic.size() != 1 || magic[0] != "ply")
-      fail_input("{}: line 1: expected \"ply\", found {}; is this a PLY file?", file_,
-                 in_quotes(text_.substr(0, 24)));
-    const bool lone_returns = text_[cursor_.offset() - 1] == '\r';
+    const std::string_view magic = cursor_.next_line();
+    if (words(magic) != Words{"ply"})
+      fail_input("{}: line 1: expected \"ply\", found {}; is this a PLY file?", file_, in_quotes(magic));
+    const bool lone_returns = cursor_.last_line_end() == "\r";
     bool format_seen = false;
     for (Words line = next(); !(line.size() == 1 && line[0] == "end_header"); line = next()) {
       if (line.empty() || line[0] == "comment" || line[0] == "obj_info") continue;
@@ -40,7 +42,7 @@ class HeaderReader {
       fail_input("{}: line {}: expected a format line in the header, found none", file_, cursor_.line() - 1);
     header_.data_offset = cursor_.offset();
     // Where a lone CR ends the lines, a line feed after end_header is the first byte of the data.
-    if (lone_returns && text_[header_.data_offset - 1] == '\n') --header_.data_offset;
+    if (lone_returns && cursor_.last_line_end() == "\r\n") --header_.data_offset;
     header_.data_line = cursor_.line();
     return std::move(header_);
   }
@@ -74,9 +76,7 @@ class HeaderReader {
     if (line.size() != 3 || !parse_whole(line[2], element.count)) fail_line("element NAME COUNT", line);
     element.name = line[1];
     element.line = line_;
-    const bool again = std::any_of(header_.elements.begin(), header_.elements.end(),
-                                   [&](const PlyElement& other) { return other.name == element.name; });
-    if (again) fail_line("every element once", line);
+    if (!element_names_.insert(element.name).second) fail_line("every element once", line);
     header_.elements.push_back(std::move(element));
   }
 
@@ -107,9 +107,9 @@ class HeaderReader {
   }
 
   const std::string& file_;
-  std::string_view text_;
   TextCursor cursor_;
   std::uint64_t line_ = 0;
+  std::set<std::string> element_names_;
   PlyHeader header_;
 };
 
@@ -126,8 +126,8 @@ std::uint64_t PlyElement::least_bytes() const {
   return sum;
 }
 
-PlyHeader read_ply_header(const std::string& file, std::string_view text) {
-  return HeaderReader(file, text).read();
+PlyHeader read_ply_header(InputFile& file) {
+  return HeaderReader(file).read();
 }
 
 }  // namespace hybrid::io

@@ -1,9 +1,9 @@
 #pragma once
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "io/input_file.hpp"
 #include "io/scalar_type.hpp"
 
 namespace hybrid::io {
@@ -30,11 +30,11 @@ enum class PlyFormat { ascii, little_endian, big_endian };
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
-  std::size_t data_offset = 0;  // from the start of the text
+  std::uint64_t data_offset = 0;  // in the file
   std::uint64_t data_line = 0;
 };
 
 // The header of PLY 1.0 with its end_header line. Throws ErrorKind::input naming the line.
-PlyHeader read_ply_header(const std::string& file, std::string_view text);
+PlyHeader read_ply_header(InputFile& file);
 
 }  // namespace hybrid::io

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/error.hpp"
-#include "io/mapped_file.hpp"
+#include "io/input_file.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 
@@ -65,10 +65,21 @@ PtxHeader read_header(TextCursor& cursor) {
 }
 
 void set_pose(Scan& scan, const std::string& file, const PtxHeader& header) {
-  const Pose pose = with_context(
-      fmt::format("{}: lines {} to {} (the scan's 4x4 matrix)", file, header.line + 6, header.line + 9),
-      [&] { return pose_from_row_major(header.world_from_scan); });
-  if (header.world_from_scan != row_major(Pose{})) scan.world_from_scan = pose;
+  if (header.world_from_scan == row_major(Pose{})) return;
+  try {
+    scan.world_from_scan = pose_from_row_major(header.world_from_scan);
+  } catch (const Error& error) {
+    fail_input(
+        "{}: lines {} to {} (the scan's 4x4 matrix): {}; correct it, or write the identity and register the "
+        "scan",
+        file, header.line + 6, header.line + 9, error.what());
+  }
+}
+
+[[noreturn]] void fail_points_missing(const TextCursor& cursor, const PtxHeader& header,
+                                      std::uint64_t found) {
+  fail_cut_short(cursor, fmt::format("{} points ({} columns of {} rows), of which {} are here",
+                                     header.cols * header.rows, header.cols, header.rows, found));
 }
 
 Scan read_one(TextCursor& cursor, const std::string& name) {
@@ -80,8 +91,8 @@ Scan read_one(TextCursor& cursor, const std::string& name) {
                    cursor.remaining() + 1);
 
   std::array<double, 7> values{};
-  TextCursor ahead = cursor;
-  const std::size_t columns = ahead.read_numbers(values);
+  if (cursor.at_end()) fail_points_missing(cursor, header, 0);
+  const std::size_t columns = cursor.read_numbers(values);  // the first point tells
   if (columns != 4 && columns != 7)
     fail_input("{}: line {}: expected 4 or 7 numbers (x y z intensity [red green blue]), found {}",
                cursor.file(), first_line, columns);
@@ -91,11 +102,11 @@ Scan read_one(TextCursor& cursor, const std::string& name) {
       {.intensity = true, .colour = colour ? ColourKind::byte : ColourKind::none, .zero_is_no_return = true});
   const auto line_values = std::span(values).first(columns);
   for (std::uint64_t i = 0; i < count; ++i) {
-    cursor.skip_blank_lines();
-    if (cursor.at_end())
-      fail_cut_short(cursor, fmt::format("{} points ({} columns of {} rows), of which {} are here", count,
-                                         header.cols, header.rows, i));
-    read_line(cursor, line_values, colour ? "x y z intensity red green blue" : "x y z intensity");
+    if (i > 0) {
+      cursor.skip_blank_lines();
+      if (cursor.at_end()) fail_points_missing(cursor, header, i);
+      read_line(cursor, line_values, colour ? "x y z intensity red green blue" : "x y z intensity");
+    }
     builder.add_point(values[0], values[1], values[2]);
     builder.add_intensity(values[3]);
     if (colour) builder.add_colour(values[4], values[5], values[6]);
@@ -110,8 +121,8 @@ Scan read_one(TextCursor& cursor, const std::string& name) {
 }  // namespace
 
 std::vector<Scan> read_ptx(const std::filesystem::path& file) {
-  const MappedFile mapped(file);
-  TextCursor cursor(mapped.name(), without_byte_order_mark(mapped.name(), mapped.bytes()));
+  InputFile input(file);
+  TextCursor cursor(input, start_of_text(input));
   const std::string stem = file.stem().string();
   std::vector<Scan> scans;
   do {

@@ -14,8 +14,9 @@
 
 #include "core/error.hpp"
 #include "io/exr_header.hpp"
+#include "io/exr_stream.hpp"
 #include "io/exr_threads.hpp"
-#include "io/mapped_file.hpp"
+#include "io/input_file.hpp"
 #include "io/output.hpp"
 #include "io/range_exr_band.hpp"
 #include "io/text_cursor.hpp"
@@ -132,8 +133,8 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : file_(path.string()) {
     {
-      const MappedFile mapped(path);
-      check_exr_header(file_, mapped.bytes(), kRangeTile_px);
+      InputFile input(path);
+      check_exr_header(input, kRangeTile_px);
     }
     guarded([&] { in_ = std::make_unique<Imf::TiledInputFile>(path.c_str(), start_exr_threads()); });
     if (text(kFormat) != kFormatName)
@@ -156,9 +157,12 @@ class Reader {
 
   RangeImage read() {
     const Imath::V2i last = header().dataWindow().max;
+    // The angles first: as many of them stand in the file before memory is taken for the samples.
+    std::vector<double> elevation_rad = to_values(file_, kElevation, text(kElevation), last.y + 1);
+    std::vector<double> azimuth_rad = to_values(file_, kAzimuth, text(kAzimuth), last.x + 1);
     RangeImage image = make_range_image(last.y + 1, last.x + 1);
-    image.elevation_rad = to_values(file_, kElevation, text(kElevation), image.rows);
-    image.azimuth_rad = to_values(file_, kAzimuth, text(kAzimuth), image.cols);
+    image.elevation_rad = std::move(elevation_rad);
+    image.azimuth_rad = std::move(azimuth_rad);
     const auto* wraps = header().findTypedAttribute<Imf::IntAttribute>(kWraps);
     image.wraps = wraps != nullptr && wraps->value() != 0;
     for (const char* name : {"range", "x", "y", "z"}) need_channel(name, Imf::FLOAT);
@@ -219,14 +223,16 @@ void write_range_exr(const std::filesystem::path& file, const RangeImage& image,
   check_sizes(file.string(), image);
   const Imf::Header header = make_header(file.string(), image, attributes);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
-    Imf::TiledOutputFile out(temporary.c_str(), header, start_exr_threads());
-    // OpenEXR's slices are not const; writing only reads them.
-    RangeExrBand band(const_cast<RangeImage&>(image));
-    for (int tile_row = 0; tile_row < out.numYTiles(); ++tile_row) {
-      out.setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
-      band.take_from_image();
-      out.writeTiles(0, out.numXTiles() - 1, tile_row, tile_row);
-    }
+    write_exr_stream(temporary, [&](ExrStream& stream) {
+      Imf::TiledOutputFile out(stream, header, start_exr_threads());
+      // OpenEXR's slices are not const; writing only reads them.
+      RangeExrBand band(const_cast<RangeImage&>(image));
+      for (int tile_row = 0; tile_row < out.numYTiles(); ++tile_row) {
+        out.setFrameBuffer(band.slices(tile_row * static_cast<int>(kRangeTile_px)));
+        band.take_from_image();
+        out.writeTiles(0, out.numXTiles() - 1, tile_row, tile_row);
+      }
+    });
   });
 }
 

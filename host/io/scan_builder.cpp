@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 
 #include "core/error.hpp"
 
@@ -43,10 +44,21 @@ ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_
   if (count > kMost)
     fail_input("{}: expected at most {} points, found {}; split the file", file, kMost, count);
   scan_.name = std::move(name);
-  scan_.points.reserve(count);
-  if (options.intensity) scan_.intensity.reserve(count);
-  if (options.colour == ColourKind::byte) scan_.rgb.reserve(count);
-  if (options.colour > ColourKind::byte) colours_.reserve(count);
+  try {
+    scan_.points.reserve(count);
+    if (options.intensity) scan_.intensity.reserve(count);
+    if (options.colour == ColourKind::byte) scan_.rgb.reserve(count);
+    if (options.colour > ColourKind::byte) colours_.reserve(count);
+  } catch (const std::bad_alloc&) {
+    const std::uint64_t point_bytes = 12 + (options.intensity ? 4 : 0) +
+                                      (options.colour == ColourKind::none   ? 0
+                                       : options.colour == ColourKind::byte ? 3
+                                                                            : 15);
+    fail(
+        ErrorKind::device,
+        "{}: expected {} MiB of memory for {} points, found less free; split the file or use another machine",
+        file, count * point_bytes >> 20, count);
+  }
 }
 
 void ScanBuilder::add_point(double x, double y, double z) {

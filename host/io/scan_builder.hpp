@@ -24,7 +24,8 @@ class ScanBuilder {
     ColourKind colour = ColourKind::none;
     bool zero_is_no_return = false;  // "0 0 0" becomes NaN, without a note
   };
-  // Throws ErrorKind::input when `count` samples cannot be indexed by 32 bits.
+  // Throws ErrorKind::input when `count` samples cannot be indexed by 32 bits, ErrorKind::device (whose exit
+  // code means memory, too) when there is no memory for them.
   ScanBuilder(const std::string& file, std::string name, std::uint64_t count, const Options& options);
 
   void add_point(double x, double y, double z);

@@ -57,8 +57,8 @@ SceneScan read_scan(const SceneTable& table) {
   result.fixed = table.flag("fixed", false);
   if (result.fixed && !result.pose)
     table.fail_key("fixed", "expected a pose that is to be final, found none");
-  if (result.fixed && !result.landmarks.empty())
-    table.fail_key("fixed", "expected either landmarks or a pose that is final, found both; remove one");
+  if (result.pose && !result.landmarks.empty())
+    table.fail_key("pose", "expected either a pose or landmarks as the start, found both; remove one");
   return result;
 }
 
@@ -84,13 +84,17 @@ SceneFile::Photographs read_photographs(const SceneTable& table) {
   return result;
 }
 
+const SceneTable::Names kEditKeys = {"remove_faces", "holes", "clip", "openings"};
+
 SceneOptions read_options(const SceneTable& root, std::string_view section) {
   SceneOptions result;
-  const auto table = root.table(section, {});
+  const auto table = root.table(section, section == "edit" ? kEditKeys : SceneTable::Names{});
   if (!table) return result;
   for (const std::string& key : table->keys()) {
-    if (section == "edit" && (key == "remove_faces" || key == "holes" || key == "clip"))
+    if (section == "edit" && key != "openings")
       table->fail_key(key, "not supported yet; edit the model's file instead");
+    if (section == "edit" && table->choice(key, {"off", "report", "cut"}, "off") != "off")
+      table->fail_key(key, "not supported yet; remove it or write \"off\"");
     result[key] = {table->line_of(key), table->scalar(key)};
   }
   return result;
@@ -165,7 +169,7 @@ void read_scene_table(const SceneTable& root, SceneFile& scene) {
 void read_model(const SceneTable& root, SceneFile& scene) {
   const auto table = root.table("model", {"file", "unit", "up"});
   if (!table) return;
-  SceneFile::Model& model = scene.model.emplace();
+  SceneFile::Model& model = *(scene.model = SceneFile::Model{});
   model.file = table->required_path("file");
   model.unit = table->choice("unit", {"m", "mm", "arbitrary"}, model.unit);
   model.up = table->choice("up", {"z", "y"}, model.up);

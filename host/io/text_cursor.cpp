@@ -31,18 +31,48 @@ const char* parse(const char* at, const char* end, double& value) {
 
 }  // namespace
 
-TextCursor::TextCursor(std::string file, std::string_view text, std::uint64_t line)
-    : file_(std::move(file)), begin_(text.data()), at_(begin_), end_(begin_ + text.size()), line_(line) {}
+TextCursor::TextCursor(InputFile& file, std::uint64_t start, std::uint64_t line,
+                       std::uint64_t longest_line_bytes)
+    : input_(file), window_offset_(start), line_(line), longest_line_bytes_(longest_line_bytes) {}
+
+void TextCursor::load_line() {
+  window_offset_ = offset();
+  std::string_view window;
+  std::size_t whole = 0;
+  for (std::uint64_t least = 1 << 16; whole == 0; least = 2 * window.size()) {
+    window = input_.ahead(window_offset_, least);
+    if (window.size() == input_.size() - window_offset_) {
+      whole = window.size();
+      break;
+    }
+    // A CR that is the window's last byte may have its LF beyond it.
+    whole = window.substr(0, window.size() - 1).find_last_of("\r\n") + 1;
+    if (whole == 0 && window.size() >= longest_line_bytes_)
+      fail_input(
+          "{}: line {}: expected a line of at most {} bytes, found a longer one that begins {}; is this "
+          "text?",
+          file(), line_, longest_line_bytes_, in_quotes(window));
+  }
+  begin_ = at_ = window.data();
+  end_ = begin_ + window.size();
+  whole_lines_end_ = begin_ + whole;
+}
 
 void TextCursor::end_line() {
+  last_line_end_ = "";
   if (at_ != end_) {
     const bool carriage_return = *at_++ == '\r';
-    if (carriage_return && at_ != end_ && *at_ == '\n') ++at_;
+    last_line_end_ = carriage_return ? "\r" : "\n";
+    if (carriage_return && at_ != end_ && *at_ == '\n') {
+      ++at_;
+      last_line_end_ = "\r\n";
+    }
   }
   ++line_;
 }
 
 std::string_view TextCursor::next_line() {
+  need_line();
   const char* start = at_;
   at_ = std::find_if(at_, end_, is_line_end);
   const std::string_view line(start, static_cast<std::size_t>(at_ - start));
@@ -51,7 +81,8 @@ std::string_view TextCursor::next_line() {
 }
 
 void TextCursor::skip_blank_lines() {
-  while (at_ != end_) {
+  while (!at_end()) {
+    need_line();
     const char* next = std::find_if_not(at_, end_, [](char c) { return c == ' ' || c == '\t'; });
     if (next != end_ && !is_line_end(*next)) return;
     at_ = next;
@@ -71,11 +102,12 @@ bool TextCursor::next_number(double& value) {
     return true;
   }
   const char* word_end = std::find_if(at_, end_, [](char c) { return is_separator(c) || is_line_end(c); });
-  fail_input("{}: line {}: expected a number, found {}; correct or remove that line", file_, line_,
+  fail_input("{}: line {}: expected a number, found {}; correct or remove that line", file(), line_,
              in_quotes({at_, static_cast<std::size_t>(word_end - at_)}));
 }
 
 std::size_t TextCursor::read_numbers(std::span<double> values) {
+  need_line();
   std::size_t count = 0;
   double value = 0;
   while (next_number(value)) {
@@ -86,9 +118,17 @@ std::size_t TextCursor::read_numbers(std::span<double> values) {
 }
 
 void TextCursor::read_all_numbers(std::vector<double>& values) {
+  need_line();
   values.clear();
   double value = 0;
   while (next_number(value)) values.push_back(value);
+}
+
+bool TextCursor::next_line_is_numbers(std::size_t count) {
+  double value = 0;
+  const auto found = words(next_line());
+  return found.size() == count && std::all_of(found.begin(), found.end(),
+                                              [&](std::string_view word) { return parse_real(word, value); });
 }
 
 std::vector<std::string_view> words(std::string_view line) {

@@ -5,24 +5,35 @@
 #include <string_view>
 #include <vector>
 
+#include "io/input_file.hpp"
+
 namespace hybrid::io {
 
 // Reads text from front to back and knows its line: LF, CR/LF, CR and mixtures end a line; a comma separates
-// numbers as blanks and tabs do. The text must outlive the cursor.
+// numbers as blanks and tabs do.
 class TextCursor {
  public:
-  // `file` names the text in messages; `line` is the number of its first line.
-  TextCursor(std::string file, std::string_view text, std::uint64_t line = 1);
+  // From byte `start` of a file, whose other readers may move the file's window only once the cursor is not
+  // used any more. Lines longer than `longest_line_bytes` are an error, so that binary data taken for text
+  // does not fill the memory.
+  explicit TextCursor(InputFile& file, std::uint64_t start = 0, std::uint64_t line = 1,
+                      std::uint64_t longest_line_bytes = 64 << 20);
+  TextCursor(const TextCursor&) = delete;
+  TextCursor& operator=(const TextCursor&) = delete;
 
-  bool at_end() const { return at_ == end_; }
+  bool at_end() const { return offset() == input_.size(); }
   // Of the line that next_line or read_numbers returns next, from 1.
   std::uint64_t line() const { return line_; }
-  std::size_t offset() const { return static_cast<std::size_t>(at_ - begin_); }
-  std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
+  std::uint64_t offset() const {
+    return window_offset_ + static_cast<std::uint64_t>(at_ - begin_);
+  }  // in the file
+  std::uint64_t remaining() const { return input_.size() - offset(); }
   bool commas_seen() const { return commas_seen_; }
-  const std::string& file() const { return file_; }
+  const std::string& file() const { return input_.name(); }
+  // "\n", "\r", "\r\n" or, at the end of the file, "": what ended the line before this one.
+  std::string_view last_line_end() const { return last_line_end_; }
 
-  // The next line without its end.
+  // The next line without its end; valid until the cursor moves on.
   std::string_view next_line();
   void skip_blank_lines();
 
@@ -30,16 +41,25 @@ class TextCursor {
   // Throws ErrorKind::input naming the line and what is no number.
   std::size_t read_numbers(std::span<double> values);
   void read_all_numbers(std::vector<double>& values);
+  // Whether the next line has exactly `count` words, all numbers. Moves past it.
+  bool next_line_is_numbers(std::size_t count);
 
  private:
   bool next_number(double& value);  // false: the line has ended, and the cursor stands on the next one
   void end_line();
+  void need_line() {  // before reading one: all of it is in the window
+    if (at_ >= whole_lines_end_) load_line();
+  }
+  void load_line();
 
-  std::string file_;
-  const char* begin_;
-  const char* at_;
-  const char* end_;
-  std::uint64_t line_;
+  InputFile& input_;
+  std::uint64_t window_offset_;  // of begin_ in the file
+  const char* begin_ = nullptr;
+  const char* at_ = nullptr;
+  const char* end_ = nullptr;
+  const char* whole_lines_end_ = nullptr;  // lines that start before here end within the window
+  std::uint64_t line_, longest_line_bytes_;
+  std::string_view last_line_end_;
   bool commas_seen_ = false;
 };
 

@@ -5,10 +5,13 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
-#include "io/output.hpp"
+#include "io/exr_header.hpp"
+#include "io/input_file.hpp"
+#include "io/plain_text.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -16,15 +19,26 @@ namespace {
 // The first `count` values of a uint channel, in rows from the top.
 std::vector<std::uint32_t> read_uint_channel(const std::filesystem::path& file, const char* channel,
                                              std::size_t count) {
-  check_readable(file);
-  return with_context(file.string(), [&] {
+  {
+    InputFile header(file);
+    check_exr_header(header, kExrLines);
+  }
+  try {
     Imf::InputFile input(file.c_str());
     const auto* found = input.header().channels().findChannel(channel);
-    if (!found || found->type != Imf::UINT) fail_input("expected a uint channel named {}", channel);
+    if (!found || found->type != Imf::UINT || found->xSampling != 1 || found->ySampling != 1)
+      fail_input("{}: header: expected a uint channel named {}, found none; make it again with hybrid-synth",
+                 file.string(), channel);
     const auto window = input.header().dataWindow();
-    const std::size_t width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
-    const std::size_t height = static_cast<std::size_t>(window.max.y - window.min.y + 1);
-    if (width * height < count) fail_input("expected {} values, found {} x {} pixels", count, width, height);
+    const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
+    const auto height = static_cast<std::size_t>(window.max.y - window.min.y) + 1;
+    if (height != std::max<std::size_t>(1, (count + width - 1) / width))
+      fail_input(
+          "{}: header: expected {} samples in rows, found {} x {} pixels; make both again with hybrid-synth",
+          file.string(), count, width, height);
+    if (!input.isComplete())
+      fail_input("{}: tiles: expected all of them, found some missing; the file is cut short: copy it again",
+                 file.string());
     std::vector<std::uint32_t> values(width * height);
     Imf::FrameBuffer buffer;
     buffer.insert(channel, Imf::Slice::Make(Imf::UINT, values.data(), window, sizeof(std::uint32_t),
@@ -33,13 +47,19 @@ std::vector<std::uint32_t> read_uint_channel(const std::filesystem::path& file, 
     input.readPixels(window.min.y, window.max.y);
     values.resize(count);
     return values;
-  });
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {  // the library's
+    fail_input(
+        "{}: tiles: expected an image as hybrid-synth writes it, found a damaged one ({}); copy it again",
+        file.string(), error.what());
+  }
 }
 
 }  // namespace
 
 SceneTruth read_truth(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  const std::string text = read_plain_text(file);
   return with_context(file.string(), [&] {
     SceneTruth truth;
     try {
@@ -48,14 +68,21 @@ SceneTruth read_truth(const std::filesystem::path& file) {
         ScanTruth scan;
         scan.id = entry.at("id").get<std::string>();
         scan.world_from_scan = pose_from_row_major(entry.at("world_from_scan").get<std::array<double, 16>>());
-        const auto samples = entry.at("samples").get<std::size_t>();
+        const auto& samples = entry.at("samples");
+        if (!samples.is_number_unsigned())
+          fail_input(
+              "scan {}: samples: expected a whole number from 0, found {}; make it again with hybrid-synth",
+              scan.id, samples.dump());
         const auto image = file.parent_path() / entry.at("truth_image").get<std::string>();
-        scan.plane = read_uint_channel(image, "plane", samples);
-        scan.kind = read_uint_channel(image, "kind", samples);
+        scan.plane = read_uint_channel(image, "plane", samples.get<std::size_t>());
+        scan.kind = read_uint_channel(image, "kind", samples.get<std::size_t>());
         truth.scans.push_back(std::move(scan));
       }
     } catch (const nlohmann::json::exception& error) {
-      fail_input("not the truth of a synthetic scene ({}); make it again with hybrid-synth", error.what());
+      fail_input(
+          "expected the truth of a synthetic scene, found something else ({}); make it again with "
+          "hybrid-synth",
+          error.what());
     }
     return truth;
   });

@@ -1,9 +1,9 @@
 #include <bit>
 #include <cstring>
-#include <fstream>
 
 #include "core/error.hpp"
 #include "io/output.hpp"
+#include "io/output_file.hpp"
 #include "io/ply.hpp"
 
 namespace hybrid::io {
@@ -46,17 +46,16 @@ void write_ply(const std::filesystem::path& file, const std::vector<PlyPoint>& p
                const PlyContent& content) {
   constexpr std::size_t kBlock = 1 << 20;
   write_atomically(file, [&](const std::filesystem::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
+    OutputFile out(temporary);
     std::string bytes = header(points.size(), content);
     for (const PlyPoint& point : points) {
       append_point(bytes, point, content);
       if (bytes.size() < kBlock) continue;
-      out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+      out.write(bytes.data(), bytes.size());
       bytes.clear();
     }
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.flush();
-    if (!out) fail(ErrorKind::failed, "{}: cannot write {} points", file.string(), points.size());
+    out.write(bytes.data(), bytes.size());
+    out.close();
   });
 }
 

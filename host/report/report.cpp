@@ -1,6 +1,8 @@
 #include "report/report.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 
 #include "io/output.hpp"
 #include "report/figures.hpp"
@@ -27,11 +29,21 @@ std::string escape(const std::string& text) {
   return out;
 }
 
+// A relative path as a link: scan ids and view names may hold blanks, #, % and ?.
+std::string link(const std::string& path) {
+  std::string out;
+  for (char c : path) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || std::strchr("/._-~", c);
+    out += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
 std::string picture(const std::string& file, const std::string& caption) {
   return fmt::format(
       "<figure><a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\" "
       "loading=\"lazy\"></a><figcaption>{1}</figcaption></figure>\n",
-      escape(file), escape(caption));
+      link(file), escape(caption));
 }
 
 // A nested JSON object as rows "a / b / c : value".
@@ -64,25 +76,53 @@ std::string scan_section(const Json& scan) {
          "</div>\n" + table(scan);
 }
 
+std::string pair_picture(const Json& view) {
+  const auto& score = view["left_out"];
+  return picture(
+      "../views/" + view["name"].get<std::string>() + "-pair.png",
+      fmt::format("photograph {} (left), the same view from the others (middle), four times their difference "
+                  "(right): PSNR {:.2f} dB, SSIM {:.3f} on {:.1f} % of its pixels",
+                  score["photograph"].get<std::string>(), score["psnr_db"].get<double>(),
+                  score["ssim"].get<double>(), 100 * score["share_seen"].get<double>()));
+}
+
+bool is_leave_one_out(const Json& view) {
+  return view["name"].get<std::string>().rfind("leave-one-out/", 0) == 0;
+}
+
 std::string view_section(const Json& views) {
   std::string html = "<h2>Views</h2>\n<div class=\"row\">\n";
   for (const auto& view : views) {
+    if (is_leave_one_out(view)) continue;
     const std::string name = view["name"].get<std::string>();
     std::string caption = name;
     if (view.contains("red_share"))
       caption +=
           fmt::format("; red = seen by no photograph: {:.1f} %", 100 * view["red_share"].get<double>());
     html += picture("../views/" + name + ".png", caption);
-    if (!view.contains("left_out")) continue;
-    const auto& score = view["left_out"];
-    html += picture(
-        "../views/" + name + "-pair.png",
-        fmt::format(
-            "photograph {} (left) and the same view from the others (right): PSNR {:.2f} dB, SSIM {:.3f}",
-            score["photograph"].get<std::string>(), score["psnr_db"].get<double>(),
-            score["ssim"].get<double>()));
+    if (view.contains("left_out")) html += pair_picture(view);
   }
   return html + "</div>\n";
+}
+
+std::string score_row(const std::string& name, const Json& score) {
+  return fmt::format("<tr><th>{}</th><td>{:.2f}</td><td>{:.3f}</td><td>{:.1f}</td></tr>\n", escape(name),
+                     score["psnr_db"].get<double>(), score["ssim"].get<double>(),
+                     100 * score["share_seen"].get<double>());
+}
+
+std::string leave_one_out_section(const Json& summary) {
+  if (!summary.contains("leave_one_out")) return "";
+  const auto& scores = summary["leave_one_out"];
+  std::string html =
+      "<h2>Every photograph from the others</h2>\n<table><tr><th>photograph</th><th>PSNR dB</th><th>SSIM</th>"
+      "<th>seen %</th></tr>\n";
+  for (const auto& score : scores["photographs"])
+    html += score_row(score["photograph"].get<std::string>(), score);
+  html += score_row("mean", scores["mean"]) + "</table>\n";
+  for (const auto& view : summary["views"])
+    if (is_leave_one_out(view) && view.contains("left_out")) html += pair_picture(view);
+  return html;
 }
 
 std::string failure_section(const batch::SceneRun& run) {
@@ -113,7 +153,9 @@ void write_report(device::Queue& queue, const batch::SceneRun& run, const std::f
                     "Before ICP: retained samples of every scan, each in its colour, on the proxy") +
             picture("registration-after.png", "After ICP") + "</div>\n";
   }
-  if (!run.summary["views"].empty()) body += view_section(run.summary["views"]);
+  const auto& views = run.summary["views"];
+  if (!std::all_of(views.begin(), views.end(), is_leave_one_out)) body += view_section(views);
+  body += leave_one_out_section(run.summary);
   for (const auto& scan : run.summary["scans"]) body += scan_section(scan);
   const std::string title = escape(run.scene.name);
   io::write_text(

@@ -60,14 +60,14 @@ Renderer::ColouredRange Renderer::colour_range_image(const RangeImage& image,
   const auto capacity = static_cast<std::size_t>(std::min(tile, image.rows)) *
                         static_cast<std::size_t>(std::min(tile, image.cols));
   SurfaceTile surface(s.queue, capacity);
-  PhotoBlend blend(s.queue, capacity);
+  PhotoBlend blend(s.queue, s.options, capacity);
   for (const Tile& part : make_tiles(image.rows, image.cols, tile)) {
     surface.rows = static_cast<std::uint32_t>(part.rows);
     surface.cols = static_cast<std::uint32_t>(part.cols);
     const std::vector<float> planes = tile_surface(image, segmentation, local_from_scan, part);
     s.queue.write(surface.surface, std::span<const float>(planes));
-    blend.blend(s.store, s.options, occluders, occluders, surface, {eye.x(), eye.y(), eye.z()},
-                scan_step_rad(image), used);
+    const PhotoBlendView view{{eye.x(), eye.y(), eye.z()}, scan_step_rad(image)};
+    blend.blend(s.store, occluders, occluders, surface, view, used);
     const device::Rect rect{static_cast<std::size_t>(part.row), static_cast<std::size_t>(part.col),
                             static_cast<std::size_t>(part.rows), static_cast<std::size_t>(part.cols)};
     const auto cols = static_cast<std::size_t>(image.cols);

@@ -18,6 +18,7 @@ constexpr std::array<double, 3> kLuma{0.299, 0.587, 0.114};  // ITU-R BT.601, as
 // Both images as sRGB-encoded values 0..255, and which pixels count.
 struct Pair {
   int width, height;
+  std::array<double, 3> gain;
   std::vector<std::array<float, 3>> ours, theirs;
   std::vector<std::uint8_t> mask;
   std::size_t index(int x, int y) const {
@@ -59,15 +60,14 @@ std::array<double, 3> fit_gains(const ImageF& linear, const Image8& reference,
 }
 
 Pair encode(const ImageF& linear, const Image8& reference, const std::vector<std::uint8_t>& mask) {
-  Pair pair{linear.width, linear.height, {}, {}, mask};
-  const auto gains = fit_gains(linear, reference, mask);
+  Pair pair{linear.width, linear.height, fit_gains(linear, reference, mask), {}, {}, mask};
   pair.ours.resize(mask.size());
   pair.theirs.resize(mask.size());
   parallel_for(static_cast<std::size_t>(pair.height), [&](std::size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < pair.width; ++x)
       for (std::size_t k = 0; k < 3; ++k) {
-        const double light = std::clamp(gains[k] * linear.at(x, y)[k], 0.0, 1.0);
+        const double light = std::clamp(pair.gain[k] * linear.at(x, y)[k], 0.0, 1.0);
         pair.ours[pair.index(x, y)][k] = static_cast<float>(255 * srgb_from_linear(light));
         pair.theirs[pair.index(x, y)][k] = reference.at(x, y)[k];
       }
@@ -151,7 +151,7 @@ ImageQuality compare_images(const ImageF& linear, const Image8& reference,
   const auto similarity = sum_masked<1>(
       pair.width, pair.height, pair.mask,
       [&](int x, int y, std::array<double, 1>& sum) { sum[0] += ssim_at(pair, ours, theirs, x, y); });
-  return {psnr(pair, masked), similarity[0] / masked, masked / static_cast<double>(count)};
+  return {psnr(pair, masked), similarity[0] / masked, masked / static_cast<double>(count), pair.gain};
 }
 
 }  // namespace hybrid::stages

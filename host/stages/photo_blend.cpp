@@ -1,6 +1,9 @@
 #include "stages/photo_blend.hpp"
 
+#include <limits>
+
 #include "shared/params_blend_photos.h"
+#include "shared/params_rank_photos.h"
 
 namespace hybrid::stages {
 namespace {
@@ -13,6 +16,11 @@ std::uint32_t blend_mode(const RenderOptions& options) {
   return options.blend == "nearest" ? BLEND_NEAREST : options.blend == "linear" ? BLEND_LINEAR : BLEND_DUAL;
 }
 
+// Photographs remembered per point: the k best and the one whose penalty ends them.
+std::size_t kept_photographs(const RenderOptions& options) {
+  return options.weights == "ulr" ? static_cast<std::size_t>(options.ulr_k) + 1 : 0;
+}
+
 template <typename T>
 void fill(device::Queue& queue, device::Array<T>& array, std::size_t count, T value) {
   const std::vector<T> values(count, value);
@@ -21,41 +29,99 @@ void fill(device::Queue& queue, device::Array<T>& array, std::size_t count, T va
 
 }  // namespace
 
-PhotoBlend::PhotoBlend(device::Queue& queue, std::size_t capacity)
+PhotoBlend::PhotoBlend(device::Queue& queue, const RenderOptions& options, std::size_t capacity)
     : queue_(queue),
+      options_(options),
+      kept_(kept_photographs(options)),
       sums_(queue.array<float>(BLEND_PLANES * capacity)),
       colour_(queue.array<float>(3 * capacity)),
+      penalty_(queue.array<float>(kept_ * capacity)),
       seen_(queue.array<std::uint32_t>(capacity)),
-      best_(queue.array<std::int32_t>(capacity)) {}
+      best_(queue.array<std::int32_t>(capacity)),
+      ranked_(queue.array<std::int32_t>(kept_ * capacity)) {}
 
-void PhotoBlend::blend(PhotographStore& store, const RenderOptions& options, const DeviceBvh& occluders,
-                       const DeviceBvh& everything, const SurfaceTile& tile, const std::array<float, 3>& eye,
-                       float pixel_rad, const std::vector<std::size_t>& used) {
+void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const DeviceBvh& everything,
+                       const SurfaceTile& tile, const PhotoBlendView& view,
+                       const std::vector<std::size_t>& used) {
   fill(queue_, sums_, BLEND_PLANES * tile.count(), 0.0f);
   fill(queue_, seen_, tile.count(), std::uint32_t{0});
   fill(queue_, best_, tile.count(), std::int32_t{-1});
-  const auto& kernel = queue_.kernel("blend_photos", {{"VW", queue_.vector_width()}});
+  if (kept_ > 0) {
+    fill(queue_, penalty_, kept_ * tile.count(), std::numeric_limits<float>::infinity());
+    fill(queue_, ranked_, kept_ * tile.count(), std::int32_t{-1});
+    for (std::size_t index : used) rank(store, index, occluders, tile, view);
+  }
   for (std::size_t index : used) {
     const PhotographStore::Entry& photograph = store.get(index, everything);
-    BlendPhotosParams params{};
-    params.camera = photograph.camera;
-    for (std::size_t k = 0; k < 3; ++k) params.eye[k] = eye[k];
-    params.pixel_rad = pixel_rad;
-    params.cols = tile.cols;
-    params.rows = tile.rows;
-    params.mode = blend_mode(options);
-    params.photograph = static_cast<int>(index);
-    params.feather_px = static_cast<float>(options.feather_px);
-    params.tolerance_m = static_cast<float>(options.surface_tolerance_m);
-    params.face_tolerance_m = kFaceTolerance_m;
-    params.root = occluders.root;
-    queue_.launch("blend_photos", kernel, packet_grid(queue_.vector_width(), tile.cols, tile.rows), params,
-                  occluders.nodes, occluders.triangles, occluders.spheres, tile.surface, photograph.pixels,
-                  photograph.low, store.linear(), sums_, seen_, best_);
+    if (kept_ > 0)
+      add_ranked(store, index, photograph, tile, view);
+    else
+      add(store, index, photograph, occluders, tile, view);
   }
-  const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), blend_mode(options), {}};
+  const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), blend_mode(options_), {}};
   queue_.launch("resolve_blend", queue_.kernel("resolve_blend"), device::grid(tile.count()), resolve,
                 tile.surface, sums_, seen_, colour_);
+}
+
+void PhotoBlend::add(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
+                     const DeviceBvh& occluders, const SurfaceTile& tile, const PhotoBlendView& view) {
+  BlendPhotosParams params{};
+  params.camera = photograph.camera;
+  for (std::size_t k = 0; k < 3; ++k) params.eye[k] = view.eye[k];
+  params.pixel_rad = view.pixel_rad;
+  params.cols = tile.cols;
+  params.rows = tile.rows;
+  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
+  params.photograph = static_cast<int>(index);
+  params.feather_px = static_cast<float>(options_.feather_px);
+  params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
+  params.face_tolerance_m = kFaceTolerance_m;
+  params.root = occluders.root;
+  launch("blend_photos", tile, params, occluders.nodes, occluders.triangles, occluders.spheres, tile.surface,
+         photograph.pixels, photograph.low, store.linear(), sums_, seen_, best_);
+}
+
+void PhotoBlend::rank(const PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
+                      const SurfaceTile& tile, const PhotoBlendView& view) {
+  RankPhotosParams params{};
+  params.camera = store.camera(index);
+  for (std::size_t k = 0; k < 3; ++k) params.eye[k] = view.eye[k];
+  params.pixel_ratio = store.pixel_rad(index) / view.pixel_rad;
+  params.cols = tile.cols;
+  params.rows = tile.rows;
+  params.kept = static_cast<std::uint32_t>(kept_);
+  params.photograph = static_cast<int>(index);
+  params.feather_px = static_cast<float>(options_.feather_px);
+  params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
+  params.face_tolerance_m = kFaceTolerance_m;
+  params.root = occluders.root;
+  params.resolution_cost = static_cast<float>(options_.ulr_resolution);
+  params.field_of_view_cost = static_cast<float>(options_.ulr_field_of_view);
+  launch("rank_photos", tile, params, occluders.nodes, occluders.triangles, occluders.spheres, tile.surface,
+         penalty_, ranked_, seen_);
+}
+
+void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
+                            const PhotographStore::Entry& photograph, const SurfaceTile& tile,
+                            const PhotoBlendView& view) {
+  BlendRankedParams params{};
+  params.camera = photograph.camera;
+  params.cols = tile.cols;
+  params.rows = tile.rows;
+  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
+  params.photograph = static_cast<int>(index);
+  params.kept = static_cast<std::uint32_t>(kept_);
+  params.feather_px = static_cast<float>(options_.feather_px);
+  params.pixel_rad = view.pixel_rad;
+  launch("blend_ranked", tile, params, tile.surface, penalty_, ranked_, photograph.pixels, photograph.low,
+         store.linear(), sums_, best_);
+}
+
+template <typename... Args>
+void PhotoBlend::launch(const char* name, const SurfaceTile& tile, const Args&... args) {
+  const int width = queue_.vector_width();
+  queue_.launch(name, queue_.kernel(name, {{"VW", width}}), packet_grid(width, tile.cols, tile.rows),
+                args...);
 }
 
 }  // namespace hybrid::stages

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,26 +9,43 @@
 
 namespace hybrid::stages {
 
-// The arrays blend_photos sums into, for tiles of up to `capacity` points; reused from tile to tile.
+// From where, and how finely, surface points are seen.
+struct PhotoBlendView {
+  std::array<float, 3> eye;  // local frame
+  float pixel_rad;           // angle of one pixel
+};
+
+// The arrays that photographs are blended in, for tiles of up to `capacity` points; reused from tile to tile.
 class PhotoBlend {
  public:
-  PhotoBlend(device::Queue& queue, std::size_t capacity);
+  PhotoBlend(device::Queue& queue, const RenderOptions& options, std::size_t capacity);
 
-  // Colours of the surface points of `tile` as seen from `eye` (local frame), from the photographs `used`,
-  // which must be in increasing order. Kernels: blend_photos once per photograph, resolve_blend.
-  void blend(PhotographStore& store, const RenderOptions& options, const DeviceBvh& occluders,
-             const DeviceBvh& everything, const SurfaceTile& tile, const std::array<float, 3>& eye,
-             float pixel_rad, const std::vector<std::size_t>& used);
+  // Colours of the surface points of `tile`, from the photographs `used`, which must be in increasing order.
+  // Kernels: blend_photos once per photograph, or with weights = "ulr" rank_photos and then blend_ranked;
+  // resolve_blend.
+  void blend(PhotographStore& store, const DeviceBvh& occluders, const DeviceBvh& everything,
+             const SurfaceTile& tile, const PhotoBlendView& view, const std::vector<std::size_t>& used);
 
   const device::Array<float>& colour() const { return colour_; }      // linear RGB, interleaved
   const device::Array<std::uint32_t>& seen() const { return seen_; }  // photographs that see the point
   const device::Array<std::int32_t>& best() const { return best_; }   // the heaviest, -1 none
 
  private:
+  void add(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
+           const DeviceBvh& occluders, const SurfaceTile& tile, const PhotoBlendView& view);
+  void rank(const PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
+            const SurfaceTile& tile, const PhotoBlendView& view);
+  void add_ranked(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
+                  const SurfaceTile& tile, const PhotoBlendView& view);
+  template <typename... Args>
+  void launch(const char* name, const SurfaceTile& tile, const Args&... args);
+
   device::Queue& queue_;
-  device::Array<float> sums_, colour_;
+  RenderOptions options_;
+  std::size_t kept_;  // photographs remembered per point; 0 where weights need no ranks
+  device::Array<float> sums_, colour_, penalty_;
   device::Array<std::uint32_t> seen_;
-  device::Array<std::int32_t> best_;
+  device::Array<std::int32_t> best_, ranked_;
 };
 
 }  // namespace hybrid::stages

@@ -83,6 +83,14 @@ std::size_t PhotographStore::bytes(std::size_t index) const {
          (low_bands_ ? 12 : 4);
 }
 
+CameraRecord PhotographStore::camera(std::size_t index) const {
+  return camera_record(scene_.photographs[index], origin_);
+}
+
+float PhotographStore::pixel_rad(std::size_t index) const {
+  return pixel_angle_rad(scene_.photographs[index].camera);
+}
+
 const PhotographStore::Entry& PhotographStore::get(std::size_t index, const DeviceBvh& everything) {
   if (resident_[index]) return *resident_[index];
   if (resident_bytes_ + bytes(index) <= budget_bytes_) {
@@ -96,10 +104,9 @@ const PhotographStore::Entry& PhotographStore::get(std::size_t index, const Devi
 }
 
 PhotographStore::Entry PhotographStore::load(std::size_t index, const DeviceBvh& everything) {
-  const Photograph& photograph = scene_.photographs[index];
-  Entry entry{camera_record(photograph, origin_), queue_.array(rgba(scene_.photograph_pixels[index])),
+  Entry entry{camera(index), queue_.array(rgba(scene_.photograph_pixels[index])),
               queue_.array<std::uint16_t>(0)};
-  if (low_bands_) blur(entry, pixel_angle_rad(photograph.camera), everything);
+  if (low_bands_) blur(entry, pixel_rad(index), everything);
   return entry;
 }
 

@@ -26,6 +26,9 @@ class PhotographStore {
   PhotographStore(device::Queue& queue, const RenderScene& scene, const RenderOptions& options,
                   const Vec3& origin, bool low_bands, std::optional<std::size_t> budget_bytes = {});
 
+  // What is known of a photograph without loading it.
+  CameraRecord camera(std::size_t index) const;  // relative to the local origin
+  float pixel_rad(std::size_t index) const;
   // Kernels: ray_cast and blur_photo when low bands are wanted.
   const Entry& get(std::size_t index, const DeviceBvh& everything);
   // Linear light of each sRGB byte, on the device.

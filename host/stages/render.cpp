@@ -151,7 +151,7 @@ struct ViewPass {
         used(used_photographs(state.scene, view.leave_out)),
         surface(state.queue, capacity),
         marker_surface(state.queue, view.cameras ? capacity : 0),
-        blend(state.queue, view.texture ? capacity : 0) {
+        blend(state.queue, state.options, view.texture ? capacity : 0) {
     if (view.cameras)
       markers = make_camera_markers(state.queue, state.scene, state.origin, view.camera.centre(),
                                     kMarkerShare * state.diagonal_m);
@@ -168,8 +168,8 @@ struct ViewPass {
 
 void colour_from_photographs(RenderState& state, ViewPass& pass, TilePixels& pixels) {
   const auto& c = pass.camera.centre;
-  pass.blend.blend(state.store, state.options, pass.shown, state.everything(pass.shown), pass.surface,
-                   {c[0], c[1], c[2]}, pixel_angle_rad(pass.request.camera.camera), pass.used);
+  const PhotoBlendView view{{c[0], c[1], c[2]}, pixel_angle_rad(pass.request.camera.camera)};
+  pass.blend.blend(state.store, pass.shown, state.everything(pass.shown), pass.surface, view, pass.used);
   pixels.colour = read_first(state.queue, pass.blend.colour(), pixels.colour.size());
   pixels.seen = read_first(state.queue, pass.blend.seen(), pixels.seen.size());
   pixels.best = read_first(state.queue, pass.blend.best(), pixels.best.size());
@@ -209,13 +209,41 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        0,
        "how photographs mix: the heaviest alone, all by weight, or all in the low band",
        {"nearest", "linear", "dual"}},
-      {"weights", "", &O::weights, 0, 0, "Facade's 1 / (angle + one pixel)", {"angle"}},
+      {"weights",
+       "",
+       &O::weights,
+       0,
+       0,
+       "Facade's 1 / (angle + one pixel), or the k photographs of least penalty (unstructured lumigraph)",
+       {"angle", "ulr"}},
+      {"ulr_k", "", &O::ulr_k, 1, 64, "weights = ulr: photographs that mix in a pixel", {}},
+      {"ulr_resolution",
+       "rad",
+       &O::ulr_resolution,
+       0,
+       100,
+       "weights = ulr: penalty per time that a photograph is coarser than the view",
+       {}},
+      {"ulr_field_of_view",
+       "rad",
+       &O::ulr_field_of_view,
+       0,
+       100,
+       "weights = ulr: penalty at a photograph's border, from 0 where feathering begins",
+       {}},
       {"sigma_px",
        "px",
        &O::sigma_px,
        0,
        50,
        "Gaussian that splits photographs into low and high frequencies",
+       {}},
+      {"high_power",
+       "",
+       &O::high_power,
+       1,
+       64,
+       "blend = dual: exponent of the weights in the high band; 1 is linear, 64 nearly the heaviest alone",
        {}},
       {"feather_px",
        "px",

@@ -7,6 +7,7 @@
 #include "cases/blend_photos_case.hpp"
 #include "cases/room_scene.hpp"
 #include "device/queue.hpp"
+#include "shared/params_rank_photos.h"
 #include "stages/render_geometry.hpp"
 
 namespace hybrid::testing {
@@ -105,32 +106,45 @@ struct BlendViewCase {
     input.low.resize(input.pixels.size(), 0x3800);  // one half
     return input;
   }
+  // Arrays of one run on the device, the sums at their start.
+  struct Arrays {
+    Arrays(device::Queue& queue, const Input& input)
+        : bvh(stages::upload_bvh(queue, input.room.bvh, input.room.surfaces)),
+          tile(input.room.cast(queue, bvh)),
+          pixels(queue.array(input.pixels)),
+          low(queue.array(input.low)),
+          linear(queue.array(std::vector<float>(256, 0.5f))),
+          sums(queue.array(std::vector<float>(BLEND_PLANES * tile.count(), 0.0f))),
+          seen(queue.array(std::vector<std::uint32_t>(tile.count(), 0))),
+          best(queue.array(std::vector<std::int32_t>(tile.count(), -1))) {}
+    stages::DeviceBvh bvh;
+    stages::SurfaceTile tile;
+    device::Array<std::uint8_t> pixels;
+    device::Array<std::uint16_t> low;
+    device::Array<float> linear, sums;
+    device::Array<std::uint32_t> seen;
+    device::Array<std::int32_t> best;
+  };
   static void run(device::Queue& queue, const Input& input) {
-    const auto bvh = stages::upload_bvh(queue, input.room.bvh, input.room.surfaces);
-    const auto tile = input.room.cast(queue, bvh);
-    const auto pixels = queue.array(input.pixels);
-    const auto low = queue.array(input.low);
-    const auto linear = queue.array(std::vector<float>(256, 0.5f));
-    const auto sums = queue.array(std::vector<float>(BLEND_PLANES * tile.count(), 0.0f));
-    const auto seen = queue.array(std::vector<std::uint32_t>(tile.count(), 0));
-    const auto best = queue.array(std::vector<std::int32_t>(tile.count(), -1));
+    const Arrays at(queue, input);
     const int width = queue.vector_width();
     for (std::size_t i = 0; i < input.cameras.size(); ++i) {
       BlendPhotosParams params{};
       params.camera = input.cameras[i];
       for (int k = 0; k < 3; ++k) params.eye[k] = input.room.view.centre[k];
       params.pixel_rad = 0.001f;
-      params.cols = tile.cols;
-      params.rows = tile.rows;
-      params.mode = BLEND_DUAL;
+      params.cols = at.tile.cols;
+      params.rows = at.tile.rows;
+      params.mix = {BLEND_DUAL, 8};
       params.photograph = static_cast<int>(i);
       params.feather_px = 32;
       params.tolerance_m = 0.02f;
       params.face_tolerance_m = 0.001f;
-      params.root = bvh.root;
+      params.root = at.bvh.root;
       queue.launch(kName, queue.kernel(kName, {{"VW", width}}),
-                   stages::packet_grid(width, tile.cols, tile.rows), params, bvh.nodes, bvh.triangles,
-                   bvh.spheres, tile.surface, pixels, low, linear, sums, seen, best);
+                   stages::packet_grid(width, at.tile.cols, at.tile.rows), params, at.bvh.nodes,
+                   at.bvh.triangles, at.bvh.spheres, at.tile.surface, at.pixels, at.low, at.linear, at.sums,
+                   at.seen, at.best);
     }
     queue.finish();
   }
@@ -138,5 +152,58 @@ struct BlendViewCase {
   static double bytes(const Input& input) { return 8 * 124.0 * items(input); }
   static double flops(const Input& input) { return 8 * 1000.0 * items(input); }
 };
+
+// The same view by weights of unstructured lumigraph rendering, k = 4: ranking, and blending what was ranked.
+template <bool kBlending>
+struct UlrViewCase {
+  static constexpr const char* kName = kBlending ? "blend_ranked" : "rank_photos";
+  static constexpr std::uint32_t kKept = 5;
+  using Input = BlendViewCase::Input;
+  static Input make(std::size_t size, std::uint32_t seed) { return BlendViewCase::make(size, seed); }
+  static void run(device::Queue& queue, const Input& input) {
+    const BlendViewCase::Arrays at(queue, input);
+    const int width = queue.vector_width();
+    const auto grid = stages::packet_grid(width, at.tile.cols, at.tile.rows);
+    const auto penalty = queue.array(std::vector<float>(kKept * at.tile.count(), INFINITY));
+    const auto ranked = queue.array(std::vector<std::int32_t>(kKept * at.tile.count(), -1));
+    for (std::size_t i = 0; i < input.cameras.size(); ++i) {
+      RankPhotosParams params{};
+      params.camera = input.cameras[i];
+      for (int k = 0; k < 3; ++k) params.eye[k] = input.room.view.centre[k];
+      params.pixel_ratio = 0.4f;
+      params.cols = at.tile.cols;
+      params.rows = at.tile.rows;
+      params.kept = kKept;
+      params.photograph = static_cast<int>(i);
+      params.feather_px = 32;
+      params.tolerance_m = 0.02f;
+      params.face_tolerance_m = 0.001f;
+      params.root = at.bvh.root;
+      params.resolution_cost = 0.05f;
+      params.field_of_view_cost = 0.1f;
+      queue.launch("rank_photos", queue.kernel("rank_photos", {{"VW", width}}), grid, params, at.bvh.nodes,
+                   at.bvh.triangles, at.bvh.spheres, at.tile.surface, penalty, ranked, at.seen);
+    }
+    for (std::size_t i = 0; kBlending && i < input.cameras.size(); ++i) {
+      BlendRankedParams params{};
+      params.camera = input.cameras[i];
+      params.cols = at.tile.cols;
+      params.rows = at.tile.rows;
+      params.mix = {BLEND_DUAL, 8};
+      params.photograph = static_cast<int>(i);
+      params.kept = kKept;
+      params.feather_px = 32;
+      params.pixel_rad = 0.001f;
+      queue.launch("blend_ranked", queue.kernel("blend_ranked", {{"VW", width}}), grid, params,
+                   at.tile.surface, penalty, ranked, at.pixels, at.low, at.linear, at.sums, at.best);
+    }
+    queue.finish();
+  }
+  static double items(const Input& input) { return BlendViewCase::items(input); }
+  static double bytes(const Input& input) { return 8 * (kBlending ? 164.0 : 76.0) * items(input); }
+  static double flops(const Input& input) { return 8 * (kBlending ? 150.0 : 1000.0) * items(input); }
+};
+using RankViewCase = UlrViewCase<false>;
+using BlendRankedViewCase = UlrViewCase<true>;
 
 }  // namespace hybrid::testing

@@ -32,6 +32,7 @@ struct ResolveBlendCase {
       input.surface_x.push_back(i % 5 == 4 ? std::numeric_limits<float>::quiet_NaN() : 1.0f);
       input.seen.push_back(i % 7 == 6 ? 0 : 2);
       input.sums[BLEND_SUM_WEIGHT * size + i] = i % 7 == 6 ? 0.0f : 1.5f + value(random);
+      input.sums[BLEND_BEST_SHARE * size + i] = i % 7 == 6 ? 0.0f : 1.5f + value(random);
     }
     return input;
   }
@@ -46,11 +47,11 @@ struct ResolveBlendCase {
   }
   static Output reference(const Input& input);  // reference/resolve_blend.cpp
 
-  // One division and one addition of numbers up to 4: four roundings.
+  // Two divisions and one addition of numbers up to 4: five roundings.
   static constexpr float kTolerance = 1e-6f;
 
   static double items(const Input& input) { return static_cast<double>(input.seen.size()); }
-  static double bytes(const Input& input) { return 52.0 * items(input); }
+  static double bytes(const Input& input) { return 56.0 * items(input); }
   static double flops(const Input& input) { return 10.0 * items(input); }
 };
 

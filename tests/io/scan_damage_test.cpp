@@ -1,32 +1,26 @@
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-
-#include <cmath>
-#include <limits>
 
 #include "io/read_scan.hpp"
 #include "io/scan_files.hpp"
 
-// Formats x damage: one clear ErrorKind::input each, naming the file and the place.
+// What scans add to the table of bad input: wrong header lines, values that are no numbers, data left over.
 namespace hybrid::testing {
 namespace {
 
 struct Format {
   std::string name, data_kind;
-  std::string place;               // how messages about the data name their place
-  std::string huge_from, huge_to;  // makes the header promise more points than can be there
+  std::string place;  // how messages about the data name their place
   bool text() const { return data_kind == "ascii" || name == "ptx"; }
 };
 
 const Format kFormats[] = {
-    {"pcd", "ascii", "line", "WIDTH 4\nHEIGHT 1", "WIDTH 4000000000\nHEIGHT 1"},
-    {"pcd", "binary", "byte", "WIDTH 4\nHEIGHT 1", "WIDTH 4000000000\nHEIGHT 1"},
-    {"pcd", "binary_compressed", "byte", "WIDTH 4\nHEIGHT 1", "WIDTH 4000000000\nHEIGHT 1"},
-    {"ply", "ascii", "line", "vertex 4", "vertex 18000000000000000000"},
-    {"ply", "binary_little_endian", "byte", "vertex 4", "vertex 18000000000000000000"},
-    {"ply", "binary_big_endian", "byte", "vertex 4", "vertex 18000000000000000000"},
-    {"ptx", "", "line", "2\n2\n", "2000000000\n2000000000\n"},
+    {"pcd", "ascii", "line"},
+    {"pcd", "binary", "byte"},
+    {"pcd", "binary_compressed", "byte"},
+    {"ply", "ascii", "line"},
+    {"ply", "binary_little_endian", "byte"},
+    {"ply", "binary_big_endian", "byte"},
+    {"ptx", "", "line"},
 };
 
 void PrintTo(const Format& format, std::ostream* out) {
@@ -49,23 +43,6 @@ class ScanDamage : public ::testing::TestWithParam<Format> {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
-  }
-
-  // With every line end of the header (ascii: of the file) turned into `end`.
-  std::string with_line_ends(const std::vector<std::string>& ends) const {
-    const std::string text = sample();
-    const std::string last =
-        GetParam().name == "ply" ? "end_header\n" : "DATA " + GetParam().data_kind + "\n";
-    const std::size_t header = GetParam().text() ? text.size() : text.find(last) + last.size();
-    std::string result;
-    std::size_t lines = 0;
-    for (std::size_t i = 0; i < header; ++i) {
-      if (text[i] == '\n')
-        result += ends[lines++ % ends.size()];
-      else
-        result += text[i];
-    }
-    return result + text.substr(header);
   }
 
   void expect_sample(const std::string& bytes) const {
@@ -91,100 +68,17 @@ TEST_P(ScanDamage, IntactFileReads) {
   expect_sample(sample());
 }
 
-TEST_P(ScanDamage, LineEndsAndUtf8MarkDoNotMatter) {
-  expect_sample(with_line_ends({"\r\n"}));
-  if (GetParam().text() || GetParam().name == "ply") expect_sample(with_line_ends({"\r"}));
-  expect_sample(with_line_ends({"\n", "\r\n"}));
-  expect_sample("\xef\xbb\xbf" + sample());
-  if (GetParam().text())
-    expect_sample(sample().substr(0, sample().size() - 1));  // the last line without its end
-}
-
-TEST_P(ScanDamage, Empty) {
-  expect_error("", {"byte 0", "empty"});
-}
-
-TEST_P(ScanDamage, OnlyBlankLines) {
-  expect_error("\n\n  \n", {"line", "expected"});
-}
-
-TEST_P(ScanDamage, WrongMagic) {
-  expect_error("\x89PNG\r\n\x1a\n0000000000", {"line 1", "expected", "x89PNG"});
-}
-
-TEST_P(ScanDamage, Utf16) {
-  std::string wide = "\xff\xfe";
-  for (const char c : sample()) wide += std::string{c, '\0'};
-  expect_error(wide, {"byte 0", "UTF-16", "UTF-8"});
-}
-
-TEST_P(ScanDamage, Missing) {
-  const auto file = folder_.path("none." + GetParam().name);
-  expect_input_error([&] { io::read_scans(file); }, {file.string(), "no such file"});
-}
-
-TEST_P(ScanDamage, Folder) {
-  const auto file = folder_.path("folder." + GetParam().name);
-  std::filesystem::create_directory(file);
-  expect_input_error([&] { io::read_scans(file); }, {file.string(), "folder"});
-}
-
-TEST_P(ScanDamage, Pipe) {
-  const auto file = folder_.path("pipe." + GetParam().name);
-  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
-  expect_input_error([&] { io::read_scans(file); }, {file.string(), "regular file"});
-}
-
-// In a process of its own, which gives up the super-user's right to read everything.
-TEST_P(ScanDamage, Unreadable) {
-  const auto file = folder_.write(file_name(), sample());
-  std::filesystem::permissions(file, std::filesystem::perms::none);
-  const pid_t child = fork();
-  if (child == 0) {  // _exit: the destructors of static objects belong to the parent
-    if (geteuid() == 0 && setuid(65534) != 0) _exit(2);
-    try {
-      io::read_scans(file);
-    } catch (const Error& error) {
-      const bool named = std::string(error.what()).find(file.string() + ": cannot be read") == 0;
-      _exit(named && error.kind() == ErrorKind::input ? 0 : 1);
-    }
-    _exit(3);
-  }
-  int status = -1;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
-}
-
-TEST_P(ScanDamage, CountsBeyondTheFileAreFoundBeforeAllocation) {
-  const Format& format = GetParam();
-  std::string bytes = replaced(sample(), format.huge_from, format.huge_to);
-  if (format.name == "pcd") bytes = replaced(bytes, "POINTS 4", "POINTS 4000000000");
-  expect_error(bytes, {format.name == "pcd" ? format.place : "line", "expected",
-                       format.name == "ply" ? "18000000000000000000" : "000000000", "found"});
-}
-
-TEST_P(ScanDamage, CutAtTenPlaces) {
-  const std::string bytes = sample();
-  for (std::size_t i = 0; i < 10; ++i) {
-    // Text cut within its last number cannot be told from another number: the last cut takes whole ones.
-    const std::size_t size = i * (bytes.size() - (GetParam().text() ? 10 : 1)) / 9;
-    SCOPED_TRACE(size);
-    expect_error(bytes.substr(0, size), {i == 0 ? "byte 0" : "expected"});
-    if (i > 0) expect_error(bytes.substr(0, size), {GetParam().text() ? "line " : " "});
-  }
-}
-
+// Half a point; a whole one would mean that the header is wrong.
 TEST_P(ScanDamage, ExtraDataIsNotedOrRefused) {
-  const std::string bytes = sample() + "9 9 9 0.5 1 1 1\n";
+  const std::string bytes = sample() + "9 9 9\n";
   if (GetParam().name == "ptx") {  // where another scan may follow, extra points mean a wrong header
-    expect_error(bytes, {"line 15", "number of columns", "found 7"});
+    expect_error(bytes, {"line 15", "number of columns", "found 3"});
     return;
   }
   const auto scans = io::read_scans(folder_.write(file_name(), bytes));
   ASSERT_EQ(scans.at(0).points.size(), 4u);
   ASSERT_EQ(scans[0].notes.size(), 1u);
-  EXPECT_NE(scans[0].notes[0].find("16 bytes"), std::string::npos) << scans[0].notes[0];
+  EXPECT_NE(scans[0].notes[0].find("6 bytes"), std::string::npos) << scans[0].notes[0];
   EXPECT_NE(scans[0].notes[0].find(GetParam().place), std::string::npos) << scans[0].notes[0];
 }
 
@@ -199,21 +93,6 @@ TEST_P(TextScanDamage, NoNumberInTheData) {
 TEST_P(TextScanDamage, WrongNumberOfValues) {
   expect_error(replaced(sample(), "0 2 -0.5", "0 2 0 -0.5"), {"line 1", "expected", "found"});
   expect_error(replaced(sample(), "0 2 -0.5", "2 -0.5"), {"line 1", "expected", "found"});
-}
-
-TEST_P(ScanDamage, NonFinitePointsAreNoReturnsAndNoted) {
-  std::string bytes = sample();
-  if (GetParam().text()) {
-    bytes = replaced(bytes, "1.5 0 0.25", "nan 0 0.25");
-  } else {
-    const bool big = GetParam().data_kind == "binary_big_endian";
-    bytes = replaced(bytes, raw(1.5f, big), raw(std::numeric_limits<float>::infinity(), big));
-  }
-  const auto scans = io::read_scans(folder_.write(file_name(), bytes));
-  for (const float value : scans.at(0).points.at(0)) EXPECT_TRUE(std::isnan(value));
-  EXPECT_EQ(scans[0].points[1][1], 2);
-  ASSERT_EQ(scans[0].notes.size(), 1u);
-  EXPECT_NE(scans[0].notes[0].find("1 of 4 points are not finite"), std::string::npos) << scans[0].notes[0];
 }
 
 std::string test_name(const ::testing::TestParamInfo<Format>& info) {

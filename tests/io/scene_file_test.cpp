@@ -204,6 +204,9 @@ TEST(scene_file, wrong_types_and_values) {
       {"[model]\nfile = \"a\"\nunit = \"arbitrary\"\n", "3", "needs [register] scale = \"free\""},
       {kScan + "[planes]\nsquare = [3, 5]\n", "4", "expected a number, a string, true or false"},
       {kScan + "[edit]\nremove_faces = [\"a\"]\n", "4", "not supported yet"},
+      {kScan + "[edit]\nopenings = \"cut\"\n", "4", "not supported yet"},
+      {kScan + "[edit]\nopenings = 3\n", "4", "expected a string, found 3"},
+      {kScan + "[edit]\nopening = \"off\"\n", "4", "did you mean \"openings\"?"},
       {kScan + "[edit]\nholes = []\n", "4", "not supported yet"},
       {kScan + "[edit.clip]\nbox = 1\n", "3", "not supported yet"},
       {"[scene]\n", "1", "expected at least one [[scan]] or a [model]"},
@@ -235,7 +238,9 @@ TEST(scene_file, poses_and_landmarks) {
       {kScan + "pose = [1,0.5,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\n", "3", "not a rotation times a scale"},
       {kScan + "pose = [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]\n", "3", "expected the last row 0 0 0 1"},
       {kScan + "fixed = true\n", "3", "expected a pose that is to be final"},
-      {kScan + "pose = " + identity + "\nfixed = true\n" + landmark, "4", "found both"},
+      {kScan + "pose = " + identity + "\nfixed = true\n" + landmark, "3", "found both"},
+      {kScan + landmark + "pose = " + identity + "\n", "4",
+       "either a pose or landmarks as the start, found both"},
       {kScan + "landmarks = [{ vertex = 1 }]\n", "3",
        "one of scan = [x, y, z] and pixel = [row, column], found neither"},
       {kScan + "landmarks = [{ scan = [0,0,0], pixel = [1,2], vertex = 1 }]\n", "3", "found both"},
@@ -248,9 +253,6 @@ TEST(scene_file, poses_and_landmarks) {
       {kScan + "landmarks = [3]\n", "3", "expected an array of tables, found 3"},
       {kScan + "landmarks = 3\n", "3", "expected tables [[landmarks]], found 3"},
   });
-  const TemporaryFolder folder;  // a pose that is not fixed is the start, with or without landmarks
-  EXPECT_EQ(read_text_scene(folder, kScan + "pose = " + identity + "\n" + landmark).scans[0].landmarks.size(),
-            1u);
 }
 
 TEST(scene_file, every_format_of_cameras) {

@@ -12,7 +12,7 @@ TEST(BlendPhotos, agrees_with_its_reference_at_every_size_and_in_every_mode) {
     for (std::uint32_t mode : {BLEND_NEAREST, BLEND_LINEAR, BLEND_DUAL}) {
       if (size > 2000 && mode != BLEND_DUAL) continue;
       auto input = BlendPhotosCase::make(size, 4);
-      input.mode = mode;
+      input.mix.mode = mode;
       const auto got = BlendPhotosCase::run(queue(), input);
       const auto expected = BlendPhotosCase::reference(input);
       std::size_t wrong = 0, seen = 0;
@@ -56,7 +56,7 @@ TEST(BlendPhotos, weights_fall_to_nothing_at_a_photograph_border_and_sum_to_one)
   // A white photograph: whatever the weights, the weighted mean stays white.
   auto input = BlendPhotosCase::make(1009, 2);
   input.scene = {};
-  input.mode = BLEND_LINEAR;
+  input.mix.mode = BLEND_LINEAR;
   for (auto& photo : input.photos) std::fill(photo.pixels.begin(), photo.pixels.end(), std::uint8_t{255});
   const auto out = BlendPhotosCase::run(queue(), input);
   input.feather_px = 0;

@@ -9,7 +9,8 @@ ResolveBlendCase::Output ResolveBlendCase::reference(const Input& input) {
     for (std::size_t k = 0; k < 3; ++k) {
       const double mean =
           double{input.sums[(BLEND_SUM_R + k) * count + i]} / input.sums[BLEND_SUM_WEIGHT * count + i];
-      const double best = input.sums[(BLEND_BEST_R + k) * count + i];
+      const double best =
+          double{input.sums[(BLEND_BEST_R + k) * count + i]} / input.sums[BLEND_BEST_SHARE * count + i];
       double colour = input.mode == BLEND_NEAREST  ? best
                       : input.mode == BLEND_LINEAR ? mean
                                                    : std::max(mean + best, 0.0);

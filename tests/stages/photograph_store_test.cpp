@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+
 #include "cases/room_scene.hpp"
 #include "device.hpp"
 #include "stages/render_geometry.hpp"
@@ -22,6 +24,40 @@ TEST(PhotographStore, gives_the_same_photographs_whether_they_stay_or_are_loaded
     }
   EXPECT_NE(&one.get(0, geometry), &one.get(1, geometry));
   EXPECT_EQ(&one.get(1, geometry), &one.get(2, geometry));  // the visitors' place
+}
+
+TEST(PhotographStore, no_low_band_crosses_a_visibility_edge) {
+  // A black box before a white wall, its edges oblique in the picture: wherever the photograph shows one of the
+  // two alone, so does its low band.
+  RoomScene room;
+  room.add_box({-4, 3, -4}, {4, 3.1, 4}, false);
+  room.add_box({-0.7, 1.5, -0.5}, {0.4, 1.9, 0.6}, false);
+  Photograph photograph = look_at({0.3, -2, 0.4}, {0, 2, 0}, {0.3, 0, 1}, 50, 120, 90);
+  photograph.name = "edges";
+  room.scene.photographs = {photograph};
+  Image8 image(120, 90, 3);
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const Vec3 direction =
+          photograph.cam_from_world.rotation.conjugate() * photograph.camera.ray(Vec2(x + 0.5, y + 0.5));
+      const bool wall = room.hit(photograph.centre(), direction).first <= 6;
+      std::fill_n(image.at(x, y), 3, wall ? std::uint8_t{255} : std::uint8_t{0});
+    }
+  room.scene.photograph_pixels = {image};
+  const auto geometry = stages::make_render_geometry(queue(), room.scene, "both", Vec3::Zero());
+  stages::RenderOptions options;
+  options.sigma_px = 6;
+  stages::PhotographStore store(queue(), room.scene, options, Vec3::Zero(), true);
+  const auto low = queue().read(store.get(0, geometry).low);
+  std::size_t black = 0, wrong = 0;
+  for (std::size_t i = 0; i < low.size() / 4; ++i) {
+    const float value = static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(low[4 * i]));
+    const bool white = image.pixels[3 * i] == 255;
+    black += !white;
+    wrong += value != (white ? 1.0f : 0.0f);
+  }
+  EXPECT_GT(black, 500u);
+  EXPECT_EQ(wrong, 0u);
 }
 
 TEST(PhotographStore, keeps_every_byte_of_rgb_and_rgba_images) {

@@ -39,6 +39,10 @@ std::vector<std::uint8_t> seen_mask(const RenderedView& image) {
   return mask;
 }
 
+// blend and weights, every combination.
+const std::array<std::array<const char*, 2>, 6> kMixes{
+    {{"nearest", "angle"}, {"linear", "angle"}, {"dual", "angle"}, {"nearest", "ulr"}, {"linear", "ulr"}, {"dual", "ulr"}}};
+
 void expect_same(const RenderedView& a, const RenderedView& b) {
   EXPECT_TRUE(same_bits(a.colour.pixels, b.colour.pixels));
   EXPECT_TRUE(same_bits(a.depth_m, b.depth_m));
@@ -56,9 +60,10 @@ bool red(const RenderedView& image, std::size_t i) {
 }  // namespace
 
 TEST(Render, from_a_photographs_own_pose_returns_the_photograph) {
-  for (const char* blend : {"nearest", "linear", "dual"}) {
+  for (const auto& [blend, weights] : kMixes) {
     RenderOptions options;
     options.blend = blend;
+    options.weights = weights;
     options.feather_px = 0;  // at its border the photograph would give way to others
     Renderer renderer(queue(), room().scene, options);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -67,9 +72,9 @@ TEST(Render, from_a_photographs_own_pose_returns_the_photograph) {
       const RenderedView image = renderer.render(request);
       const auto quality =
           stages::compare_images(image.colour, room().scene.photograph_pixels[i], seen_mask(image));
-      EXPECT_GT(quality.psnr_db, 48) << blend;  // others mix in with a weight of under 1 %
-      EXPECT_GT(quality.ssim, 0.995) << blend;
-      EXPECT_GT(quality.share_seen, 0.999) << blend;
+      EXPECT_GT(quality.psnr_db, 48) << blend << weights;  // others mix in with a weight of under 1 %
+      EXPECT_GT(quality.ssim, 0.995) << blend << weights;
+      EXPECT_GT(quality.share_seen, 0.999) << blend << weights;
       // The photograph itself is the heaviest wherever it is seen.
       EXPECT_EQ(std::count(image.best.begin(), image.best.end(), static_cast<int>(i)),
                 static_cast<std::ptrdiff_t>(image.best.size()));
@@ -87,6 +92,56 @@ TEST(Render, a_photograph_left_out_is_predicted_by_the_others) {
   EXPECT_GT(quality.psnr_db, 32);
   EXPECT_GT(quality.share_seen, 0.5);
   EXPECT_EQ(std::count(image.best.begin(), image.best.end(), 0), 0);
+}
+
+TEST(Render, photographs_of_one_colour_give_that_colour_however_they_mix) {
+  // Weights sum to one and high bands of nothing stay nothing, at borders and shadows' edges too.
+  RenderScene scene = room().scene;
+  for (Image8& image : scene.photograph_pixels)
+    std::fill(image.pixels.begin(), image.pixels.end(), std::uint8_t{128});
+  const float expected = static_cast<float>(linear_from_srgb(128 / 255.0));
+  for (const auto& [blend, weights] : kMixes) {
+    RenderOptions options;
+    options.blend = blend;
+    options.weights = weights;
+    const RenderedView image = render(scene, view({5.6, 4.6, 2.6}, {2, 1, 0}), options);
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < image.id.size(); ++i) {
+      if (image.coverage[i] == 0) continue;
+      ++seen;
+      // The low band is kept in half precision, 2^-11.
+      ASSERT_NEAR(image.colour.pixels[3 * i + 1], expected, 2e-4f) << blend << weights;
+    }
+    EXPECT_GT(seen, 5000u);
+  }
+}
+
+TEST(Render, every_mix_sees_the_same_surface) {
+  const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0});
+  const RenderedView first = render(room().scene, request);
+  for (const auto& [blend, weights] : kMixes) {
+    RenderOptions options;
+    options.blend = blend;
+    options.weights = weights;
+    const RenderedView image = render(room().scene, request, options);
+    EXPECT_EQ(image.coverage, first.coverage) << blend << weights;
+    EXPECT_EQ(image.id, first.id) << blend << weights;
+  }
+}
+
+TEST(Render, only_k_photographs_mix_by_unstructured_lumigraph_weights) {
+  // With k = 1 linear is nearest, wherever another photograph ends the best one's weight.
+  RenderOptions one;
+  one.weights = "ulr";
+  one.ulr_k = 1;
+  one.blend = "linear";
+  const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0});
+  const RenderedView linear = render(room().scene, request, one);
+  one.blend = "nearest";
+  const RenderedView nearest = render(room().scene, request, one);
+  EXPECT_TRUE(same_bits(linear.best, nearest.best));
+  for (std::size_t i = 0; i < linear.colour.pixels.size(); ++i)
+    ASSERT_NEAR(linear.colour.pixels[i], nearest.colour.pixels[i], 1e-5f);
 }
 
 TEST(Render, nothing_bleeds_behind_an_occluder_and_what_no_photograph_sees_is_red) {
@@ -193,13 +248,16 @@ TEST(Render, a_concave_face_with_a_hole_shows_what_is_behind_it) {
 
 TEST(Render, the_same_bytes_at_any_tile_and_work_group_size) {
   const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0}, 101, 67);
-  RenderOptions small;
-  small.tile = 17;
-  const RenderedView whole = render(room().scene, request);
-  expect_same(whole, render(room().scene, request, small));
-  const auto [a, b] = at_two_work_group_sizes([&] { return render(room().scene, request); });
-  expect_same(whole, a);
-  expect_same(whole, b);
+  for (const char* weights : {"angle", "ulr"}) {
+    RenderOptions large, small;
+    large.weights = small.weights = weights;
+    small.tile = 17;
+    const RenderedView whole = render(room().scene, request, large);
+    expect_same(whole, render(room().scene, request, small));
+    const auto [a, b] = at_two_work_group_sizes([&] { return render(room().scene, request, large); });
+    expect_same(whole, a);
+    expect_same(whole, b);
+  }
 }
 
 TEST(Render, more_rays_per_pixel_smooth_edges_and_keep_the_rest) {

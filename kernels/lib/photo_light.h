@@ -1,0 +1,88 @@
+// A photograph's light at a position, and what is summed of it per surface point.
+#ifndef HYBRID_LIB_PHOTO_LIGHT_H
+#define HYBRID_LIB_PHOTO_LIGHT_H
+#include "shared/params_blend_photos.h"
+
+// The four pixels around a position and their shares; the image goes on beyond its border.
+typedef struct Bilinear {
+  uint pixel[4];
+  float share[4];
+} Bilinear;
+
+static inline Bilinear bilinear_at(const CameraRecord* camera, float column, float row) {
+  const float x = clamp(column - 0.5f, 0.0f, (float)(camera->width - 1u));
+  const float y = clamp(row - 0.5f, 0.0f, (float)(camera->height - 1u));
+  const uint x0 = (uint)x, y0 = (uint)y;
+  const uint x1 = min(x0 + 1u, camera->width - 1u), y1 = min(y0 + 1u, camera->height - 1u);
+  const float right = x - (float)x0, below = y - (float)y0;
+  Bilinear at = {
+      {y0 * camera->width + x0, y0 * camera->width + x1, y1 * camera->width + x0, y1 * camera->width + x1},
+      {(1.0f - right) * (1.0f - below), right * (1.0f - below), (1.0f - right) * below, right * below}};
+  return at;
+}
+
+static inline float3 light_at(const Bilinear* at, global const uchar* photo, global const float* linear) {
+  float3 light = (float3)(0.0f);
+  for (int k = 0; k < 4; ++k) {
+    const uchar4 bytes = vload4(at->pixel[k], photo);
+    light += at->share[k] * (float3)(linear[bytes.x], linear[bytes.y], linear[bytes.z]);
+  }
+  return light;
+}
+
+static inline float3 low_at(const Bilinear* at, global const half* low) {
+  float3 light = (float3)(0.0f);
+  for (int k = 0; k < 4; ++k) light += at->share[k] * vload_half4(at->pixel[k], low).xyz;
+  return light;
+}
+
+// x^n, 0 <= x <= 1, by squaring: the same bits everywhere.
+static inline float whole_power(float x, uint n) {
+  float power = 1.0f;
+  for (; n != 0u; n >>= 1) {
+    if (n & 1u) power *= x;
+    x *= x;
+  }
+  return power;
+}
+
+// Adds a high band to those of heavier and lighter photographs, each by (weight / heaviest)^high_power: the
+// heaviest rules, and hands over without a seam where another one becomes it. The sums are relative to the
+// heaviest so far, so that no power leaves the range of floats.
+static inline void add_high(float3 high, float weight, uint high_power, uint count, uint i,
+                            global float* sums) {
+  const float heaviest = sums[BLEND_BEST_WEIGHT * count + i];
+  const float kept = weight > heaviest ? whole_power(heaviest / weight, high_power) : 1.0f;
+  const float added = weight > heaviest ? 1.0f : whole_power(weight / heaviest, high_power);
+  global float* at = sums + BLEND_BEST_R * count + i;
+  at[0] = kept * at[0] + added * high.x;
+  at[count] = kept * at[count] + added * high.y;
+  at[2u * count] = kept * at[2u * count] + added * high.z;
+  at[3u * count] = kept * at[3u * count] + added;
+}
+
+// Adds the light that photograph number `photograph` has at a position to point i of `count`.
+static inline void add_light(const CameraRecord* camera, BlendMode mix, int photograph, float column, float row,
+                             float weight, global const uchar* photo, global const half* low,
+                             global const float* linear, uint count, uint i, global float* sums,
+                             global int* best) {
+  const Bilinear around = bilinear_at(camera, column, row);
+  const float3 light = light_at(&around, photo, linear);
+  const float3 smooth = mix.mode == BLEND_DUAL ? low_at(&around, low) : light;
+  sums[BLEND_SUM_R * count + i] += weight * smooth.x;
+  sums[BLEND_SUM_G * count + i] += weight * smooth.y;
+  sums[BLEND_SUM_B * count + i] += weight * smooth.z;
+  sums[BLEND_SUM_WEIGHT * count + i] += weight;
+  if (mix.mode == BLEND_DUAL) add_high(light - smooth, weight, mix.high_power, count, i, sums);
+  if (!(weight > sums[BLEND_BEST_WEIGHT * count + i])) return;
+  if (mix.mode != BLEND_DUAL) {
+    sums[BLEND_BEST_R * count + i] = light.x;
+    sums[BLEND_BEST_G * count + i] = light.y;
+    sums[BLEND_BEST_B * count + i] = light.z;
+    sums[BLEND_BEST_SHARE * count + i] = 1.0f;
+  }
+  sums[BLEND_BEST_WEIGHT * count + i] = weight;
+  best[i] = photograph;
+}
+
+#endif

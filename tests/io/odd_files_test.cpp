@@ -1,0 +1,111 @@
+// odd_files.md tells what every public sample file gives, and is compared with what it does give. After a
+// change that is meant: HYBRID_UPDATE_TABLES=1 hybrid_tests --gtest_filter='OddFiles.*', and look at the
+// difference.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "io/colmap.hpp"
+#include "io/files.hpp"
+#include "io/obj.hpp"
+#include "io/read_scan.hpp"
+#include "io/scan_info.hpp"
+#include "io/text_cursor.hpp"
+
+namespace hybrid::testing {
+namespace {
+namespace fs = std::filesystem;
+
+std::string joined(const std::vector<std::string>& parts, const char* between) {
+  return fmt::format("{}", fmt::join(parts, between));
+}
+
+std::string tell_scan(const io::ScanInfo& info) {
+  std::vector<std::string> parts{fmt::format("{} points", info.points)};
+  if (info.returns != info.points) parts.push_back(fmt::format("{} returns", info.returns));
+  if (info.grid_rows > 0) parts.push_back(fmt::format("grid {} x {}", info.grid_rows, info.grid_cols));
+  if (info.has_intensity) parts.emplace_back("intensity");
+  if (info.has_colour) parts.emplace_back("colour");
+  if (info.world_from_scan) parts.emplace_back("pose");
+  const Vec3 extent = info.max_m - info.min_m;
+  parts.push_back(fmt::format("extent {:.4g} x {:.4g} x {:.4g} m", extent.x(), extent.y(), extent.z()));
+  return joined(parts, ", ") + (info.notes.empty() ? "" : "; " + joined(info.notes, "; "));
+}
+
+std::string tell_scans(const fs::path& file) {
+  std::vector<std::string> scans;
+  for (const io::ScanInfo& info : io::read_scan_info(file)) scans.push_back(tell_scan(info));
+  return joined(scans, " / ");
+}
+
+std::string tell_model(const fs::path& file) {
+  const PolygonModel model = io::read_obj(file);
+  std::size_t most = 0, holes = 0;
+  for (const Face& face : model.faces) {
+    most = std::max(most, face.outer.size());
+    holes += face.holes.size();
+  }
+  return fmt::format("{} vertices, {} faces of up to {} vertices, {} holes", model.vertices.size(),
+                     model.faces.size(), most, holes);
+}
+
+// One row: what `read` tells of the file, or its error without the path.
+template <typename Read>
+std::string told(const fs::path& file, const Read& read) {
+  try {
+    return read(file);
+  } catch (const Error& error) {
+    std::string message = error.what();
+    for (std::string start : {file.string() + ": ", file.string() + ":"})
+      if (message.starts_with(start)) message.erase(0, start.size());
+    return "refused: " + message;
+  }
+}
+
+// Files without a reader share the row of their folder and extension.
+std::map<std::string, std::string> rows_of(const fs::path& data) {
+  std::map<std::string, std::string> rows;
+  std::map<std::string, int> unread;
+  for (const char* part : {"formats", "scans", "planes/synpeb"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(data / part)) {
+      const fs::path& file = entry.path();
+      const std::string name = fs::relative(file, data).string(),
+                        extension = io::lower_case(file.extension().string());
+      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx")
+        rows[name] = told(file, tell_scans);
+      else if (extension == ".obj")
+        rows[name] = told(file, tell_model);
+      else if (extension == ".e57" || extension == ".pts")
+        ++unread[(fs::relative(file.parent_path(), data) / ("*" + extension)).string()];
+    }
+  }
+  for (const auto& [name, count] : unread)
+    rows[name] = fmt::format("{} files refused: no reader of this format yet", count);
+  return rows;
+}
+
+std::string table_of(const std::map<std::string, std::string>& rows) {
+  std::string text =
+      "# What the public sample files give\n\n"
+      "Files of ../shared/data (its README says where they are from), read as scans and polygon models. "
+      "Generated\n"
+      "and verified by odd_files_test.cpp.\n\n| file | gives |\n|---|---|\n";
+  for (const auto& [name, what] : rows) {
+    text += "| " + name + " | ";
+    for (const char c : what) text += c == '|' ? std::string("\\|") : std::string(1, c);
+    text += " |\n";
+  }
+  return text;
+}
+
+TEST(OddFiles, GiveWhatTheTableSays) {
+  const fs::path data = real_data("");
+  if (!fs::exists(data / "formats")) GTEST_SKIP() << "needs ../shared/data or HYBRID_DATA";
+  const std::string table = table_of(rows_of(data));
+  const fs::path committed = fs::path(HYBRID_PROJECT_DIR) / "tests/io/odd_files.md";
+  if (std::getenv("HYBRID_UPDATE_TABLES")) std::ofstream(committed, std::ios::binary) << table;
+  EXPECT_EQ(table, bytes_of(committed));
+}
+
+}  // namespace
+}  // namespace hybrid::testing

@@ -1,0 +1,98 @@
+#include <limits>
+
+#include "io/read_scan.hpp"
+#include "io/reader_rows.hpp"
+#include "io/scan_samples.hpp"
+
+namespace hybrid::testing {
+namespace {
+namespace fs = std::filesystem;
+
+// Scans: the four points of scan_samples.hpp.
+
+std::string tell_scan(const Scan& scan) {
+  std::string text = fmt::format("{} x {}\n", scan.grid_rows, scan.grid_cols);
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    tell(text, "point", scan.points[i]);
+    if (!scan.rgb.empty()) tell(text, "colour", scan.rgb[i]);
+  }
+  tell(text, "intensity", scan.intensity);
+  tell(text, "notes", scan.notes);
+  if (scan.world_from_scan) tell(text, "pose", row_major(*scan.world_from_scan));
+  return text;
+}
+
+std::string read_scan_file(const fs::path& file) {
+  std::string text;
+  for (const Scan& scan : io::read_scans(file)) text += tell_scan(scan);
+  return text;
+}
+
+ReaderRow scan_row(const std::string& name, const std::string& format, const std::string& data) {
+  ReaderRow row{.name = name, .file = "west wall." + format, .good = fixed_file(sample_file(format, data))};
+  row.read = read_scan_file;
+  row.text = data.empty() || data == "ascii";
+  const bool big = data == "binary_big_endian";
+  row.non_finite_no_return = row.text
+                                 ? Edit{"1.5 0 0.25", "inf 0 0.25"}
+                                 : Edit{raw(1.5f, big), raw(std::numeric_limits<float>::infinity(), big)};
+  return row;
+}
+
+ReaderRow pcd_row(const std::string& name, const std::string& data) {
+  ReaderRow row = scan_row(name, "pcd", data);
+  const auto counts = [](std::uint64_t width, std::uint64_t height) {
+    return Edit{"WIDTH 4\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4",
+                fmt::format("WIDTH {}\nHEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}", width, height,
+                            width * height)};
+  };
+  if (!row.text) row.header_end = "DATA " + data + "\n";
+  row.lone_cr = row.text;  // a LF after CR could be the first byte of binary data
+  row.counts_too_high = {counts(5, 1), counts(4, 2), counts(1000, 1)};
+  row.counts_too_low = {counts(3, 1), counts(1, 1), counts(0, 1)};
+  row.absurd_sizes = {counts(4'000'000'000, 1),
+                      counts(2'000'000'000, 2'000'000'000),
+                      counts(18'000'000'000'000'000'000u, 1),
+                      {"COUNT 1 1 1 1 1", "COUNT 1 1 1 4000000000 1"},
+                      {"COUNT 1 1 1 1 1\nWIDTH 4", "COUNT 1 1 1 4000000000 1\nWIDTH 0"}};
+  row.non_finite = {{"VIEWPOINT 0 0 0", "VIEWPOINT 0 nan 0"}};
+  return row;
+}
+
+ReaderRow ply_row(const std::string& name, const std::string& data) {
+  ReaderRow row = scan_row(name, "ply", data);
+  if (!row.text) row.header_end = "end_header\n";
+  row.counts_too_high = {{"vertex 4", "vertex 5"}, {"vertex 4", "vertex 400"}};
+  row.counts_too_low = {{"vertex 4", "vertex 3"}, {"vertex 4", "vertex 0"}};
+  row.absurd_sizes = {
+      {"vertex 4", "vertex 4000000000"},
+      {"vertex 4", "vertex 18000000000000000000"},
+      {"element vertex 4", "element face 9000000000000000000\nproperty double a\nelement vertex 4"},
+      {"property uchar red\n", "property list uint double red\n"}};
+  return row;
+}
+
+ReaderRow ptx_row() {
+  ReaderRow row = scan_row("ptx", "ptx", "");
+  row.counts_too_high = {{"2\n2\n", "2\n3\n"}, {"2\n2\n", "20\n2\n"}};
+  row.counts_too_low = {{"2\n2\n", "1\n2\n"}, {"2\n2\n", "1\n1\n"}};
+  // 65536 x 65537 points would be 65536 in 32 bits.
+  row.absurd_sizes = {
+      {"2\n2\n", "2000000000\n2000000000\n"}, {"2\n2\n", "65536\n65537\n"}, {"2\n2\n", "1e300\n2\n"}};
+  row.non_finite = {{"5 6 7 1\n", "5 nan 7 1\n"}, {"5 6 7 1\n", "5 6 inf 1\n"}, {"2\n2\n", "nan\n2\n"}};
+  return row;
+}
+
+}  // namespace
+
+std::vector<ReaderRow> scan_reader_rows() {
+  return {pcd_row("pcd_ascii", "ascii"),
+          pcd_row("pcd_binary", "binary"),
+          pcd_row("pcd_compressed", "binary_compressed"),
+          ply_row("ply_ascii", "ascii"),
+          ply_row("ply_little_endian", "binary_little_endian"),
+          ply_row("ply_big_endian", "binary_big_endian"),
+          ptx_row()};
+}
+
+}  // namespace hybrid::testing

@@ -1,0 +1,98 @@
+#include "reference/photo_sight.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/colour.hpp"
+#include "reference/shadow.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+// value(x, y) gives a pixel.
+template <typename Value>
+Vec3 sample(const Camera& camera, const Vec2& position, const Value& value) {
+  const Vec2 p = (position - Vec2(0.5, 0.5)).cwiseMax(0).cwiseMin(Vec2(camera.width - 1, camera.height - 1));
+  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
+  const int x1 = std::min(x + 1, camera.width - 1), y1 = std::min(y + 1, camera.height - 1);
+  const double u = p.x() - x, v = p.y() - y;
+  return (1 - v) * ((1 - u) * value(x, y) + u * value(x1, y)) +
+         v * ((1 - u) * value(x, y1) + u * value(x1, y1));
+}
+
+}  // namespace
+
+std::optional<PhotoSight> photo_sight(const BlendPhotosCase::Input& input, std::size_t photo, std::size_t i) {
+  const auto plane = [&](std::size_t p) { return double{input.surface[p * input.count() + i]}; };
+  const Vec3 point(plane(SURFACE_X), plane(SURFACE_Y), plane(SURFACE_Z));
+  const Vec3 normal(plane(SURFACE_NORMAL_X), plane(SURFACE_NORMAL_Y), plane(SURFACE_NORMAL_Z));
+  const double radius = plane(SURFACE_RADIUS);
+  const Photograph& photograph = input.photos[photo].photograph;
+  const Camera& camera = photograph.camera;
+  if (!point.allFinite()) return {};
+  const auto pixel = camera.project(photograph.cam_from_world * point);
+  if (!pixel) return {};
+  const Vec3 centre = photograph.centre(), eye(input.eye[0], input.eye[1], input.eye[2]);
+  const Vec3 to_eye = (eye - point).normalized(), direction = (point - centre).normalized();
+  PhotoSight sight;
+  sight.pixel = *pixel;
+  sight.distance = (point - centre).norm();
+  sight.eye_distance = (eye - point).norm();
+  sight.facing = radius < 0 ? 1 : -normal.dot(direction);
+  sight.eye_facing = radius < 0 ? 1 : normal.dot(to_eye);
+  sight.angle = std::atan2(to_eye.cross(-direction).norm(), to_eye.dot(-direction));
+  const double border =
+      std::min({pixel->x(), pixel->y(), camera.width - pixel->x(), camera.height - pixel->y()});
+  sight.feather = input.feather_px > 0 ? std::clamp(border / input.feather_px, 1e-6, 1.0) : 1;
+  if (sight.facing <= 0) return {};
+
+  const double stretch = 1 / std::max(sight.facing, 0.2);
+  const double clear_of_faces = (radius == 0 ? input.face_tolerance_m : input.tolerance_m) * stretch;
+  const double clear_of_spheres = std::max<double>(input.tolerance_m, 2 * std::abs(radius)) * stretch;
+  for (const auto& t : input.scene.triangles)
+    if (triangle_distance(centre, direction, t) < sight.distance - clear_of_faces) return {};
+  for (const auto& s : input.scene.spheres)
+    if (sphere_distance(centre, direction, s) < sight.distance - clear_of_spheres - 2 * s.radius) return {};
+  return sight;
+}
+
+Vec3 photo_light(const BlendPhotosCase::Photo& photo, const Vec2& position) {
+  const Camera& camera = photo.photograph.camera;
+  return sample(camera, position, [&](int x, int y) {
+    const std::uint8_t* bytes = photo.pixels.data() + 4 * (y * camera.width + x);
+    return Vec3(linear_from_srgb(bytes[0] / 255.0), linear_from_srgb(bytes[1] / 255.0),
+                linear_from_srgb(bytes[2] / 255.0));
+  });
+}
+
+Vec3 photo_low(const BlendPhotosCase::Photo& photo, const Vec2& position) {
+  const Camera& camera = photo.photograph.camera;
+  return sample(camera, position, [&](int x, int y) {
+    const float* value = photo.low.data() + 4 * (y * camera.width + x);
+    return Vec3(value[0], value[1], value[2]);
+  });
+}
+
+void write_sums(const std::vector<WeighedLight>& lights, const BlendMode& mix, std::size_t count, std::size_t i,
+                std::vector<float>& sums, std::vector<std::int32_t>& best) {
+  if (lights.empty()) return;
+  const bool dual = mix.mode == BLEND_DUAL;
+  const auto heaviest =
+      std::max_element(lights.begin(), lights.end(), [](auto& a, auto& b) { return a.weight < b.weight; });
+  Vec3 sum = Vec3::Zero(), high = Vec3::Zero();
+  double weight = 0, share = 0;
+  for (const auto& light : lights) {
+    sum += light.weight * (dual ? light.low : light.light);
+    weight += light.weight;
+    const double part = std::pow(light.weight / heaviest->weight, mix.high_power);
+    high += part * (light.light - light.low);
+    share += part;
+  }
+  if (!dual) high = heaviest->light, share = 1;
+  const double planes[BLEND_PLANES] = {sum.x(),  sum.y(),  sum.z(), weight,          high.x(),
+                                       high.y(), high.z(), share,   heaviest->weight};
+  for (std::size_t p = 0; p < BLEND_PLANES; ++p) sums[p * count + i] = static_cast<float>(planes[p]);
+  best[i] = heaviest->photograph;
+}
+
+}  // namespace hybrid::testing
