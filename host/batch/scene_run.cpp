@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "batch/drawn_samples.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
@@ -150,6 +151,13 @@ class Run {
         io::write_text(scan_folder(run_.products[i].id) / "pose.json",
                        pose_json(run_.products[i], *run_.registrations[i]).dump(1) + "\n");
       });
+    choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    const auto contours = world_contours(run_.products, run_.registrations);
+    const fs::path file = request_.out / "model" / "unexplained.obj";
+    if (contours.model.faces.empty())
+      fs::remove(file);  // of an earlier run
+    else
+      io::write_obj(file, contours.model);
   }
 
   void write_scans() {

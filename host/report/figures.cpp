@@ -30,7 +30,10 @@ Image8 draw(device::Queue& queue, const batch::SceneRun& run,
   request.camera = overview_camera(*run.model, 1280, 900);
   request.texture = false;
   keep_fronts(request.camera.centre(), scene);
-  for (auto& splat : scene.splats) splat.radius_m = std::min(splat.radius_m, kLargestRadius_m);
+  for (auto& splat : scene.splats) {
+    splat.radius_m = std::min(splat.radius_m, kLargestRadius_m);
+    splat.on_face = false;  // how they lie on the faces is what the figure is about
+  }
   stages::RenderOptions options;
   options.samples_per_axis = 2;
   stages::Renderer renderer(queue, scene, options);

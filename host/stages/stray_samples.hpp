@@ -18,7 +18,7 @@ struct StrayOptions {
   double plane_sigmas = 6;    // a neighbour this near the test plane, along its ray, is on it
   double steep = 5;           // range over arc between samples of one surface: incidence up to 79 degrees
   double gap = 3;             // range over arc by which a mixed sample is off both its surfaces: 72 degrees
-  double planar_share = 0.4;  // of the neighbours on one plane: more than the 9 of 24 that two straight
+  double planar_share = 0.41; // of the neighbours on one plane: more than the 9 of 24 that two straight
                               // lines of samples have, a veil along an edge and the surface beside it
   double near_share = 0.125;  // of the neighbours: 3 of 24
   int least_neighbours = 8;   // of 24

@@ -77,8 +77,8 @@ typedef struct PacketHit {
 } PacketHit;
 
 // Nearest triangle and nearest sphere of every ray, each no farther than `limit` (negative: the lane is
-// idle). A sphere counts up to `slack` behind the nearest triangle; farther ones may be missed, and so may
-// triangles behind the nearest sphere.
+// idle). Spheres up to `slack` behind the nearest triangle and triangles up to `slack` behind the nearest
+// sphere are found; farther ones may be missed.
 static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode* nodes,
                                     global const TriangleRecord* triangles,
                                     global const SphereRecord* spheres, uint root, floatv limit,
@@ -111,7 +111,7 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
           hit.triangle = PICK(closer, (uintv)(i), hit.triangle);
         }
       }
-      bound = min(hit.t_sphere, hit.t_triangle + slack);
+      bound = min(hit.t_sphere, hit.t_triangle) + slack;
     } else {
       global const BvhNode* node = nodes + next;
       const floatv enter0 = bvh_enter(rays, node->low0, node->high0, bound);

@@ -28,7 +28,7 @@ struct StraySamplesCase {
     Input input{};
     const auto cols = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(size))));
     const auto rows = cols ? static_cast<std::uint32_t>((size + cols - 1) / cols) : 0u;
-    input.params = {rows, cols, 0.011f, 0.012f, 0.02f, 5, 3, 0.4f, 0.125f, 8, {}};
+    input.params = {rows, cols, 0.011f, 0.012f, 0.02f, 5, 3, 0.41f, 0.125f, 8, {}};
     std::mt19937 random(seed);
     std::normal_distribution<float> noise(0, 0.002f);
     std::uniform_real_distribution<float> uniform(0, 1);

@@ -57,22 +57,35 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
                    .normalized();
     }
     const double cosine = std::max(std::abs(normal.dot(direction)), 0.1);
+    if (!std::isinf(t_sphere)) {
+      // The flat patch the sphere stands for, where the ray meets it inside the sphere.
+      const float* known = input.scene.surfaces[sphere].normal;
+      const Vec3 patch(known[0], known[1], known[2]);
+      const auto& record = input.scene.spheres[sphere];
+      const Vec3 to_centre = Vec3(record.centre[0], record.centre[1], record.centre[2]) - origin;
+      const double exit =
+          std::min(2 * to_centre.dot(direction) - t_sphere, t_sphere + 10.0 * input.tolerance_m);
+      if (!patch.isZero())
+        t_sphere = std::clamp(patch.dot(to_centre) / patch.dot(direction), t_sphere, exit);
+    }
     const bool sphere_wins =
         !std::isinf(t_sphere) && (!triangle || (t_sphere - t_triangle) * cosine <= input.tolerance_m);
     const double t = sphere_wins ? t_sphere : t_triangle;
     const Vec3 point = origin + t * direction;
-    double radius = 0;
+    double radius = triangle ? triangle->radius : 0;
+    bool own_normal = false;
     if (sphere_wins) {
       const auto& record = input.scene.spheres[sphere];
       const float* known = input.scene.surfaces[sphere].normal;
       normal = Vec3(known[0], known[1], known[2]);
       radius = record.radius;
+      own_normal = !normal.isZero();
       if (normal.isZero()) {
         normal = (point - Vec3(record.centre[0], record.centre[1], record.centre[2])) / radius;
         radius = -radius;
       }
     }
-    if (radius <= 0 && normal.dot(direction) > 0) normal = -normal;  // a splat's own normal stays
+    if (!own_normal && normal.dot(direction) > 0) normal = -normal;  // a splat's own normal stays
     out.distance[i] = static_cast<float>(t);
     out.id[i] = sphere_wins ? input.scene.surfaces[sphere].id : triangle->id;
     for (std::size_t k = 0; k < 3; ++k) {
