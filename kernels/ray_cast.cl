@@ -14,14 +14,14 @@
 // unit: a triangle's towards the origin; a splat's own, towards its scanner; where a splat has none the
 // sphere's, and the radius is then negative. A triangle's radius is its record's: 0 on a face of the model.
 //
-// A sphere stands for a flat patch through its centre: where the normal is known, point and distance are those
-// of the ray and that plane, no farther than the ray runs inside the sphere and than SLACK tolerances from its
-// entry. A photograph projected on the bulge would shift by the radius. Which sphere is nearest is decided by
-// where rays enter.
+// A sphere stands for a flat patch through its centre: where the normal is known, point and distance are
+// those of the ray and that plane, no farther than the ray runs inside the sphere and than SLACK tolerances
+// from its entry. A photograph projected on the bulge would shift by the radius. Which sphere is nearest is
+// decided by where rays enter.
 //
 // Rule: a sphere whose point lies less than tolerance_m behind the nearest triangle's plane wins over it
-// (measured along the triangle's normal, at most SLACK tolerances along the ray); a nearer one wins anyway. The
-// rule looks at this ray alone, so nothing flickers.
+// (measured along the triangle's normal, at most SLACK tolerances along the ray); a nearer one wins anyway.
+// The rule looks at this ray alone, so nothing flickers.
 //
 // Defines: VW (1). Edges: an empty tree, rays that begin inside a sphere (it is ignored), two-sided
 // triangles. Cost: per ray about 100 bytes read and 40 written, 300 flops per level of the tree shared by the
@@ -30,8 +30,8 @@
 #include "lib/camera.h"
 #include "shared/params_ray_cast.h"
 
-// Tolerances along the ray within which a splat and a face compete: the tolerance holds across the face, whose
-// cosine counts as no less than 1 / SLACK.
+// Tolerances along the ray within which a splat and a face compete: the tolerance holds across the face,
+// whose cosine counts as no less than 1 / SLACK.
 #define SLACK 10.0f
 
 static inline float3 ray_direction(const RayCastParams* params, global const float* directions, uint2 at) {
@@ -78,8 +78,7 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
   const float3 origin = vload3(0, params.camera.centre);
   const PacketRays rays = bvh_rays(origin, LOAD_LANES(x), LOAD_LANES(y), LOAD_LANES(z));
   const float slack = SLACK * params.tolerance_m;
-  const PacketHit hit = bvh_nearest(&rays, nodes, triangles, spheres, params.root, LOAD_LANES(limit),
-                                    slack);
+  const PacketHit hit = bvh_nearest(&rays, nodes, triangles, spheres, params.root, LOAD_LANES(limit), slack);
   float t_triangle[VW], t_sphere[VW];
   uint triangle[VW], sphere[VW];
   STORE_LANES(hit.t_triangle, t_triangle);

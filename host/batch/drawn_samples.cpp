@@ -60,7 +60,8 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
     parallel_for(
         product.image.count(),
         [&](std::size_t i) {
-          if (product.decimation.fate[i] <= stages::kDiscarded || product.stray[i] != stages::kNotStray) return;
+          if (product.decimation.fate[i] <= stages::kDiscarded || product.stray[i] != stages::kNotStray)
+            return;
           if (product.contour_faces.covered[i]) return;
           if (!to_contour.empty() && to_contour[i] <= near) return;
           const bool planar = product.segmentation.sample_label[i] != 0;

@@ -23,11 +23,11 @@ struct ScanProduct {
   PlaneSegmentation segmentation;
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
   stages::Decimation decimation;
-  std::vector<std::uint8_t> stray;       // per node: stages::Stray
-  stages::ContourFaces contour_faces;    // after registration: what no proxy face explains
-  std::vector<std::uint8_t> drawn;       // per node: stages::Drawn; after registration
-  double sigma_m = 0;                 // range noise used
-  std::optional<Pose> recorded_pose;  // as the file gave it
+  std::vector<std::uint8_t> stray;     // per node: stages::Stray
+  stages::ContourFaces contour_faces;  // after registration: what no proxy face explains
+  std::vector<std::uint8_t> drawn;     // per node: stages::Drawn; after registration
+  double sigma_m = 0;                  // range noise used
+  std::optional<Pose> recorded_pose;   // as the file gave it
   std::vector<std::string> notes;
 };
 

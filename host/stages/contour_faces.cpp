@@ -98,8 +98,8 @@ bool inside(const FlatRing& ring, const RingVertex& p) {
   const auto& v = ring.vertices;
   for (std::size_t i = 0, j = v.size() - 1; i < v.size(); j = i++) {
     if ((v[i].y > p.y) == (v[j].y > p.y)) continue;
-    const double x = static_cast<double>(v[j].x - v[i].x) * (static_cast<double>(p.y - v[i].y) /
-                                                             static_cast<double>(v[j].y - v[i].y));
+    const double x = static_cast<double>(v[j].x - v[i].x) *
+                     (static_cast<double>(p.y - v[i].y) / static_cast<double>(v[j].y - v[i].y));
     odd ^= static_cast<double>(p.x - v[i].x) < x;
   }
   return odd;
@@ -240,8 +240,9 @@ struct Judge {
     for (int r = 0; r < height; ++r)
       for (int c = 0; c < width; ++c) {
         const std::size_t i = image.index(e.row0 + r, e.col0 + c);
-        const bool met_here = in[static_cast<std::size_t>(r) * static_cast<std::size_t>(width) +
-                                 static_cast<std::size_t>(c)] != 0;
+        const bool met_here =
+            in[static_cast<std::size_t>(r) * static_cast<std::size_t>(width) + static_cast<std::size_t>(c)] !=
+            0;
         if (image.mask[i] == kMeasured && segmentation.sample_label[i] == supercluster.id) {
           inside_members += met_here;
           if (beside(r, c)) stands_for.push_back(i);
@@ -251,8 +252,8 @@ struct Judge {
       }
     const auto met_members = static_cast<double>(stands_for.size());
     fit.coverage = met_members / static_cast<double>(std::max<std::int64_t>(e.samples, 1));
-    fit.seen_through =
-        static_cast<double>(through) / static_cast<double>(std::max<std::int64_t>(inside_members + through, 1));
+    fit.seen_through = static_cast<double>(through) /
+                       static_cast<double>(std::max<std::int64_t>(inside_members + through, 1));
     fit.polygon = fit.coverage >= options.coverage && fit.seen_through <= options.seen_through;
     if (!fit.polygon) return;
     for (const std::size_t i : stands_for) covered[i] = 1;

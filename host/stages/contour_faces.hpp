@@ -25,11 +25,11 @@ struct ContourFit {
 };
 
 struct ContourFaces {
-  PolygonModel model;                        // scan frame; one face per outer ring, with its holes
-  std::vector<std::uint32_t> supercluster;   // per face: id
-  std::vector<ContourFit> fits;              // by id
-  std::vector<std::uint8_t> covered;         // per node: 1 = sample of a supercluster, inside its polygon or
-                                             // beside it: the polygon stands for it
+  PolygonModel model;                       // scan frame; one face per outer ring, with its holes
+  std::vector<std::uint32_t> supercluster;  // per face: id
+  std::vector<ContourFit> fits;             // by id
+  std::vector<std::uint8_t> covered;        // per node: 1 = sample of a supercluster, inside its polygon or
+                                            // beside it: the polygon stands for it
 };
 
 // METHOD 4 and 10: superclusters that no proxy face explains (door leaves, recesses, jambs) as their contour

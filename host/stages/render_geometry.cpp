@@ -35,9 +35,9 @@ TriangleRecord triangle_record(const Vec3& a, const Vec3& b, const Vec3& c, std:
 void append_triangles(const PolygonModel& model, const Vec3& origin, std::uint32_t first_id, float radius_m,
                       std::vector<TriangleRecord>& records) {
   for (const Triangle& t : triangulate(model))
-    records.push_back(triangle_record(
-        model.vertices[t.vertices[0]] - origin, model.vertices[t.vertices[1]] - origin,
-        model.vertices[t.vertices[2]] - origin, first_id + t.face, radius_m));
+    records.push_back(triangle_record(model.vertices[t.vertices[0]] - origin,
+                                      model.vertices[t.vertices[1]] - origin,
+                                      model.vertices[t.vertices[2]] - origin, first_id + t.face, radius_m));
 }
 
 RayCastParams cast_params(const DeviceBvh& geometry, const CameraRecord& camera, double tolerance_m) {

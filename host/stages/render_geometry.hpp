@@ -21,7 +21,8 @@ inline constexpr std::uint32_t kMarkerId = 0x40000000u;
 // Bit of a hit's id that says contour polygon; below it the face's index in RenderScene::contours.
 inline constexpr std::uint32_t kContourId = 0x20000000u;
 
-// Bounding box of faces, contours and splats; empty for an empty scene. Its centre is the local origin on the device.
+// Bounding box of faces, contours and splats; empty for an empty scene. Its centre is the local origin on the
+// device.
 Eigen::AlignedBox3d scene_box(const RenderScene& scene);
 
 // The photograph's or view's camera relative to the local origin.

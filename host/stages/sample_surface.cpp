@@ -3,14 +3,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace hybrid::stages {
 namespace {
 
 constexpr double kLongestStretch = 3;  // of the sample spacing, at grazing incidence
-constexpr double kSteepestJump = 5;  // range difference to a neighbour of the same surface, in sample spacings
+constexpr double kSteepestJump =
+    5;                      // range difference to a neighbour of the same surface, in sample spacings
 constexpr int kWindow = 2;  // neighbours on either side that tell the normal
 constexpr double kDefaultStep_rad = 1e-3;  // of an image of one sample, which has no spacing of its own
 
@@ -50,19 +50,23 @@ Vec3 neighbour_normal(const RangeImage& image, int row, int col, double spacing_
   return solver.eigenvectors().col(0);
 }
 
-// Distance to the nearer of the two neighbours along the rows or the columns that lie on the same surface. At
-// a silhouette that is the inner one, so that the patch does not reach beyond it; half the nominal spacing
-// where there is none, as in a veil or on a wire.
+// Distance to the farther of the two neighbours along the rows or the columns, of those that lie on the same
+// surface: patches close up. At a silhouette only the inner one does, so that the patch hardly reaches beyond
+// it. Where a return is missing the next sample counts: only measured ones become patches. Half the nominal
+// spacing where there is none, as in a veil or across a wire.
 double neighbour_spacing(const RangeImage& image, int row, int col, int down, int across, double nominal_m) {
   const Vec3 centre = image.point(image.index(row, col));
-  double spacing = std::numeric_limits<double>::infinity();
+  double spacing = 0;
   for (const int side : {-1, 1})
-    if (const auto i = node(image, row + side * down, col + side * across)) {
+    for (const int steps : {side, 2 * side}) {
+      const auto i = node(image, row + steps * down, col + steps * across);
+      if (!i || image.mask[*i] != kMeasured) continue;
       const Vec3 point = image.point(*i);
-      if (std::abs(point.norm() - centre.norm()) <= kSteepestJump * nominal_m)
-        spacing = std::min(spacing, (point - centre).norm());
+      if (std::abs(point.norm() - centre.norm()) <= kSteepestJump * std::abs(steps) * nominal_m)
+        spacing = std::max(spacing, (point - centre).norm());
+      break;
     }
-  return std::isinf(spacing) ? 0.5 * nominal_m : std::min(spacing, kLongestStretch * nominal_m);
+  return spacing > 0 ? std::min(spacing, kLongestStretch * nominal_m) : 0.5 * nominal_m;
 }
 
 }  // namespace

@@ -14,14 +14,14 @@ enum Stray : std::uint8_t {
 
 // Defaults were chosen on hybrid-synth rooms of seeds 2 to 4, whose truth says which samples are mixed.
 struct StrayOptions {
-  double noise_sigmas = 4;    // ranges differ by more than this times sqrt(2) sigma: not by noise
-  double plane_sigmas = 6;    // a neighbour this near the test plane, along its ray, is on it
-  double steep = 5;           // range over arc between samples of one surface: incidence up to 79 degrees
-  double gap = 3;             // range over arc by which a mixed sample is off both its surfaces: 72 degrees
-  double planar_share = 0.41; // of the neighbours on one plane: more than the 9 of 24 that two straight
-                              // lines of samples have, a veil along an edge and the surface beside it
-  double near_share = 0.125;  // of the neighbours: 3 of 24
-  int least_neighbours = 8;   // of 24
+  double noise_sigmas = 4;     // ranges differ by more than this times sqrt(2) sigma: not by noise
+  double plane_sigmas = 6;     // a neighbour this near the test plane, along its ray, is on it
+  double steep = 5;            // range over arc between samples of one surface: incidence up to 79 degrees
+  double gap = 2;              // range over arc by which a mixed sample is off both its surfaces: 63 degrees
+  double planar_share = 0.41;  // of the neighbours on one plane: more than the 9 of 24 that two straight
+                               // lines of samples have, a veil along an edge and the surface beside it
+  double near_share = 0.125;   // of the neighbours: 3 of 24
+  int least_neighbours = 8;    // of 24
   int tile = 1024;
 };
 

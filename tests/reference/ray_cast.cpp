@@ -65,8 +65,7 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
       const Vec3 to_centre = Vec3(record.centre[0], record.centre[1], record.centre[2]) - origin;
       const double exit =
           std::min(2 * to_centre.dot(direction) - t_sphere, t_sphere + 10.0 * input.tolerance_m);
-      if (!patch.isZero())
-        t_sphere = std::clamp(patch.dot(to_centre) / patch.dot(direction), t_sphere, exit);
+      if (!patch.isZero()) t_sphere = std::clamp(patch.dot(to_centre) / patch.dot(direction), t_sphere, exit);
     }
     const bool sphere_wins =
         !std::isinf(t_sphere) && (!triangle || (t_sphere - t_triangle) * cosine <= input.tolerance_m);

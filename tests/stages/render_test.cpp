@@ -279,7 +279,8 @@ TEST(Render, a_contour_polygon_is_a_surface_of_the_scan_and_stands_in_for_its_sa
   // samples that a proxy face stands for.
   for (const double x : {2.0, 2.002}) {
     const auto base = static_cast<std::uint32_t>(scene.contours.vertices.size());
-    for (const auto& [y, z] : {std::pair{2.0, 0.8}, std::pair{3.0, 0.8}, std::pair{3.0, 2.6}, std::pair{2.0, 2.6}})
+    for (const auto& [y, z] :
+         {std::pair{2.0, 0.8}, std::pair{3.0, 0.8}, std::pair{3.0, 2.6}, std::pair{2.0, 2.6}})
       scene.contours.vertices.emplace_back(x, y, z);
     scene.contours.faces.push_back({"leaf", {base, base + 1, base + 2, base + 3}, {}});
     scene.contour_scan.push_back(static_cast<std::uint32_t>(scene.contour_scan.size()));
