@@ -14,10 +14,9 @@
 // unit: a triangle's towards the origin; a splat's own, towards its scanner; where a splat has none the
 // sphere's, and the radius is then negative. A triangle's radius is its record's: 0 on a face of the model.
 //
-// A sphere stands for a flat patch through its centre: where the normal is known, point and distance are
-// those of the ray and that plane, no farther than the ray runs inside the sphere and than SLACK tolerances
-// from its entry. A photograph projected on the bulge would shift by the radius. Which sphere is nearest is
-// decided by where rays enter.
+// A sphere with a normal stands for a flat patch, its disc across the normal: a large sphere of a sparse scan
+// would bulge out of its surface, and a photograph projected on the bulge would shift by the radius. Shadow
+// rays (blend_photos) and the tree keep to the spheres.
 //
 // Rule: a sphere whose point lies less than tolerance_m behind the nearest triangle's plane wins over it
 // (measured along the triangle's normal, at most SLACK tolerances along the ray); a nearer one wins anyway.
@@ -39,16 +38,6 @@ static inline float3 ray_direction(const RayCastParams* params, global const flo
   const float2 pixel = (float2)((float)(params->first_col + at.x) + params->offset_x,
                                 (float)(params->first_row + at.y) + params->offset_y);
   return camera_ray(&params->camera, pixel);
-}
-
-// Where the ray meets the plane through the sphere's centre, kept to the chord it cuts from the sphere; the
-// entry where there is no normal.
-static inline float patch_distance(global const SphereRecord* sphere, float3 normal, float3 origin,
-                                   float3 direction, float entry, float slack) {
-  const float3 to = vload3(0, sphere->centre) - origin;
-  const float along = dot(to, direction), slope = dot(normal, direction);
-  const float t = slope == 0.0f ? along : dot(normal, to) / slope;
-  return dot(normal, normal) == 0.0f ? entry : clamp(t, entry, min(2.0f * along - entry, entry + slack));
 }
 
 kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict nodes,
@@ -77,8 +66,8 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
   }
   const float3 origin = vload3(0, params.camera.centre);
   const PacketRays rays = bvh_rays(origin, LOAD_LANES(x), LOAD_LANES(y), LOAD_LANES(z));
-  const float slack = SLACK * params.tolerance_m;
-  const PacketHit hit = bvh_nearest(&rays, nodes, triangles, spheres, params.root, LOAD_LANES(limit), slack);
+  const PacketHit hit = bvh_nearest(&rays, nodes, triangles, spheres, sphere_surfaces, params.root,
+                                    LOAD_LANES(limit), SLACK * params.tolerance_m);
   float t_triangle[VW], t_sphere[VW];
   uint triangle[VW], sphere[VW];
   STORE_LANES(hit.t_triangle, t_triangle);
@@ -104,22 +93,17 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
       hit_id = face->id;
       radius = face->radius;
     }
-    if (sphere[lane] != BVH_EMPTY) {
-      const float3 splat_normal = vload3(0, sphere_surfaces[sphere[lane]].normal);
-      const float t_splat =
-          patch_distance(spheres + sphere[lane], splat_normal, origin, direction, t_sphere[lane], slack);
-      const float behind = (t_splat - t) * max(fabs(dot(normal, direction)), 1.0f / SLACK);
-      if (hit_id == 0u || behind <= params.tolerance_m) {
-        t = t_splat;
-        hit_id = sphere_surfaces[sphere[lane]].id;
-        normal = splat_normal;
-        radius = spheres[sphere[lane]].radius;
-        facing_known = 1;
-        if (dot(normal, normal) == 0.0f) {
-          normal = (origin + t * direction - vload3(0, spheres[sphere[lane]].centre)) / radius;
-          radius = -radius;
-          facing_known = 0;
-        }
+    const float behind = (t_sphere[lane] - t) * max(fabs(dot(normal, direction)), 1.0f / SLACK);
+    if (sphere[lane] != BVH_EMPTY && (hit_id == 0u || behind <= params.tolerance_m)) {
+      t = t_sphere[lane];
+      hit_id = sphere_surfaces[sphere[lane]].id;
+      normal = vload3(0, sphere_surfaces[sphere[lane]].normal);
+      radius = spheres[sphere[lane]].radius;
+      facing_known = 1;
+      if (dot(normal, normal) == 0.0f) {
+        normal = (origin + t * direction - vload3(0, spheres[sphere[lane]].centre)) / radius;
+        radius = -radius;
+        facing_known = 0;
       }
     }
     distance[i] = t;

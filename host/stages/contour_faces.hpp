@@ -8,8 +8,8 @@ namespace hybrid::stages {
 
 // When a supercluster's contour stands for its samples.
 struct ContourFaceOptions {
-  double unexplained_share = 0.5;  // of its samples, at least: else it is part of a proxy face
-  double coverage = 0.9;           // of its samples inside the polygon, at least
+  double unexplained_share = 0.9;  // of its samples, at least: else the polygon would lie on a proxy face
+  double coverage = 0.5;           // of its samples inside the polygon, at least; the others stay samples
   double seen_through = 0.03;      // of the rays that meet the polygon, at most, return from behind it
   double behind_sigmas = 4;        // a sample this far behind the plane, along its ray, was seen through it
   double straighten = 0.75;        // vertices this near the line of their neighbours go, in sample spacings

@@ -8,7 +8,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLongestStretch = 3;  // of the sample spacing, at grazing incidence
+constexpr double kLongestStretch = 3;  // of the sample spacing, at grazing incidence or beside a gap
 constexpr double kSteepestJump =
     5;                      // range difference to a neighbour of the same surface, in sample spacings
 constexpr int kWindow = 2;  // neighbours on either side that tell the normal

@@ -25,6 +25,22 @@ double sphere_distance(const Vec3& origin, const Vec3& direction, const SphereRe
   return entry > 0 ? entry : std::numeric_limits<double>::infinity();
 }
 
+namespace {
+
+// The disc across the normal; the sphere where there is no normal.
+double patch_distance(const Vec3& origin, const Vec3& direction, const SphereRecord& s,
+                      const SphereSurface& surface) {
+  const Vec3 normal(surface.normal[0], surface.normal[1], surface.normal[2]);
+  if (normal.isZero()) return sphere_distance(origin, direction, s);
+  const Vec3 centre(s.centre[0], s.centre[1], s.centre[2]);
+  const double t = normal.dot(centre - origin) / normal.dot(direction);
+  const bool starts_inside = (centre - origin).norm() <= s.radius;
+  const bool met = t > 0 && (origin + t * direction - centre).norm() < s.radius && !starts_inside;
+  return met ? t : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
 RayCastCase::Output RayCastCase::reference(const Input& input) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::size_t count = input.count();
@@ -43,7 +59,8 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
         triangle = &candidate;
       }
     for (std::size_t k = 0; k < input.scene.spheres.size(); ++k)
-      if (const double t = sphere_distance(origin, direction, input.scene.spheres[k]); t < t_sphere) {
+      if (const double t = patch_distance(origin, direction, input.scene.spheres[k], input.scene.surfaces[k]);
+          t < t_sphere) {
         t_sphere = t;
         sphere = k;
       }
@@ -57,16 +74,6 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
                    .normalized();
     }
     const double cosine = std::max(std::abs(normal.dot(direction)), 0.1);
-    if (!std::isinf(t_sphere)) {
-      // The flat patch the sphere stands for, where the ray meets it inside the sphere.
-      const float* known = input.scene.surfaces[sphere].normal;
-      const Vec3 patch(known[0], known[1], known[2]);
-      const auto& record = input.scene.spheres[sphere];
-      const Vec3 to_centre = Vec3(record.centre[0], record.centre[1], record.centre[2]) - origin;
-      const double exit =
-          std::min(2 * to_centre.dot(direction) - t_sphere, t_sphere + 10.0 * input.tolerance_m);
-      if (!patch.isZero()) t_sphere = std::clamp(patch.dot(to_centre) / patch.dot(direction), t_sphere, exit);
-    }
     const bool sphere_wins =
         !std::isinf(t_sphere) && (!triangle || (t_sphere - t_triangle) * cosine <= input.tolerance_m);
     const double t = sphere_wins ? t_sphere : t_triangle;
