@@ -20,8 +20,9 @@ struct PlyPoint {
   std::uint8_t stray = 0;  // stages::Stray
 };
 struct PlyContent {
-  bool intensity = false, colour = false, stray = false;
+  bool intensity = false, colour = false;
   bool double_precision = false;  // georeferenced
+  bool stray = false;
 };
 
 // Binary little-endian PLY, written by rename when complete.

@@ -311,7 +311,7 @@ TEST(Render, a_contour_polygon_is_a_surface_of_the_scan_and_stands_in_for_its_sa
       less += two.id[i] >= kContour && two.id[i] == one.id[i] && two.coverage[i] < one.coverage[i];
     EXPECT_EQ(less, 0u) << eye_x;
   }
-  request = view({2.5, 2.5, 1.8}, {0, 2.5, 1.8}, 120, 120);
+  request = view({1.5, 2.5, 1.8}, {0, 2.5, 1.8}, 120, 120);
   EXPECT_EQ(count("both", 0x80000000u, 0x80000001u), 0);
   EXPECT_GT(count("scan", 0x80000000u, 0x80000001u), 0);
 }
