@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "batch/drawn_samples.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/timing_json.hpp"
@@ -191,6 +192,14 @@ class Run {
           io::write_text(scan_folder(run_.products[i].id) / "pose.json",
                          pose_json(run_.products[i], *run_.registrations[i]).dump(1) + "\n");
       });
+    choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    if (!wants("register")) return;
+    const auto contours = world_contours(run_.products, run_.registrations);
+    const fs::path file = request_.out / "model" / "unexplained.obj";
+    if (contours.model.faces.empty())
+      fs::remove(file);  // of an earlier run
+    else
+      io::write_obj(file, contours.model);
   }
 
   void write_scans() {
