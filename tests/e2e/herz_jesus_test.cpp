@@ -91,13 +91,13 @@ TEST(HerzJesus, cameras_reproject_matched_features_and_picked_corners) {
     }
   ASSERT_GT(features.size(), 1600U);
   ASSERT_GT(corners.size(), 100U);
-  // Measured: median 0.27 px, largest 1.00; corners median 0.29, largest 1.4. The mean, 0.003 px, is what
-  // half a pixel would shift.
-  EXPECT_LT(median(features), 0.30);
+  // Measured: median 0.293 px, largest 1.006; corners 0.223 and 1.350. The mean, 0.001 px, is what half a
+  // pixel in the reader would shift.
+  EXPECT_LT(median(features), 0.31);
   EXPECT_LT(*std::max_element(features.begin(), features.end()), 1.05);
   EXPECT_LT((sum / static_cast<double>(features.size())).norm(), 0.02);
-  EXPECT_LT(median(corners), 0.5);
-  EXPECT_LT(*std::max_element(corners.begin(), corners.end()), 1.5);
+  EXPECT_LT(median(corners), 0.3);
+  EXPECT_LT(*std::max_element(corners.begin(), corners.end()), 1.4);
 }
 
 TEST(HerzJesus, proxy_lies_on_the_points_it_was_measured_from) {
