@@ -1,9 +1,8 @@
 // The low band of a photograph: Gaussian in linear light that never reaches across a visibility edge (METHOD
-// 10, dual interpolation by frequency). Two launches, along rows and then along columns; each leaves out the
-// taps whose surface is another one than the centre's and renormalises, so that what arrives in two steps has
-// crossed no edge either. Same surface: the same id (a face is planar, however steep), or distances from the
-// camera that differ by less than tolerance_m + slope * (pixels apart) * pixel_rad * distance. Sky (id 0)
-// blends with sky only.
+// 10, dual interpolation by frequency). Two launches, along rows and then along columns. Each walks from the
+// centre outwards, both ways, to the first visibility edge: two neighbouring pixels of different ids (a face
+// is planar, however steep) whose distances from the camera differ by tolerance_m + slope * pixel_rad *
+// distance or more. Sky (id 0) ends at anything else. What was walked over is renormalised.
 //
 // Mapping: one work-item per pixel.
 //
@@ -30,23 +29,29 @@ kernel void blur_photo(const BlurPhotoParams params, global const uchar* restric
   const uint stride = params.vertical ? params.width : 1u;
   const uint before = min(along, params.radius), after = min(extent - 1u - along, params.radius);
 
-  const float here = distance[centre];
-  const uint here_id = id[centre];
-  const float step = params.slope * params.pixel_rad * here;
   float4 sum = (float4)(0.0f);
-  for (uint tap = 0u; tap <= before + after; ++tap) {
-    const uint at = centre - before * stride + tap * stride;
-    const uint apart = tap > before ? tap - before : before - tap;
-    const float jump = fabs(distance[at] - here);  // NaN between two of sky, whose ids are equal
-    if (id[at] != here_id && !(jump < params.tolerance_m + step * (float)apart)) continue;
-    float3 light;
-    if (params.vertical) {
-      light = vload_half4(at, rows).xyz;
-    } else {
-      const uchar4 bytes = vload4(at, photo);
-      light = (float3)(linear[bytes.x], linear[bytes.y], linear[bytes.z]);
+  for (int side = -1; side <= 1; side += 2) {
+    const uint reach = side < 0 ? before : after;
+    uint at = centre;
+    for (uint apart = 0u; apart <= reach; ++apart) {
+      if (apart > 0u) {
+        const uint last = at;
+        at = side < 0 ? at - stride : at + stride;
+        const float limit = params.tolerance_m + params.slope * params.pixel_rad * distance[last];
+        // NaN between two of sky, whose ids are equal.
+        if (id[at] != id[last] && !(fabs(distance[at] - distance[last]) < limit)) break;
+      } else if (side > 0) {
+        continue;  // the centre counts once
+      }
+      float3 light;
+      if (params.vertical) {
+        light = vload_half4(at, rows).xyz;
+      } else {
+        const uchar4 bytes = vload4(at, photo);
+        light = (float3)(linear[bytes.x], linear[bytes.y], linear[bytes.z]);
+      }
+      sum += weights[apart] * (float4)(light, 1.0f);
     }
-    sum += weights[apart] * (float4)(light, 1.0f);
   }
   vstore_half4_rte(sum / sum.w, centre, blurred);
 }

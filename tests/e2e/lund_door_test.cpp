@@ -103,7 +103,7 @@ TEST(LundDoor, triangulated_points_lie_on_the_proxy) {
 
   const Pose world_from_photographs = pose_from_row_major(*scene.photographs->world_from_photographs);
   std::vector<double> distances;
-  for (const Vec3& point : colmap_points(scene.photographs->colmap / "points3D.txt"))
+  for (const Vec3& point : colmap_points(scene.photographs->cameras.path / "points3D.txt"))
     distances.push_back(distance_to_proxy(world_from_photographs * point, model, triangles, boxes));
   ASSERT_EQ(distances.size(), 11384u);
   std::sort(distances.begin(), distances.end());

@@ -49,17 +49,26 @@ BlurPhotoCase::Output BlurPhotoCase::reference(const Input& input) {
       for (int x = 0; x < width; ++x) {
         Vec3 sum = Vec3::Zero();
         double weight = 0;
-        const double here = input.distance[index(x, y)];
-        for (int k = -radius; k <= radius; ++k) {
-          const int u = x + k * dx, v = y + k * dy;
-          if (u < 0 || v < 0 || u >= width || v >= height) continue;
-          const double limit = input.tolerance_m + double{input.slope} * std::abs(k) * input.pixel_rad * here;
-          const bool same = input.id[index(u, v)] == input.id[index(x, y)];
-          if (!same && !(std::abs(input.distance[index(u, v)] - here) < limit)) continue;
-          const double w = std::exp(-0.5 * k * k / 16.0);
-          sum += w * image[index(u, v)];
-          weight += w;
-        }
+        for (const int side : {-1, 1})
+          for (int k = 0; k <= radius; ++k) {
+            const auto at = [&](int apart) {
+              return std::pair(x + side * apart * dx, y + side * apart * dy);
+            };
+            const auto [u, v] = at(k);
+            if (u < 0 || v < 0 || u >= width || v >= height) break;
+            if (k > 0) {
+              const auto [pu, pv] = at(k - 1);
+              const double last = input.distance[index(pu, pv)];
+              const double limit = input.tolerance_m + double{input.slope} * input.pixel_rad * last;
+              const bool same = input.id[index(u, v)] == input.id[index(pu, pv)];
+              if (!same && !(std::abs(input.distance[index(u, v)] - last) < limit)) break;
+            } else if (side == 1) {
+              continue;
+            }
+            const double w = std::exp(-0.5 * k * k / 16.0);
+            sum += w * image[index(u, v)];
+            weight += w;
+          }
         next[index(x, y)] = sum / weight;
       }
     image = next;
