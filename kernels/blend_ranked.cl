@@ -59,7 +59,7 @@ kernel void blend_ranked(const BlendRankedParams params, global const float* res
   const floatv y = surface_plane(surface, SURFACE_Y, count, index);
   const floatv z = surface_plane(surface, SURFACE_Z, count, index);
   floatv column, row;
-  camera_project(&params.camera, x, y, z, &column, &row);
+  packet_project(&params.camera, x, y, z, &column, &row);
   STORE_LANES(column, columns);
   STORE_LANES(row, rows);
   STORE_LANES(packet_feather(&params.camera, params.feather_px, column, row), feathers);

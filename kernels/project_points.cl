@@ -1,6 +1,7 @@
 // Where a photograph sees points, and the rays back from there (METHOD 10's "X projects inside the image").
-// It is lib/camera.h and nothing else: the same code that blends photographs and casts a view's rays, laid
-// open so that a reconstruction's own observations and the double-precision camera can be held against it.
+// It is lib/packet_camera.h and lib/camera.h and nothing else: the same code that blends photographs and
+// casts a view's rays, laid open so that a reconstruction's own observations and the double-precision camera
+// can be held against it.
 //
 // Mapping: one work-item per VW points; the host launches ceil(count / VW).
 //
@@ -12,6 +13,7 @@
 // read and 20 written per point, about 60 flops, and up to 20 steps of Newton's method of 60 each. Reference
 // twin: tests/reference/project_points.cpp.
 #include "lib/camera.h"
+#include "lib/packet_camera.h"
 #include "shared/params_project_points.h"
 
 kernel void project_points(const ProjectPointsParams params, global const float* restrict points,
@@ -25,7 +27,7 @@ kernel void project_points(const ProjectPointsParams params, global const float*
   }
   floatv columns, rows;
   const intv mask =
-      camera_project(&params.camera, LOAD_LANES(x), LOAD_LANES(y), LOAD_LANES(z), &columns, &rows);
+      packet_project(&params.camera, LOAD_LANES(x), LOAD_LANES(y), LOAD_LANES(z), &columns, &rows);
   float column[VW], row[VW];
   int seen[VW];
   STORE_LANES(columns, column);

@@ -63,7 +63,7 @@ kernel void rank_photos(const RankPhotosParams params, global const BvhNode* res
   packet_indices(packet_x, packet_y, params.cols, params.rows, index);
   const PacketSurface points = load_surface(surface, count, index);
   floatv column, row;
-  intv asked = camera_project(&params.camera, points.x, points.y, points.z, &column, &row);
+  intv asked = packet_project(&params.camera, points.x, points.y, points.z, &column, &row);
   const float3 centre = vload3(0, params.camera.centre);
   const PacketSight sight = packet_sight(&points, centre);
   asked &= MASK(sight.facing > 0.0f);

@@ -11,12 +11,16 @@
 // out, row-major: distance[cols * rows] along the ray, metres, +inf = nothing hit; id[cols * rows]: 0 =
 // nothing, else the primitive's (1 + face, 0x80000000 + splat); with want_surface the planes
 // surface[SURFACE_PLANES * cols * rows]: point, normal, radius; x is NaN where nothing is hit. The normal is
-// unit: a face's towards the origin; a splat's own, towards its scanner; where a splat has none the sphere's,
-// and the radius is then negative. The radius is 0 on a face.
+// unit: a triangle's towards the origin; a splat's own, towards its scanner; where a splat has none the
+// sphere's, and the radius is then negative. A triangle's radius is its record's: 0 on a face of the model.
 //
-// Rule: a sphere whose entry lies less than tolerance_m behind the nearest triangle's plane wins over it
-// (measured along the triangle's normal, at most 10 tolerances along the ray); a nearer one wins anyway. The
-// rule looks at this ray alone, so nothing flickers.
+// A sphere with a normal stands for a flat patch, its disc across the normal: a large sphere of a sparse scan
+// would bulge out of its surface, and a photograph projected on the bulge would shift by the radius. Shadow
+// rays (blend_photos) and the tree keep to the spheres.
+//
+// Rule: a sphere whose point lies less than tolerance_m behind the nearest triangle's plane wins over it
+// (measured along the triangle's normal, at most SLACK tolerances along the ray); a nearer one wins anyway.
+// The rule looks at this ray alone, so nothing flickers.
 //
 // Defines: VW (1). Edges: an empty tree, rays that begin inside a sphere (it is ignored), two-sided
 // triangles. Cost: per ray about 100 bytes read and 40 written, 300 flops per level of the tree shared by the
@@ -24,6 +28,10 @@
 #include "lib/bvh.h"
 #include "lib/camera.h"
 #include "shared/params_ray_cast.h"
+
+// Tolerances along the ray within which a splat and a face compete: the tolerance holds across the face,
+// whose cosine counts as no less than 1 / SLACK.
+#define SLACK 10.0f
 
 static inline float3 ray_direction(const RayCastParams* params, global const float* directions, uint2 at) {
   if (!params->use_camera) return vload3(at.y * params->cols + at.x, directions);
@@ -58,8 +66,8 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
   }
   const float3 origin = vload3(0, params.camera.centre);
   const PacketRays rays = bvh_rays(origin, LOAD_LANES(x), LOAD_LANES(y), LOAD_LANES(z));
-  const PacketHit hit = bvh_nearest(&rays, nodes, triangles, spheres, params.root, LOAD_LANES(limit),
-                                    10.0f * params.tolerance_m);
+  const PacketHit hit = bvh_nearest(&rays, nodes, triangles, spheres, sphere_surfaces, params.root,
+                                    LOAD_LANES(limit), SLACK * params.tolerance_m);
   float t_triangle[VW], t_sphere[VW];
   uint triangle[VW], sphere[VW];
   STORE_LANES(hit.t_triangle, t_triangle);
@@ -76,28 +84,32 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
     float3 normal = (float3)(0.0f);
     float t = INFINITY, radius = 0.0f;
     uint hit_id = 0u;
+    int facing_known = 0;
     if (triangle[lane] != BVH_EMPTY) {
       global const TriangleRecord* face = triangles + triangle[lane];
       const float3 a = vload3(0, face->a);
       normal = normalize(cross(vload3(0, face->b) - a, vload3(0, face->c) - a));
       t = t_triangle[lane];
       hit_id = face->id;
+      radius = face->radius;
     }
-    const float behind = (t_sphere[lane] - t) * max(fabs(dot(normal, direction)), 0.1f);
+    const float behind = (t_sphere[lane] - t) * max(fabs(dot(normal, direction)), 1.0f / SLACK);
     if (sphere[lane] != BVH_EMPTY && (hit_id == 0u || behind <= params.tolerance_m)) {
       t = t_sphere[lane];
       hit_id = sphere_surfaces[sphere[lane]].id;
       normal = vload3(0, sphere_surfaces[sphere[lane]].normal);
       radius = spheres[sphere[lane]].radius;
+      facing_known = 1;
       if (dot(normal, normal) == 0.0f) {
         normal = (origin + t * direction - vload3(0, spheres[sphere[lane]].centre)) / radius;
         radius = -radius;
+        facing_known = 0;
       }
     }
     distance[i] = t;
     id[i] = hit_id;
     if (!params.want_surface) continue;
-    if (radius <= 0.0f && dot(normal, direction) > 0.0f) normal = -normal;
+    if (!facing_known && dot(normal, direction) > 0.0f) normal = -normal;
     const float3 point = hit_id == 0u ? (float3)(NAN) : origin + t * direction;
     surface[SURFACE_X * count + i] = point.x;
     surface[SURFACE_Y * count + i] = point.y;

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -7,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/interrupt.hpp"
 #include "core/log.hpp"
+#include "core/suggest.hpp"
 #include "device/device_list.hpp"
 
 namespace {
@@ -22,12 +24,21 @@ void explain_exit() {
   const auto folder = hybrid::device::kernel_cache_folder();
   std::error_code code;
   const bool full = std::filesystem::space(folder, code).available < (1 << 20) && !code;
-  std::fprintf(stderr,
-               "error the OpenCL driver ended the program (its own words are above); its folder of compiled "
-               "kernels is %s%s\n",
-               folder.c_str(),
-               full ? ", whose disk is full: free space and run again, or set POCL_CACHE_DIR to another" : "");
+  std::fprintf(
+      stderr,
+      "error the OpenCL driver ended the program (its own words are above); its folder of compiled "
+      "kernels is %s%s\n",
+      folder.c_str(),
+      full ? ", whose disk is full: free space and run again, or set POCL_CACHE_DIR to another" : "");
   std::_Exit(hybrid::exit_code(full ? ErrorKind::temporary : ErrorKind::device));
+}
+
+// CLI11 would only say that a command is missing.
+void check_command(CLI::App& program, const std::string& name) {
+  std::vector<std::string_view> known;
+  for (const auto* command : program.get_subcommands({})) known.push_back(command->get_name());
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    hybrid::fail(ErrorKind::usage, "{}; --help explains them", hybrid::unknown_name("command", name, known));
 }
 
 // The command table: one line per command, one short file per command beside this one.
@@ -49,6 +60,7 @@ int run_command(int argc, char** argv) {
   app::add_info(program, code);
   app::add_devices(program, code);
   try {
+    if (argc > 1 && argv[1][0] != '-') check_command(program, argv[1]);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : exit_code(ErrorKind::usage);

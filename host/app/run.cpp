@@ -23,8 +23,11 @@ void add_run(CLI::App& program, int& exit_code) {
   const auto scene = make_scene_command(program, "run", "one scene, all its stages");
   auto only = std::make_shared<std::vector<std::string>>();
   scene.command
-      ->add_option("--only", *only, "stages whose outputs are written, among planes,register,render,report; what they need is computed "
-                   "again from the inputs, never taken from DIR; report writes the others too, since its page shows them")
+      ->add_option(
+          "--only", *only,
+          "stages whose outputs are written, among planes,register,render,report; what they need is computed "
+          "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
+          "them")
       ->delimiter(',');
   scene.command->add_flag("--leave-one-out", scene.request->leave_one_out,
                           "after the scene's views, every photograph's made from all the others, scored");

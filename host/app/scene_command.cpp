@@ -31,9 +31,8 @@ int run_scene_command(const SceneCommand& command) {
     return 0;
   }
   device::Queue queue(common.device);
-  const auto run = batch::run_scene(queue, request, [&](const batch::SceneRun& made) {
-    report::write_report(queue, made, request.out);
-  });
+  const auto run = batch::run_scene(
+      queue, request, [&](const batch::SceneRun& made) { report::write_report(queue, made, request.out); });
   if (common.json)
     std::cout << run.summary.dump(1) << "\n";
   else

@@ -35,9 +35,10 @@ void check_output_folder(const fs::path& out, const std::string& scene, bool for
     if (!fs::exists(file, ignored)) continue;
     const auto found = scene_in(file);
     if (!found)
-      fail_input("{}: expected a file of an earlier run, found something else; choose another --out or add "
-                 "--force to replace it",
-                 file.string());
+      fail_input(
+          "{}: expected a file of an earlier run, found something else; choose another --out or add "
+          "--force to replace it",
+          file.string());
     if (*found != scene)
       fail_input("{}: holds the results {}, not {}; choose another --out or add --force", out.string(),
                  called(*found), called(scene));

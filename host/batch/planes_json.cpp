@@ -17,6 +17,18 @@ Json json_of(const ContourRing& ring) {
   return {{"ring", ring.outer ? "outer" : "inner"}, {"points_m", points}};
 }
 
+// Superclusters that no proxy face explains; empty before registration.
+Json unexplained_json(const stages::ContourFaces& faces) {
+  Json list = Json::array();
+  for (const auto& fit : faces.fits)
+    list.push_back({{"id", fit.supercluster},
+                    {"unexplained_share", fit.unexplained_share},
+                    {"shown_as", fit.polygon ? "polygon" : "samples"},
+                    {"coverage", fit.coverage},
+                    {"seen_through", fit.seen_through}});
+  return list;
+}
+
 }  // namespace
 
 Json planes_json(const ScanProduct& product) {
@@ -48,6 +60,12 @@ Json scan_figures(const ScanProduct& product) {
   const auto masked = [&](SampleMask mask) { return std::count(image.mask.begin(), image.mask.end(), mask); };
   const auto classed = [&](SquareClass kind) { return std::count(classes.begin(), classes.end(), kind); };
   const auto fated = [&](stages::SampleFate kind) { return std::count(fate.begin(), fate.end(), kind); };
+  const auto strays = [&](stages::Stray kind) {
+    std::int64_t count = 0;
+    for (std::size_t i = 0; i < fate.size(); ++i)
+      count += fate[i] > stages::kDiscarded && product.stray[i] == kind;
+    return count;
+  };
   const auto extra = static_cast<std::int64_t>(image.extra.size());
   return {
       {"id", product.id},
@@ -77,7 +95,10 @@ Json scan_figures(const ScanProduct& product) {
           {"outliers", fated(stages::kOutlier)},
           {"undersampled_squares", fated(stages::kUndersampledSquare)},
           {"unexplained", fated(stages::kUnexplained)},
-          {"extra", extra}}}}},
+          {"extra", extra}}},
+        {"stray",
+         {{"between_surfaces", strays(stages::kBetweenSurfaces)}, {"isolated", strays(stages::kIsolated)}}}}},
+      {"unexplained_planes", unexplained_json(product.contour_faces)},
       {"notes", product.notes}};
 }
 

@@ -9,7 +9,8 @@
 
 namespace hybrid::batch {
 
-Progress::Progress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1 && log::escapes_allowed()) {}
+Progress::Progress(bool quiet)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1 && log::escapes_allowed()) {}
 
 Progress::~Progress() {
   finish();

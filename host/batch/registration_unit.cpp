@@ -69,11 +69,16 @@ WallShare wall_share(const ScanProduct& product, const Pose& world_from_scan,
   return share;
 }
 
-void give_back_unexplained(const ScanRegistration& registration, double explain_m, ScanProduct& product) {
+// METHOD 4: what no face explains keeps its samples, or is its contour polygon where that is faithful.
+void give_back_unexplained(const ScanRegistration& registration, const StageOptions& options,
+                           ScanProduct& product) {
   std::vector<std::uint8_t> explained(product.image.count());
   std::transform(registration.distance_m.begin(), registration.distance_m.end(), explained.begin(),
-                 [&](float distance) { return static_cast<std::uint8_t>(distance <= explain_m); });
+                 [&](float distance) { return static_cast<std::uint8_t>(distance <= options.explain_m); });
   stages::keep_unexplained(explained, product.decimation);
+  product.contour_faces = stages::unexplained_contours(product.image, product.segmentation, explained,
+                                                       product.stray, product.sigma_m, options.contour_faces);
+  stages::discard_covered(product.contour_faces.covered, product.decimation);
 }
 
 Json share_json(const WallShare& share) {
@@ -118,7 +123,7 @@ ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry,
   result.wall_before = wall_share(product, result.start, distances(result.start));
   result.distance_m = distances(result.world_from_scan());
   result.wall_after = wall_share(product, result.world_from_scan(), result.distance_m);
-  give_back_unexplained(result, options.explain_m, product);
+  give_back_unexplained(result, options, product);
   return result;
 }
 

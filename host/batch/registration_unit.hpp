@@ -28,9 +28,9 @@ struct ScanRegistration {
 };
 
 // METHOD 5 and 6: landmarks (or the scene's pose) give the start, ICP on the planes the result; a pose with
-// fixed = true is final. Then marks the planar samples that a proxy face explains and gives the others back
-// (METHOD 4): product.decimation changes. Throws ErrorKind::input when neither landmarks nor a pose are
-// given.
+// fixed = true is final. Then marks the planar samples that a proxy face explains, turns superclusters
+// without a face into their contour polygons and gives the other samples back (METHOD 4): product.decimation
+// and contour_faces change. Throws ErrorKind::input when neither landmarks nor a pose are given.
 ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
                                const StageOptions& options, ScanProduct& product, Progress& progress);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "batch/drawn_samples.hpp"
 #include "core/log.hpp"
 #include "geometry/colour.hpp"
 #include "io/exr.hpp"
@@ -150,15 +151,15 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
   scene.proxy = model;
   scene.photographs = photographs.cameras;
   scene.photograph_pixels = photographs.pixels;
+  auto contours = world_contours(products, registrations);
+  scene.contours = std::move(contours.model);
+  scene.contour_scan = std::move(contours.scan);
   for (std::size_t i = 0; i < products.size(); ++i) {
     if (!registrations[i]) continue;
     const auto& product = products[i];
-    std::vector<std::uint8_t> keep(product.image.count());
-    std::transform(product.decimation.fate.begin(), product.decimation.fate.end(), keep.begin(),
-                   [](std::uint8_t fate) { return static_cast<std::uint8_t>(fate > stages::kDiscarded); });
     const auto splats =
-        stages::make_splats(product.image, product.segmentation, keep, registrations[i]->world_from_scan(),
-                            static_cast<std::uint32_t>(i));
+        stages::make_splats(product.image, product.segmentation, product.drawn,
+                            registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i));
     scene.splats.insert(scene.splats.end(), splats.begin(), splats.end());
   }
   return scene;

@@ -21,7 +21,8 @@ std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photogr
                                                     const std::vector<Photograph>& cameras);
 PhotographSet read_photographs(const io::SceneFile::Photographs& section);
 
-// Proxy, retained samples of all registered scans as splats, photographs (METHOD 10).
+// Proxy, contour polygons and retained samples of all registered scans (as splats), photographs (METHOD 10).
+// Needs products[].drawn (choose_drawn_samples).
 stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
                                        const std::vector<std::optional<ScanRegistration>>& registrations,
                                        const PhotographSet& photographs);

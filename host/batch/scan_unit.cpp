@@ -78,6 +78,8 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
   progress.step("decimate", unit);
   product.decimation =
       stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
+  product.stray = stages::find_stray_samples(queue, product.image, product.segmentation.sample_label,
+                                             product.sigma_m, options.stray);
   return product;
 }
 
@@ -98,6 +100,7 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
   io::PlyContent content;
   content.intensity = !scan.intensity.empty();
   content.colour = colours != nullptr || !scan.rgb.empty();
+  content.stray = true;
   content.double_precision = !scan.origin.isZero();
   std::vector<io::PlyPoint> points;
   const auto add = [&](std::uint32_t source, io::PlyPoint point) {
@@ -109,6 +112,7 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
     if (product.decimation.fate[i] <= stages::kDiscarded) continue;
     const std::uint32_t source = image.source[i];
     auto point = detail_point(scan.point(source));
+    point.stray = product.stray[i];
     if (colours)
       for (std::size_t channel = 0; channel < 3; ++channel)
         point.rgb[channel] = srgb_byte_from_linear(colours->colour.pixels[3 * i + channel]);

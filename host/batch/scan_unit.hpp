@@ -9,6 +9,8 @@
 #include "device/queue.hpp"
 #include "geometry/image.hpp"
 #include "geometry/scan.hpp"
+#include "stages/contour_faces.hpp"
+#include "stages/stray_samples.hpp"
 
 namespace hybrid::batch {
 
@@ -21,12 +23,16 @@ struct ScanProduct {
   PlaneSegmentation segmentation;
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
   stages::Decimation decimation;
-  double sigma_m = 0;                 // range noise used
-  std::optional<Pose> recorded_pose;  // as the file gave it
+  std::vector<std::uint8_t> stray;     // per node: stages::Stray
+  stages::ContourFaces contour_faces;  // after registration: what no proxy face explains
+  std::vector<std::uint8_t> drawn;     // per node: stages::Drawn; after registration
+  double sigma_m = 0;                  // range noise used
+  std::optional<Pose> recorded_pose;   // as the file gave it
   std::vector<std::string> notes;
 };
 
-// METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation.
+// METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
+// for no surface.
 ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
                          const StageOptions& options, Progress& progress);
 
@@ -38,7 +44,7 @@ using NodeColours = stages::Renderer::ColouredRange;
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
                          const std::map<std::string, std::string>& attributes);
 // scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours
-// when given.
+// when given. The property `stray` says why a sample is not drawn (stages::Stray), 0 for the others.
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
                   const NodeColours* colours);
 // scans/<id>/colour.exr.

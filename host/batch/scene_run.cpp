@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "batch/drawn_samples.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/timing_json.hpp"
@@ -150,15 +151,15 @@ class Run {
     std::vector<Scan> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      scans = io::read_scans(entry.file);
+      auto read = io::read_scans(entry.file);
       add_input(entry.file);
-      if (!entry.index) return;
-      if (*entry.index < 0 || static_cast<std::size_t>(*entry.index) >= scans.size())
+      if (entry.index && static_cast<std::size_t>(*entry.index) >= read.size())
         fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index,
-                   scans.size());
-      Scan chosen = std::move(scans[static_cast<std::size_t>(*entry.index)]);
-      scans.clear();
-      scans.push_back(std::move(chosen));
+                   read.size());
+      if (entry.index)
+        scans.push_back(std::move(read[static_cast<std::size_t>(*entry.index)]));
+      else
+        scans = std::move(read);
     });
     for (std::size_t i = 0; i < scans.size(); ++i) {
       process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry,
@@ -191,6 +192,14 @@ class Run {
           io::write_text(scan_folder(run_.products[i].id) / "pose.json",
                          pose_json(run_.products[i], *run_.registrations[i]).dump(1) + "\n");
       });
+    choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    if (!wants("register")) return;
+    const auto contours = world_contours(run_.products, run_.registrations);
+    const fs::path file = request_.out / "model" / "unexplained.obj";
+    if (contours.model.faces.empty())
+      fs::remove(file);  // of an earlier run
+    else
+      io::write_obj(file, contours.model);
   }
 
   void write_scans() {
@@ -282,7 +291,6 @@ class Run {
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
-
   }
 
   // summary.json last: where it is, everything else is.
@@ -323,8 +331,9 @@ std::string describe_run(const RunRequest& request) {
   auto stages = request.stages;
   StageOptions options;
   const auto scene = read_scene(request, stages, options);
-  std::string text = fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name,
-                                 scene.scans.size(), scene.views.size(), fmt::join(stages, ", "), request.out.string());
+  std::string text =
+      fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name, scene.scans.size(),
+                  scene.views.size(), fmt::join(stages, ", "), request.out.string());
   const auto line = [&](const char* what, const fs::path& file) {
     io::check_readable(file);
     text += fmt::format("  {} {}\n", what, file.string());

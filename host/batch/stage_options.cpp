@@ -116,7 +116,7 @@ Json describe_table(const T& options, const std::vector<OptionRow<T>>& table) {
 }  // namespace
 
 void StageOptions::set_tile(int tile) {
-  resample.tile = squares.tile = superclusters.tile = contours.tile = decimate.tile = tile;
+  resample.tile = squares.tile = superclusters.tile = contours.tile = decimate.tile = stray.tile = tile;
 }
 
 void StageOptions::set_seed(int seed) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "io/scene_file.hpp"
+#include "stages/contour_faces.hpp"
 #include "stages/contours.hpp"
 #include "stages/decimate.hpp"
 #include "stages/icp.hpp"
@@ -11,6 +12,7 @@
 #include "stages/render.hpp"
 #include "stages/resample.hpp"
 #include "stages/square_planes.hpp"
+#include "stages/stray_samples.hpp"
 #include "stages/superclusters.hpp"
 
 namespace hybrid::batch {
@@ -24,6 +26,8 @@ struct StageOptions {
   stages::SuperclusterOptions superclusters;
   stages::ContourOptions contours;
   stages::DecimateOptions decimate;
+  stages::StrayOptions stray;
+  stages::ContourFaceOptions contour_faces;
   stages::LandmarkOptions landmarks;
   stages::IcpOptions icp;
   double explain_m = 0.05;  // a planar sample within this of a compatible face is explained by it

@@ -58,7 +58,9 @@ cl_kernel build_kernel(cl_context context, const DeviceInfo& device, const std::
   if (code != CL_SUCCESS) {
     const std::string log = build_log(program, device.id);
     clReleaseProgram(program);
-    fail(ErrorKind::device, "OpenCL: build kernel {} with '{}': error {}\n{}", name, options, code, log);
+    fail(ErrorKind::device,
+         "OpenCL: build kernel {} with '{}': error {} (PoCL: also when it cannot write to {})\n{}", name,
+         options, code, kernel_cache_folder().string(), log);
   }
   cl_kernel kernel = clCreateKernel(program, name.c_str(), &code);
   clReleaseProgram(program);  // the kernel keeps it alive

@@ -14,7 +14,7 @@ CameraFile read_colmap(const fs::path& folder) {
   const bool text = has("cameras.txt") || has("images.txt");
   const bool binary = has("cameras.bin") && has("images.bin");
   CameraFile result;
-  if (binary || (has("cameras.bin") && !text)) {
+  if (binary || (!text && (has("cameras.bin") || has("images.bin")))) {
     result = read_colmap_binary(folder);
     if (text) result.notes.push_back("the binary model was read; there is a text model beside it");
   } else {

@@ -5,7 +5,7 @@
 #include "core/error.hpp"
 #include "io/colmap.hpp"
 #include "io/colmap_model.hpp"
-#include "io/mapped_file.hpp"
+#include "io/input_file.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
@@ -19,18 +19,16 @@ constexpr std::uint64_t kCameraBytes = 24, kImageBytes = 4 + 7 * 8 + 4 + 2 + 8, 
 // Takes values off the front of a file, with errors that name file, byte and field.
 class ByteReader {
  public:
-  explicit ByteReader(const MappedFile& file) : file_(file), rest_(file.bytes()) {}
+  explicit ByteReader(const fs::path& file) : file_(file) {}
 
-  std::string place() const {
-    return fmt::format("{}: byte {}", file_.name(), file_.bytes().size() - rest_.size());
-  }
+  std::string place() const { return fmt::format("{}: byte {}", file_.name(), at_); }
   template <typename T>
   T take(std::string_view field) {
-    if (rest_.size() < sizeof(T))
+    if (left() < sizeof(T))
       fail_input("{}: expected {}, found the end of the file: cut short?", place(), field);
     T value;
-    std::memcpy(&value, rest_.data(), sizeof(T));
-    rest_.remove_prefix(sizeof(T));
+    std::memcpy(&value, file_.at(at_, sizeof(T)), sizeof(T));
+    at_ += sizeof(T);
     return value;
   }
   double number(std::string_view field) {
@@ -40,35 +38,37 @@ class ByteReader {
     return value;
   }
   std::uint64_t count(const char* records, std::uint64_t least_bytes) {
-    const std::string before = place();
+    const std::string before = fmt::format("byte {}", at_);
     const auto value = take<std::uint64_t>(records);
-    check_count_fits(file_.name(), before.substr(file_.name().size() + 2), records, value, least_bytes,
-                     rest_.size());
+    check_count_fits(file_.name(), before, records, value, least_bytes, left());
     return value;
   }
-  std::string_view text(std::string_view field) {  // up to a zero byte
-    const std::size_t end = rest_.find('\0');
-    if (end == std::string_view::npos)
-      fail_input("{}: expected {}, found no end of it: cut short?", place(), field);
-    const std::string_view value = rest_.substr(0, end);
-    rest_.remove_prefix(end + 1);
-    return value;
+  std::string text(std::string_view field) {  // up to a zero byte
+    const std::string before = place();
+    std::string value;
+    while (left() > 0) {
+      const char letter = *file_.at(at_++, 1);
+      if (letter == '\0') return value;
+      value += letter;
+    }
+    fail_input("{}: expected {}, found no end of it: cut short?", before, field);
   }
-  void skip(std::uint64_t bytes) { rest_.remove_prefix(bytes); }  // which are there
+  void skip(std::uint64_t bytes) { at_ += bytes; }  // which are there
   void expect_end(const char* records, std::uint64_t count) const {
-    if (!rest_.empty())
+    if (left() > 0)
       fail_input("{}: expected the end after {} {}, found {} bytes more; the count is wrong", place(), count,
-                 records, rest_.size());
+                 records, left());
   }
 
  private:
-  const MappedFile& file_;
-  std::string_view rest_;
+  std::uint64_t left() const { return file_.size() - at_; }
+
+  InputFile file_;
+  std::uint64_t at_ = 0;
 };
 
 void read_cameras_bin(const fs::path& file, ColmapCollector& model) {
-  const MappedFile mapped(file);
-  ByteReader bytes(mapped);
+  ByteReader bytes(file);
   const std::uint64_t count = bytes.count("cameras", kCameraBytes);
   if (count == 0) fail_input("{}: expected at least one camera, found none", bytes.place());
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -88,8 +88,7 @@ void read_cameras_bin(const fs::path& file, ColmapCollector& model) {
 }
 
 void read_images_bin(const fs::path& file, ColmapCollector& model) {
-  const MappedFile mapped(file);
-  ByteReader bytes(mapped);
+  ByteReader bytes(file);
   const std::uint64_t count = bytes.count("images", kImageBytes);
   if (count == 0) fail_input("{}: expected at least one image, found none", bytes.place());
   for (std::uint64_t i = 0; i < count; ++i) {

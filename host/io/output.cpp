@@ -157,7 +157,8 @@ void check_readable(const fs::path& file) {
     fail_input("{}: no such file; check the path", file.string());
   if (code) fail_input("{}: cannot be found ({}); check the path", file.string(), code.message());
   if (!fs::is_regular_file(status))
-    fail_input("{}: expected a file, found {}; give a regular file", file.string(), kind_of(status));
+    fail_input("{}: expected a regular file, found {}; save it to a file first", file.string(),
+               kind_of(status));
   if (access(file.c_str(), R_OK) != 0)
     fail_input("{}: cannot be read ({}); change its permissions", file.string(), std::strerror(errno));
 }

@@ -32,8 +32,8 @@ class OutputFile {
 
   std::filesystem::path file_;
   int descriptor_ = -1;
-  int failure_ = 0;             // errno of the first failure
-  std::uint64_t flushed_ = 0;   // position in the file of buffer_'s first byte
+  int failure_ = 0;            // errno of the first failure
+  std::uint64_t flushed_ = 0;  // position in the file of buffer_'s first byte
   std::vector<char> buffer_;
 };
 

@@ -17,10 +17,12 @@ struct PlyPoint {
   std::array<double, 3> position{};
   float intensity = 0;
   std::array<std::uint8_t, 3> rgb{};
+  std::uint8_t stray = 0;  // stages::Stray
 };
 struct PlyContent {
   bool intensity = false, colour = false;
   bool double_precision = false;  // georeferenced
+  bool stray = false;
 };
 
 // Binary little-endian PLY, written by rename when complete.

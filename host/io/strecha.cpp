@@ -10,6 +10,8 @@ namespace hybrid::io {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr double kCentreOfFirstPixel = 0.5;  // in our coordinates; 0 in the file's
+
 constexpr std::string_view kExtension = ".camera";
 
 std::vector<fs::path> camera_files(const fs::path& folder) {
@@ -48,7 +50,7 @@ Photograph read_strecha_camera(const fs::path& file) {
   const Mat3 k = text.matrix("K");
   check_calibration(text.place(), k);
   camera.fx = k(0, 0), camera.fy = k(1, 1);
-  camera.cx = k(0, 2), camera.cy = k(1, 2);
+  camera.cx = k(0, 2) + kCentreOfFirstPixel, camera.cy = k(1, 2) + kCentreOfFirstPixel;
   check_focal_length(text.place(), camera);
   if (const Vec3 distortion = text.row("the distortion's 3 numbers"); !distortion.isZero(0))
     fail_input(

@@ -19,6 +19,7 @@ std::string header(std::size_t count, const PlyContent& content) {
       count, real, real, real);
   if (content.intensity) text += "property float intensity\n";
   if (content.colour) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (content.stray) text += "property uchar stray\n";
   return text + "end_header\n";
 }
 
@@ -38,6 +39,7 @@ void append_point(std::string& bytes, const PlyPoint& point, const PlyContent& c
   }
   if (content.intensity) append(bytes, point.intensity);
   if (content.colour) append(bytes, point.rgb);
+  if (content.stray) append(bytes, point.stray);
 }
 
 }  // namespace

@@ -13,11 +13,35 @@ namespace {
 void keep_fronts(const Vec3& eye, stages::RenderScene& scene) {
   std::erase_if(scene.proxy.faces,
                 [&](const Face& face) { return face_plane(scene.proxy, face).distance(eye) < 0; });
+  std::vector<std::uint32_t> scans;
+  std::vector<Face> contours;
+  for (std::size_t i = 0; i < scene.contours.faces.size(); ++i) {
+    if (face_plane(scene.contours, scene.contours.faces[i]).distance(eye) < 0) continue;
+    scans.push_back(scene.contour_scan[i]);
+    contours.push_back(scene.contours.faces[i]);
+  }
+  scene.contours.faces = std::move(contours);
+  scene.contour_scan = std::move(scans);
   std::erase_if(scene.splats, [&](const stages::Splat& splat) {
     const Vec3 normal(splat.normal[0], splat.normal[1], splat.normal[2]);
     const Vec3 centre(splat.centre_m[0], splat.centre_m[1], splat.centre_m[2]);
     return normal.dot(eye - centre) < 0;
   });
+}
+
+// All corners of the box lie in the picture, a twentieth of its height from the border.
+bool holds(const Photograph& view, const Eigen::AlignedBox3d& box) {
+  const double margin = 0.05 * view.camera.height;
+  for (const auto corner : {Eigen::AlignedBox3d::BottomLeftFloor, Eigen::AlignedBox3d::BottomRightFloor,
+                            Eigen::AlignedBox3d::TopLeftFloor, Eigen::AlignedBox3d::TopRightFloor,
+                            Eigen::AlignedBox3d::BottomLeftCeil, Eigen::AlignedBox3d::BottomRightCeil,
+                            Eigen::AlignedBox3d::TopLeftCeil, Eigen::AlignedBox3d::TopRightCeil}) {
+    const auto pixel = view.camera.project(view.cam_from_world * box.corner(corner));
+    if (!pixel || pixel->x() < margin || pixel->y() < margin || pixel->x() > view.camera.width - margin ||
+        pixel->y() > view.camera.height - margin)
+      return false;
+  }
+  return true;
 }
 
 // Points of a drawing, not surfaces: sparse scans would otherwise hide the model behind large spheres.
@@ -30,11 +54,18 @@ Image8 draw(device::Queue& queue, const batch::SceneRun& run,
   request.camera = overview_camera(*run.model, 1280, 900);
   request.texture = false;
   keep_fronts(request.camera.centre(), scene);
-  for (auto& splat : scene.splats) splat.radius_m = std::min(splat.radius_m, kLargestRadius_m);
+  for (auto& splat : scene.splats) {
+    splat.radius_m = std::min(splat.radius_m, kLargestRadius_m);
+    splat.on_face = false;  // how they lie on the faces is what the figure is about
+  }
   stages::RenderOptions options;
   options.samples_per_axis = 2;
   stages::Renderer renderer(queue, scene, options);
-  return batch::to_picture(renderer.render(request).colour);
+  auto view = renderer.render(request);
+  for (std::size_t i = 0; i < view.id.size(); ++i)  // on paper
+    if (view.id[i] == 0)
+      for (std::size_t k = 0; k < 3; ++k) view.colour.pixels[3 * i + k] = 1;
+  return batch::to_picture(view.colour);
 }
 
 }  // namespace
@@ -44,9 +75,16 @@ Photograph overview_camera(const PolygonModel& model, int width, int height) {
   for (const auto& vertex : model.vertices) box.extend(vertex);
   const double fov_deg = 40;
   const Vec3 direction = Vec3(-0.45, -0.75, 0.85).normalized();
-  const double distance = 0.5 * box.diagonal().norm() / std::sin(0.5 * fov_deg * M_PI / 180);
-  return look_at(box.center() + 0.9 * distance * direction, box.center(), Vec3::UnitZ(), fov_deg, width,
-                 height);
+  const auto from = [&](double distance_m) {
+    return look_at(box.center() + distance_m * direction, box.center(), Vec3::UnitZ(), fov_deg, width,
+                   height);
+  };
+  // The nearest eye, to a percent, that sees all corners with a margin. The sphere around the box is seen
+  // from `far` in any case.
+  const double near = 0.5 * box.diagonal().norm(), far = 1.1 * near / std::sin(0.5 * fov_deg * M_PI / 180);
+  double distance_m = far;
+  while (distance_m > near && holds(from(0.99 * distance_m), box)) distance_m *= 0.99;
+  return from(distance_m);
 }
 
 void write_registration_figures(device::Queue& queue, const batch::SceneRun& run,

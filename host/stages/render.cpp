@@ -48,6 +48,7 @@ TilePixels read_tile(device::Queue& queue, const SurfaceTile& tile) {
 std::array<double, 3> plain_srgb(std::uint32_t id, const RenderScene& scene) {
   if (id & kSplatId) return pastel_srgb(scene.splats[id & ~kSplatId].scan);
   if (id & kMarkerId) return {1.0, 0.55, 0.1};
+  if (id & kContourId) return pastel_srgb(scene.contour_scan[id & ~kContourId]);
   return {0.85, 0.85, 0.85};
 }
 
@@ -275,7 +276,7 @@ RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOpt
 
 const DeviceBvh& RenderState::geometry(const std::string& show) {
   std::string built = show;
-  if (show == "both" && scene.splats.empty()) built = "proxy";
+  if (show == "both" && scene.splats.empty() && scene.contours.faces.empty()) built = "proxy";
   if (show == "both" && scene.proxy.faces.empty()) built = "scan";
   const auto found = geometries.find(built);
   if (found != geometries.end()) return found->second;

@@ -38,11 +38,14 @@ struct Splat {
   float radius_m;
   std::array<float, 3> normal;  // towards the scanner, unit; zero when unknown
   std::uint32_t scan;           // index of the scan, for plain colouring
+  bool on_face = false;         // a proxy face stands for it: drawn only where the proxy is not shown
 };
 
 // Everything a view is made of, world frame.
 struct RenderScene {
   PolygonModel proxy;
+  PolygonModel contours;                    // of superclusters that no proxy face explains (METHOD 10)
+  std::vector<std::uint32_t> contour_scan;  // per face of `contours`: index of its scan
   std::vector<Splat> splats;
   std::vector<Photograph> photographs;
   std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph
@@ -61,8 +64,9 @@ struct RenderedView {
   ImageF colour;  // linear RGB; red (1,0,0) where no photograph sees the surface; background black
   std::vector<float> depth_m;           // along the viewing axis (Z); +inf where nothing is hit
   ImageF normal;                        // world, unit, towards the viewer
-  std::vector<std::uint32_t> id;        // 0 nothing, 1 + face index, 0x80000000 + splat index, 0x40000000 +
-                                        // photograph index where `cameras` draws one
+  std::vector<std::uint32_t> id;        // 0 nothing, 1 + proxy face index, 0x80000000 + splat index,
+                                        // 0x20000000 + contour face index, 0x40000000 + photograph index
+                                        // where `cameras` draws one
   std::vector<std::uint32_t> coverage;  // number of photographs that see the pixel's surface point
   std::vector<std::int32_t> best;       // index of the heaviest photograph, -1 none
 };
@@ -91,11 +95,18 @@ class Renderer {
   std::unique_ptr<State> state_;
 };
 
-// Sphere radius per node: half the diagonal of the patch a sample stands for (r x angular step / cos
-// incidence, at most 3 r x angular step), so that neighbouring spheres close up; metres. The measured nodes
-// marked in `keep` become splats in the world frame. scan_index colours plain views.
+// How a node's sample is drawn.
+enum Drawn : std::uint8_t {
+  kNotDrawn = 0,
+  kDrawn = 1,
+  kDrawnOffFaces = 2,  // Splat::on_face
+};
+
+// Sphere radius per node as sample_surface says, so that neighbouring spheres close up; metres. The measured
+// nodes that `drawn` (Drawn, per node) does not rule out become splats in the world frame. scan_index colours
+// plain views.
 std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation& segmentation,
-                               const std::vector<std::uint8_t>& keep, const Pose& world_from_scan,
+                               const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan,
                                std::uint32_t scan_index);
 
 // Image quality against a reference photograph (METHOD, how results are scored).

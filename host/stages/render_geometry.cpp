@@ -17,22 +17,27 @@ Vec3 centre_of(const Splat& splat) {
   return {splat.centre_m[0], splat.centre_m[1], splat.centre_m[2]};
 }
 
-TriangleRecord triangle_record(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t id) {
+// What ray_cast reports as the radius of a contour polygon: too small for any distance, but not the 0 of a
+// proxy face. Two scans' contours of one surface lie within their noise, so they must not shadow each other.
+constexpr float kContourRadius_m = 1e-6f;
+
+TriangleRecord triangle_record(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t id,
+                               float radius_m = 0) {
   TriangleRecord record{};
   store(a, record.a);
   store(b, record.b);
   store(c, record.c);
   record.id = id;
+  record.radius = radius_m;
   return record;
 }
 
-std::vector<TriangleRecord> proxy_triangles(const PolygonModel& proxy, const Vec3& origin) {
-  std::vector<TriangleRecord> records;
-  for (const Triangle& t : triangulate(proxy))
-    records.push_back(triangle_record(proxy.vertices[t.vertices[0]] - origin,
-                                      proxy.vertices[t.vertices[1]] - origin,
-                                      proxy.vertices[t.vertices[2]] - origin, 1 + t.face));
-  return records;
+void append_triangles(const PolygonModel& model, const Vec3& origin, std::uint32_t first_id, float radius_m,
+                      std::vector<TriangleRecord>& records) {
+  for (const Triangle& t : triangulate(model))
+    records.push_back(triangle_record(model.vertices[t.vertices[0]] - origin,
+                                      model.vertices[t.vertices[1]] - origin,
+                                      model.vertices[t.vertices[2]] - origin, first_id + t.face, radius_m));
 }
 
 RayCastParams cast_params(const DeviceBvh& geometry, const CameraRecord& camera, double tolerance_m) {
@@ -64,9 +69,10 @@ std::uint32_t lens_of(const Camera& camera) {
 
 Eigen::AlignedBox3d scene_box(const RenderScene& scene) {
   Eigen::AlignedBox3d box;
-  for (const Face& face : scene.proxy.faces)
-    for (std::uint32_t v : face.outer)
-      if (v < scene.proxy.vertices.size()) box.extend(scene.proxy.vertices[v]);
+  for (const PolygonModel* model : {&scene.proxy, &scene.contours})
+    for (const Face& face : model->faces)
+      for (std::uint32_t v : face.outer)
+        if (v < model->vertices.size()) box.extend(model->vertices[v]);
   for (const Splat& splat : scene.splats)
     if (const Vec3 centre = centre_of(splat); centre.allFinite()) box.extend(centre);
   return box;
@@ -102,12 +108,14 @@ DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, c
   std::vector<TriangleRecord> triangles;
   std::vector<SphereRecord> spheres;
   std::vector<SphereSurface> surfaces;
-  if (show != "scan") triangles = proxy_triangles(scene.proxy, origin);
+  if (show != "scan") append_triangles(scene.proxy, origin, 1, 0, triangles);
   if (show != "proxy") {
+    append_triangles(scene.contours, origin, kContourId, kContourRadius_m, triangles);
     spheres.reserve(scene.splats.size());
     surfaces.reserve(scene.splats.size());
     for (std::size_t i = 0; i < scene.splats.size(); ++i) {
       const Splat& splat = scene.splats[i];
+      if (show == "both" && splat.on_face) continue;
       if (!centre_of(splat).allFinite() || !(splat.radius_m > 0) || !std::isfinite(splat.radius_m)) continue;
       SphereRecord sphere{};
       store(centre_of(splat) - origin, sphere.centre);

@@ -18,7 +18,11 @@ inline constexpr std::uint32_t kSplatId = 0x80000000u;
 // Bit of a hit's id that says photograph marker (ViewRequest::cameras); below it the photograph's index.
 inline constexpr std::uint32_t kMarkerId = 0x40000000u;
 
-// Bounding box of faces and splats; empty for an empty scene. Its centre is the local origin on the device.
+// Bit of a hit's id that says contour polygon; below it the face's index in RenderScene::contours.
+inline constexpr std::uint32_t kContourId = 0x20000000u;
+
+// Bounding box of faces, contours and splats; empty for an empty scene. Its centre is the local origin on the
+// device.
 Eigen::AlignedBox3d scene_box(const RenderScene& scene);
 
 // The photograph's or view's camera relative to the local origin.
@@ -27,8 +31,8 @@ CameraRecord camera_record(const Photograph& photograph, const Vec3& origin);
 // Angle of one pixel at the image's centre.
 float pixel_angle_rad(const Camera& camera);
 
-// Primary and shadow geometry of what is shown ("proxy" | "scan" | "both"). Splats that are not finite or
-// have no radius are left out.
+// Primary and shadow geometry of what is shown ("proxy" | "scan" | "both"); contours and splats are of the
+// scans. Splats that are not finite or have no radius are left out, and beside the proxy those on its faces.
 DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
                                const Vec3& origin);
 

@@ -8,13 +8,9 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLongestStretch = 3;  // of a planar sample's patch at grazing incidence
-// A sample without a plane that seems to be hit at a grazing angle is mostly a mixed one, hanging in the air
-// between two surfaces: a large splat would turn it into a blob.
-constexpr double kGrazing = 0.25;  // |cos incidence|
-constexpr double kGrazingStretch = 0.5;
+constexpr double kLongestStretch = 3;  // of the sample spacing, at grazing incidence or beside a gap
 constexpr double kSteepestJump =
-    10;                     // range difference to a neighbour of the same surface, in sample spacings
+    5;                      // range difference to a neighbour of the same surface, in sample spacings
 constexpr int kWindow = 2;  // neighbours on either side that tell the normal
 constexpr double kDefaultStep_rad = 1e-3;  // of an image of one sample, which has no spacing of its own
 
@@ -54,6 +50,25 @@ Vec3 neighbour_normal(const RangeImage& image, int row, int col, double spacing_
   return solver.eigenvectors().col(0);
 }
 
+// Distance to the farther of the two neighbours along the rows or the columns, of those that lie on the same
+// surface: patches close up. At a silhouette only the inner one does, so that the patch hardly reaches beyond
+// it. Where a return is missing the next sample counts: only measured ones become patches. Half the nominal
+// spacing where there is none, as in a veil or across a wire.
+double neighbour_spacing(const RangeImage& image, int row, int col, int down, int across, double nominal_m) {
+  const Vec3 centre = image.point(image.index(row, col));
+  double spacing = 0;
+  for (const int side : {-1, 1})
+    for (const int steps : {side, 2 * side}) {
+      const auto i = node(image, row + steps * down, col + steps * across);
+      if (!i || image.mask[*i] != kMeasured) continue;
+      const Vec3 point = image.point(*i);
+      if (std::abs(point.norm() - centre.norm()) <= kSteepestJump * std::abs(steps) * nominal_m)
+        spacing = std::max(spacing, (point - centre).norm());
+      break;
+    }
+  return spacing > 0 ? std::min(spacing, kLongestStretch * nominal_m) : 0.5 * nominal_m;
+}
+
 }  // namespace
 
 SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& segmentation, int row,
@@ -73,10 +88,14 @@ SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& s
                        : neighbour_normal(image, row, col, std::max(down_m, across_m));
   const double facing = -surface.normal.dot(point) / range;
   if (facing < 0) surface.normal = -surface.normal;
-  const bool known = surface.normal != Vec3::Zero();
-  double stretch = known ? std::min(1 / std::max(std::abs(facing), 1e-9), kLongestStretch) : 1;
-  if (label == 0 && known && std::abs(facing) < kGrazing) stretch = kGrazingStretch;
-  surface.radius_m = 0.5 * std::hypot(down_m, across_m) * stretch;
+  if (label > 0) {
+    // The patch is as long as the tilt makes it in one direction only.
+    const double stretch = std::min(1 / std::max(std::abs(facing), 1e-9), kLongestStretch);
+    surface.radius_m = 0.5 * std::max(down_m, across_m) * std::hypot(stretch, 1.0);
+  } else {
+    surface.radius_m = 0.5 * std::hypot(neighbour_spacing(image, row, col, 1, 0, down_m),
+                                        neighbour_spacing(image, row, col, 0, 1, across_m));
+  }
   return surface;
 }
 

@@ -10,8 +10,9 @@ struct SampleSurface {
   double radius_m = 0;         // half the patch's diagonal: spheres of this radius close up
 };
 
-// Of a non-empty node. The normal is its supercluster's, else that of the neighbours around it; the
-// patch is r x angular step / cos incidence, the quotient at most 3. `segmentation` may be empty.
+// Of a non-empty node. With a supercluster: its normal, and a patch of r x angular step by r x angular step /
+// cos incidence. Without: the normal of the neighbours around it, and a patch as long as the distances to the
+// neighbours on the same surface. No side is longer than 3 r x angular step. `segmentation` may be empty.
 SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& segmentation, int row,
                              int col);
 

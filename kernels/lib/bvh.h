@@ -71,18 +71,33 @@ static inline floatv bvh_sphere(const PacketRays* rays, global const SphereRecor
   return PICK(MASK(inside2 > 0.0f) & MASK(t > 0.0f), t, (floatv)(-1.0f));
 }
 
+// Distance of the flat patch a sphere stands for: the disc through its centre across its normal; the sphere's
+// entry where it has none. Negative where the rays miss it.
+static inline floatv bvh_patch(const PacketRays* rays, global const SphereRecord* sphere,
+                               global const float* normal) {
+  const floatv entry = bvh_sphere(rays, sphere);
+  const float3 across = vload3(0, normal);
+  if (!ANY(MASK(entry > 0.0f)) || dot(across, across) == 0.0f) return entry;
+  const float3 to = vload3(0, sphere->centre) - rays->origin;
+  const floatv t =
+      dot(across, to) / (across.x * rays->x + across.y * rays->y + across.z * rays->z);  // NaN in the plane
+  const floatv x = to.x - t * rays->x, y = to.y - t * rays->y, z = to.z - t * rays->z;
+  const intv on = MASK(x * x + y * y + z * z < sphere->radius * sphere->radius) & MASK(t > 0.0f);
+  return PICK(on & MASK(entry > 0.0f), t, (floatv)(-1.0f));
+}
+
 typedef struct PacketHit {
   floatv t_triangle, t_sphere;  // the limit where there is none
   uintv triangle, sphere;       // index in its array, BVH_EMPTY = none
 } PacketHit;
 
 // Nearest triangle and nearest sphere of every ray, each no farther than `limit` (negative: the lane is
-// idle). A sphere counts up to `slack` behind the nearest triangle; farther ones may be missed, and so may
-// triangles behind the nearest sphere.
+// idle). A sphere's patch counts up to `slack` behind the nearest triangle; farther ones may be missed, and
+// so may triangles behind the nearest patch.
 static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode* nodes,
                                     global const TriangleRecord* triangles,
-                                    global const SphereRecord* spheres, uint root, floatv limit,
-                                    float slack) {
+                                    global const SphereRecord* spheres, global const SphereSurface* surfaces,
+                                    uint root, floatv limit, float slack) {
   PacketHit hit = {limit, limit, (uintv)(BVH_EMPTY), (uintv)(BVH_EMPTY)};
   floatv entered[BVH_STACK];
   uint stack[BVH_STACK];
@@ -95,7 +110,7 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
       const uint end = first + ((next >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
       if (next & BVH_SPHERES) {
         for (uint i = first; i < end; ++i) {
-          const floatv t = bvh_sphere(rays, spheres + i);
+          const floatv t = bvh_patch(rays, spheres + i, surfaces[i].normal);
           const intv closer = MASK(t > 0.0f) & (MASK(t < hit.t_sphere) |
                                                 (MASK(t == hit.t_sphere) & MASK((uintv)(i) < hit.sphere)));
           hit.t_sphere = PICK(closer, t, hit.t_sphere);

@@ -3,7 +3,7 @@
 #ifndef HYBRID_LIB_PHOTO_PACKET_H
 #define HYBRID_LIB_PHOTO_PACKET_H
 #include "lib/bvh.h"
-#include "lib/camera.h"
+#include "lib/packet_camera.h"
 #include "shared/params_ray_cast.h"
 
 // The surface points of a packet; x is NaN in lanes without one.

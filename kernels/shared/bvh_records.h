@@ -29,9 +29,9 @@ typedef struct TriangleRecord {
   float a[3];
   HYBRID_UINT id;  // what a hit reports: 1 + face index
   float b[3];
-  float pad0;
+  float radius;  // what a hit reports: 0 = a face of the model, exact; else within a scan's noise
   float c[3];
-  float pad1;
+  float pad;
 } TriangleRecord;
 LAYOUT_CHECK(TriangleRecord, 48);
 

@@ -31,6 +31,7 @@ struct RayScene {
         t.c[k] = t.a[k] + edge(random);
       }
       t.id = 1 + static_cast<std::uint32_t>(i);
+      t.radius = i % 3 == 0 ? 1e-6f : 0.0f;
       scene.triangles.push_back(t);
     }
     for (std::size_t i = 0; i < spheres; ++i) {

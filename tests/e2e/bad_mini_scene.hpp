@@ -16,8 +16,8 @@ std::string mini_scene_text();
 // All files of a run of it, relative to the output folder.
 std::vector<std::string> mini_outputs();
 
-// One run of it, made once per process, for comparison.
-const std::filesystem::path& mini_scene();
-const std::filesystem::path& mini_result();
+// The scene and one run over it, for comparison: made by ctest's fixture (tests/CMakeLists.txt).
+std::filesystem::path mini_scene();
+std::filesystem::path mini_result();
 
 }  // namespace hybrid::e2e

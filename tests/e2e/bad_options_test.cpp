@@ -25,7 +25,8 @@ class WrongOption : public ::testing::TestWithParam<Usage> {};
 std::vector<Usage> wrong_options() {
   return {
       {"nothing", "", 2, {"subcommand", "--help"}},
-      {"unknown_command", "fly", 2, {"--help"}},
+      {"unknown_command", "fly", 2, {"unknown command \"fly\"", "run", "devices", "--help"}},
+      {"mistyped_command", "plane", 2, {"did you mean \"planes\"?"}},
       {"unknown_option", "run SCENE --out OUT --fast", 2, {"--fast", "--help"}},
       {"no_scene", "run --out OUT", 2, {"scene is required"}},
       {"no_out", "run SCENE", 2, {"--out is required"}},
@@ -35,12 +36,19 @@ std::vector<Usage> wrong_options() {
       {"threads_many", "run SCENE --out OUT --threads 1000000", 2, {"--threads 1000000", "4096"}},
       {"seed_text", "run SCENE --out OUT --seed x", 2, {"--seed", "x"}},
       {"tile_small", "run SCENE --out OUT --tile 1", 2, {"--tile", "16"}},
-      {"log_level", "run SCENE --out OUT --log-level loud", 2, {"loud", "debug, info, warning, error or off"}},
+      {"log_level",
+       "run SCENE --out OUT --log-level loud",
+       2,
+       {"loud", "debug, info, warning, error or off"}},
       {"device_99", "run SCENE --out OUT --device 99", 5, {"--device 99", "no such device", "[0]"}},
       {"device_text", "run SCENE --out OUT --device abacus", 5, {"--device abacus", "no such device", "[0]"}},
-      {"only_edit", "run SCENE --out OUT --only edit", 2,
+      {"only_edit",
+       "run SCENE --out OUT --only edit",
+       2,
        {"--only edit", "this version has no stage edit", "planes, register, render, report"}},
-      {"only_export", "run SCENE --out OUT --only planes,export", 2,
+      {"only_export",
+       "run SCENE --out OUT --only planes,export",
+       2,
        {"--only export", "this version has no stage export"}},
       {"only_unknown", "run SCENE --out OUT --only plane", 2, {"--only plane", "planes, register"}},
       {"only_empty", "run SCENE --out OUT --only ''", 2, {"--only", "planes, register"}},
@@ -57,9 +65,9 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 Outcome hybrid(const std::string& arguments, const fs::path& out, const std::string& before = "") {
-  return run(before + "hybrid " +
-             replaced(replaced(arguments, "SCENE", (mini_scene() / "scene.toml").string()), "OUT",
-                      out.string()));
+  return run(
+      before + "hybrid " +
+      replaced(replaced(arguments, "SCENE", (mini_scene() / "scene.toml").string()), "OUT", out.string()));
 }
 
 }  // namespace
@@ -102,8 +110,8 @@ TEST(Options, dry_run_writes_nothing_and_names_every_input) {
   for (const char* file : {"s.ply", "proxy.obj", "0.png", "1.png", "planes, register, render, report"})
     EXPECT_NE(outcome.out.find(file), std::string::npos) << file << "\n" << outcome.out;
   EXPECT_FALSE(fs::exists(scratch / "out"));
-  const auto planes = hybrid("planes " + (mini_scene() / "s.ply").string() + " --out OUT --dry-run",
-                             scratch / "out");
+  const auto planes =
+      hybrid("planes " + (mini_scene() / "s.ply").string() + " --out OUT --dry-run", scratch / "out");
   EXPECT_EQ(planes.exit_code, 0) << planes.err;
   EXPECT_NE(planes.out.find("s.ply"), std::string::npos);
   EXPECT_FALSE(fs::exists(scratch / "out"));
@@ -123,7 +131,8 @@ TEST(Options, quiet_leaves_stderr_empty_and_the_log_level_rules_progress) {
 TEST(Options, one_json_document_on_stdout) {
   const Scratch scratch;
   const auto outcome = hybrid("run SCENE --out OUT --only planes --json", scratch / "out");
-  EXPECT_EQ(nlohmann::json::parse(outcome.out), nlohmann::json::parse(io::read_text(scratch / "out/summary.json")));
+  EXPECT_EQ(nlohmann::json::parse(outcome.out),
+            nlohmann::json::parse(io::read_text(scratch / "out/summary.json")));
   EXPECT_EQ(hybrid("run /nowhere.toml --out OUT --json", scratch / "d").out, "");
 }
 
@@ -181,7 +190,9 @@ TEST(Options, only_writes_the_stages_named) {
 
 TEST(Options, planes_has_the_same_timing_file_as_a_scene) {
   const Scratch scratch;
-  EXPECT_EQ(hybrid("planes " + (mini_scene() / "s.ply").string() + " --quiet --out OUT", scratch / "out").exit_code, 0);
+  EXPECT_EQ(
+      hybrid("planes " + (mini_scene() / "s.ply").string() + " --quiet --out OUT", scratch / "out").exit_code,
+      0);
   const auto planes = nlohmann::json::parse(io::read_text(scratch / "out/timing.json"));
   const auto scene = nlohmann::json::parse(io::read_text(mini_result() / "timing.json"));
   for (const auto& timing : {planes, scene}) {

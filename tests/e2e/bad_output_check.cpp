@@ -32,7 +32,8 @@ void expect_complete_files(const fs::path& out) {
 void expect_failure(const Outcome& outcome, int code, const std::vector<std::string>& parts) {
   EXPECT_EQ(outcome.exit_code, code) << outcome.err;
   for (const auto& part : parts)
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << "expected: " << part << "\nfound: " << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos)
+        << "expected: " << part << "\nfound: " << outcome.err;
 }
 
 }  // namespace hybrid::e2e

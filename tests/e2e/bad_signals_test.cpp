@@ -1,5 +1,5 @@
-// SIGTERM, SIGINT and SIGHUP in every stage: exit code 130, complete files stay, no other does. kill -9 in the
-// middle of a write: the next run gives the same bytes and clears away what was left.
+// SIGTERM, SIGINT and SIGHUP in every stage: exit code 130, complete files stay, no other does. kill -9 in
+// the middle of a write: the next run gives the same bytes and clears away what was left.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -27,22 +27,22 @@ class Interrupted : public ::testing::TestWithParam<Interrupt> {};
 
 std::vector<Interrupt> interrupts() {
   std::vector<Interrupt> list;
-  for (const auto& [name, prints] : std::vector<std::pair<const char*, const char*>>{
-           {"read_scene", "scene mini: read"},
-           {"read_scan", "scan s: read"},
-           {"resample", "scan s: resample"},
-           {"square_planes", "scan s: square planes"},
-           {"superclusters", "scan s: superclusters"},
-           {"contours", "scan s: contours"},
-           {"decimate", "scan s: decimate"},
-           {"landmarks", "scan s: landmarks"},
-           {"icp", "scan s: ICP"},
-           {"residuals", "scan s: residuals"},
-           {"write", "scan s: write"},
-           {"render", "view front: render"},
-           {"leave_one_out", "view left-out: render"},
-           {"colour", "scan s: colour"},
-           {"report", "scene mini: report"}})
+  for (const auto& [name, prints] :
+       std::vector<std::pair<const char*, const char*>>{{"read_scene", "scene mini: read"},
+                                                        {"read_scan", "scan s: read"},
+                                                        {"resample", "scan s: resample"},
+                                                        {"square_planes", "scan s: square planes"},
+                                                        {"superclusters", "scan s: superclusters"},
+                                                        {"contours", "scan s: contours"},
+                                                        {"decimate", "scan s: decimate"},
+                                                        {"landmarks", "scan s: landmarks"},
+                                                        {"icp", "scan s: ICP"},
+                                                        {"residuals", "scan s: residuals"},
+                                                        {"write", "scan s: write"},
+                                                        {"render", "view front: render"},
+                                                        {"leave_one_out", "view left-out: render"},
+                                                        {"colour", "scan s: colour"},
+                                                        {"report", "scene mini: report"}})
     list.push_back({name, SIGTERM, {prints, ""}});
   list.push_back({"sigint", SIGINT, {"scan s: contours", ""}});
   list.push_back({"sighup", SIGHUP, {"view front: render", ""}});
@@ -94,8 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Writers, Killed,
 TEST(Killed, an_old_summary_does_not_survive_a_run_that_did_not_end) {
   const Scratch scratch;
   fs::copy(mini_result(), scratch / "out", fs::copy_options::recursive);
-  const auto outcome =
-      run_and_signal(run_mini(scratch / "out"), {"view front: render", ""}, SIGTERM);
+  const auto outcome = run_and_signal(run_mini(scratch / "out"), {"view front: render", ""}, SIGTERM);
   if (!outcome) GTEST_SKIP() << "this machine does not allow tracing";
   EXPECT_EQ(outcome->exit_code, 130) << outcome->err;
   EXPECT_FALSE(fs::exists(scratch / "out/summary.json"));

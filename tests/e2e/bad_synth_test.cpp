@@ -55,8 +55,7 @@ TEST(BadSynth, an_output_folder_that_cannot_be) {
   const Scratch scratch;
   io::write_text(scratch / "file", "mine");
   for (const char* out : {"file", "file/below"}) {
-    const auto outcome =
-        run("timeout 60 hybrid-synth room --preset tiny --out " + (scratch / out).string());
+    const auto outcome = run("timeout 60 hybrid-synth room --preset tiny --out " + (scratch / out).string());
     expect_failure(outcome, 1, {(scratch / out).string(), "Give another --out"});
   }
   EXPECT_EQ(io::read_text(scratch / "file"), "mine");

@@ -38,7 +38,7 @@ class Case {
     const fs::path path = write(bytes);
     std::string message = expect_error(path);
     static const std::regex place(
-        R"(:\d+: |: line \d|: lines \d|: byte \d| at line \d+| parsing '|: scan \w+: |: header: |: tiles: |: content: |FIELDS: |pixels|no picture)");
+        R"(:\d+: |: line \d|: lines \d|: byte \d| at line \d+| parsing '|: scan \w+: |: header: |: tiles: |: content: |FIELDS: |frames\[\d+\]: |pixels|no picture)");
     EXPECT_TRUE(std::regex_search(message, place)) << message;
     EXPECT_TRUE(
         std::regex_search(message, std::regex("expected|found|empty|occurs|cut short|not|no picture")))

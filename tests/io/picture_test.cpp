@@ -101,7 +101,7 @@ TEST(picture, sixteen_bits_are_rounded_to_eight) {
 TEST(picture, floating_point_is_linear_light) {
   const TemporaryFolder folder;
   for (const char* name : {"a.exr", "a.tif"})
-    for (const auto type : {OIIO::TypeFloat, OIIO::TypeHalf}) {
+    for (const auto& type : {OIIO::TypeFloat, OIIO::TypeHalf}) {
       if (type == OIIO::TypeHalf && std::string(name) == "a.tif") continue;  // TIFF knows no half
       SCOPED_TRACE(name);
       const auto file = write_with_oiio<float>(

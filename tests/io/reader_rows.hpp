@@ -14,6 +14,7 @@ namespace hybrid::testing {
 // The rows of reader_table(), by kind.
 std::vector<ReaderRow> scan_reader_rows();
 std::vector<ReaderRow> text_reader_rows();
+std::vector<ReaderRow> camera_reader_rows();
 std::vector<ReaderRow> image_reader_rows();
 
 // What rows are made of: a file that is always the same, files beside it, values told in text.

@@ -1,4 +1,3 @@
-#include "io/colmap.hpp"
 #include "io/obj.hpp"
 #include "io/reader_rows.hpp"
 #include "io/scene_file.hpp"
@@ -31,53 +30,6 @@ ReaderRow obj_row() {
   return row;
 }
 
-// COLMAP text.
-
-const std::string kCameras =
-    "1 OPENCV 1296 1936 2435.38 2435.38 648.25 968.25 -0.0336422 0.0012345 0.00012345 0.0001\n";
-const std::string kImages =
-    "1 0.983789 0.00113517 0.176825 -0.0298644 -7.60712 0.428157 2.75243 1 folder/a long name with "
-    "blanks.jpg\n\n";
-
-ReaderRow colmap_cameras_row() {
-  ReaderRow row{.name = "colmap_cameras", .file = "cameras.txt", .good = fixed_file(kCameras)};
-  row.read = [](const fs::path& file) {
-    std::string text;
-    for (const io::ColmapCamera& camera : io::read_colmap_cameras(file.parent_path()))
-      text += fmt::format("{} {} {} {} {} {} {}\n", camera.id, camera.model, camera.camera.width,
-                          camera.camera.height, camera.camera.fx, camera.camera.k1, camera.camera.p2);
-    return text;
-  };
-  row.free_name = false;
-  row.text = true;
-  row.counts_too_high = {{" OPENCV ", " FULL_OPENCV "}};
-  row.counts_too_low = {{" OPENCV ", " RADIAL "}};
-  row.absurd_sizes = {{"1296 1936", "2000000000 2000000000"}, {"1296 1936", "-1296 1936"}};
-  row.non_finite = {{"968.25", "nan"}, {"0.0001\n", "inf\n"}};
-  return row;
-}
-
-ReaderRow colmap_images_row() {
-  ReaderRow row{.name = "colmap_images", .file = "images.txt"};
-  row.good = [](const fs::path& folder) {
-    write_file_beside(folder / "cameras.txt", kCameras);
-    return kImages;
-  };
-  row.read = [](const fs::path& file) {
-    std::string text;
-    for (const Photograph& photograph : io::read_colmap(file.parent_path())) {
-      tell(text, photograph.name, photograph.cam_from_world.rotation.coeffs());
-      tell(text, "at", photograph.cam_from_world.translation);
-    }
-    return text;
-  };
-  row.free_name = false;
-  row.text = true;
-  row.counts_too_high = {{" 1 folder", " 2 folder"}, {"jpg\n\n", "jpg\n1 2\n"}};
-  row.non_finite = {{"-7.60712", "nan"}, {"0.983789", "inf"}};
-  return row;
-}
-
 ReaderRow scene_row() {
   ReaderRow row{.name = "scene", .file = "church hall.toml"};
   row.good = fixed_file(
@@ -103,7 +55,7 @@ ReaderRow scene_row() {
 }  // namespace
 
 std::vector<ReaderRow> text_reader_rows() {
-  return {obj_row(), colmap_cameras_row(), colmap_images_row(), scene_row()};
+  return {obj_row(), scene_row()};
 }
 
 }  // namespace hybrid::testing

@@ -9,7 +9,8 @@ namespace hybrid::testing {
 const std::vector<ReaderRow>& reader_table() {
   static const std::vector<ReaderRow> table = [] {
     std::vector<ReaderRow> rows;
-    for (const auto& part : {scan_reader_rows(), text_reader_rows(), image_reader_rows()})
+    for (const auto& part :
+         {scan_reader_rows(), text_reader_rows(), camera_reader_rows(), image_reader_rows()})
       rows.insert(rows.end(), part.begin(), part.end());
     return rows;
   }();

@@ -96,13 +96,16 @@ TEST(RayCast, a_sphere_within_the_tolerance_behind_a_face_wins_and_a_farther_one
   wall.a[0] = -9, wall.a[1] = -9, wall.b[0] = 9, wall.b[1] = -9, wall.c[1] = 9;
   wall.a[2] = wall.b[2] = wall.c[2] = 4;
   wall.id = 7;
-  for (const auto& [entry, expected] :
+  for (const auto& [depth, expected] :
        {std::pair(4.015f, 0x80000000u), std::pair(4.03f, 7u), std::pair(3.5f, 0x80000000u)}) {
     input.scene = {};
     input.scene.triangles.push_back(wall);
-    input.scene.spheres.push_back({{0, 0, entry + 0.01f}, 0.01f});
+    input.scene.spheres.push_back({{0, 0, depth}, 0.01f});
     input.scene.surfaces.push_back({{0, 0, -1}, 0x80000000u});
-    EXPECT_EQ(RayCastCase::run(queue(), input).id[0], expected) << entry;
+    const auto out = RayCastCase::run(queue(), input);
+    EXPECT_EQ(out.id[0], expected) << depth;
+    const float hit = expected == 7u ? 4.0f : depth;  // on the patch, not on the bulge
+    EXPECT_NEAR(out.distance[0], hit, 1e-6f) << depth;
   }
 }
 

@@ -27,8 +27,8 @@ Vec2 bend(const Camera& c, double x, double y) {
 bool grows_until(const Camera& radial, double r) {
   double before = 0;
   const double angle = std::atan(r);
-  for (int i = 1; i <= 200; ++i) {
-    const double now = bend(radial, std::tan(angle * i / 200), 0).x();
+  for (int i = 1; i <= 100; ++i) {
+    const double now = bend(radial, std::tan(angle * i / 100), 0).x();
     if (!(now > before)) return false;
     before = now;
   }

@@ -25,6 +25,22 @@ double sphere_distance(const Vec3& origin, const Vec3& direction, const SphereRe
   return entry > 0 ? entry : std::numeric_limits<double>::infinity();
 }
 
+namespace {
+
+// The disc across the normal; the sphere where there is no normal.
+double patch_distance(const Vec3& origin, const Vec3& direction, const SphereRecord& s,
+                      const SphereSurface& surface) {
+  const Vec3 normal(surface.normal[0], surface.normal[1], surface.normal[2]);
+  if (normal.isZero()) return sphere_distance(origin, direction, s);
+  const Vec3 centre(s.centre[0], s.centre[1], s.centre[2]);
+  const double t = normal.dot(centre - origin) / normal.dot(direction);
+  const bool starts_inside = (centre - origin).norm() <= s.radius;
+  const bool met = t > 0 && (origin + t * direction - centre).norm() < s.radius && !starts_inside;
+  return met ? t : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
 RayCastCase::Output RayCastCase::reference(const Input& input) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::size_t count = input.count();
@@ -43,7 +59,8 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
         triangle = &candidate;
       }
     for (std::size_t k = 0; k < input.scene.spheres.size(); ++k)
-      if (const double t = sphere_distance(origin, direction, input.scene.spheres[k]); t < t_sphere) {
+      if (const double t = patch_distance(origin, direction, input.scene.spheres[k], input.scene.surfaces[k]);
+          t < t_sphere) {
         t_sphere = t;
         sphere = k;
       }
@@ -61,18 +78,20 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
         !std::isinf(t_sphere) && (!triangle || (t_sphere - t_triangle) * cosine <= input.tolerance_m);
     const double t = sphere_wins ? t_sphere : t_triangle;
     const Vec3 point = origin + t * direction;
-    double radius = 0;
+    double radius = triangle ? triangle->radius : 0;
+    bool own_normal = false;
     if (sphere_wins) {
       const auto& record = input.scene.spheres[sphere];
       const float* known = input.scene.surfaces[sphere].normal;
       normal = Vec3(known[0], known[1], known[2]);
       radius = record.radius;
+      own_normal = !normal.isZero();
       if (normal.isZero()) {
         normal = (point - Vec3(record.centre[0], record.centre[1], record.centre[2])) / radius;
         radius = -radius;
       }
     }
-    if (radius <= 0 && normal.dot(direction) > 0) normal = -normal;  // a splat's own normal stays
+    if (!own_normal && normal.dot(direction) > 0) normal = -normal;  // a splat's own normal stays
     out.distance[i] = static_cast<float>(t);
     out.id[i] = sphere_wins ? input.scene.surfaces[sphere].id : triangle->id;
     for (std::size_t k = 0; k < 3; ++k) {

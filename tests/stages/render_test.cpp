@@ -295,10 +295,10 @@ TEST(Render, far_from_the_origin_the_picture_stays) {
 
 TEST(Render, samples_win_over_the_face_they_lie_on_and_show_selects) {
   RenderScene scene = room().scene;
-  // A patch of samples that begin 1 cm behind the wall x = 0, and one 10 cm behind it, hidden.
+  // A patch of samples 1 cm behind the wall x = 0, and one 10 cm behind it, hidden.
   for (int i = 0; i < 40; ++i)
     for (int k = 0; k < 40; ++k)
-      for (float x : {-0.025f, -0.1f})
+      for (float x : {-0.01f, -0.1f})
         scene.splats.push_back(
             {{x, 2 + 0.02f * static_cast<float>(i), 1 + 0.02f * static_cast<float>(k) + (x < -0.05f ? 1 : 0)},
              0.015f,
@@ -328,6 +328,50 @@ TEST(Render, samples_win_over_the_face_they_lie_on_and_show_selects) {
   std::size_t lost = 0;
   for (std::size_t i = 0; i < image.id.size(); ++i) lost += image.coverage[i] < bare.coverage[i];
   EXPECT_LT(lost, 150u);
+}
+
+TEST(Render, a_contour_polygon_is_a_surface_of_the_scan_and_stands_in_for_its_samples) {
+  RenderScene scene = room().scene;
+  const auto faces = scene.proxy.faces.size();
+  // A door leaf that the proxy lacks, in the middle of the room, as two scans measured it 2 mm apart; and
+  // samples that a proxy face stands for.
+  for (const double x : {2.0, 2.002}) {
+    const auto base = static_cast<std::uint32_t>(scene.contours.vertices.size());
+    for (const auto& [y, z] :
+         {std::pair{2.0, 0.8}, std::pair{3.0, 0.8}, std::pair{3.0, 2.6}, std::pair{2.0, 2.6}})
+      scene.contours.vertices.emplace_back(x, y, z);
+    scene.contours.faces.push_back({"leaf", {base, base + 1, base + 2, base + 3}, {}});
+    scene.contour_scan.push_back(static_cast<std::uint32_t>(scene.contour_scan.size()));
+  }
+  scene.splats.push_back({{0.005f, 2.5f, 1.8f}, 0.1f, {1, 0, 0}, 0, true});
+  ViewRequest request = view({0.6, 2.5, 1.7}, {2, 2.5, 1.7}, 120, 120);
+  const auto count = [&](const char* show, std::uint32_t first, std::uint32_t end) {
+    request.show = show;
+    const RenderedView image = render(scene, request);
+    return std::count_if(image.id.begin(), image.id.end(), [&](auto id) { return id >= first && id < end; });
+  };
+  constexpr std::uint32_t kContour = 0x20000000u;
+  EXPECT_GT(count("both", kContour, kContour + 1), 5000);  // the nearer of the two
+  EXPECT_GT(count("scan", kContour, kContour + 1), 5000);
+  EXPECT_EQ(count("proxy", kContour, kContour + 2), 0);
+  EXPECT_EQ(count("both", 1, static_cast<std::uint32_t>(faces) + 1) + count("both", kContour, kContour + 2),
+            120 * 120);  // no hole, and no splat on a face
+  // The two do not shadow each other, from either side: every pixel of a leaf is seen by as many photographs
+  // as when it hangs there alone.
+  for (const double eye_x : {0.6, 3.4}) {
+    request = view({eye_x, 2.5, 1.7}, {2, 2.5, 1.7}, 120, 120);
+    const RenderedView two = render(scene, request);
+    RenderScene alone = scene;
+    alone.contours.faces.pop_back();
+    const RenderedView one = render(alone, request);
+    std::size_t less = 0;
+    for (std::size_t i = 0; i < two.id.size(); ++i)
+      less += two.id[i] >= kContour && two.id[i] == one.id[i] && two.coverage[i] < one.coverage[i];
+    EXPECT_EQ(less, 0u) << eye_x;
+  }
+  request = view({1.5, 2.5, 1.8}, {0, 2.5, 1.8}, 120, 120);
+  EXPECT_EQ(count("both", 0x80000000u, 0x80000001u), 0);
+  EXPECT_GT(count("scan", 0x80000000u, 0x80000001u), 0);
 }
 
 TEST(Render, a_splat_takes_colour_from_the_side_it_was_scanned_from) {

@@ -1,0 +1,75 @@
+#include "batch/drawn_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+constexpr double kCompatibleDeg = 30;  // normals of a sample's plane and of a polygon it lies on
+constexpr double kNoiseSigmas = 3;     // of the difference of two scans
+
+double largest_sigma(const std::vector<ScanProduct>& products) {
+  double sigma_m = 0;
+  for (const auto& product : products) sigma_m = std::max(sigma_m, product.sigma_m);
+  return sigma_m;
+}
+
+}  // namespace
+
+WorldContours world_contours(const std::vector<ScanProduct>& products,
+                             const std::vector<std::optional<ScanRegistration>>& registrations) {
+  WorldContours all;
+  for (std::size_t i = 0; i < products.size(); ++i) {
+    if (!registrations[i]) continue;
+    const auto& own = products[i].contour_faces;
+    const auto shift = static_cast<std::uint32_t>(all.model.vertices.size());
+    for (const Vec3& vertex : own.model.vertices)
+      all.model.vertices.push_back(registrations[i]->world_from_scan() * vertex);
+    for (std::size_t k = 0; k < own.model.faces.size(); ++k) {
+      Face face = own.model.faces[k];
+      face.name = fmt::format("{}-{}", products[i].id, own.supercluster[k]);
+      for (std::uint32_t& vertex : face.outer) vertex += shift;
+      for (auto& hole : face.holes)
+        for (std::uint32_t& vertex : hole) vertex += shift;
+      all.model.faces.push_back(std::move(face));
+      all.scan.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  return all;
+}
+
+void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
+                          const std::vector<std::optional<ScanRegistration>>& registrations,
+                          std::vector<ScanProduct>& products) {
+  const WorldContours contours = world_contours(products, registrations);
+  const double worst_sigma_m = largest_sigma(products);
+  for (std::size_t p = 0; p < products.size(); ++p) {
+    if (!registrations[p]) continue;
+    auto& product = products[p];
+    const auto near = static_cast<float>(kNoiseSigmas * std::hypot(product.sigma_m, worst_sigma_m));
+    std::vector<float> to_contour;
+    if (!contours.model.faces.empty())
+      to_contour = stages::distance_to_model(queue, product.image, product.segmentation, contours.model,
+                                             registrations[p]->world_from_scan(), kCompatibleDeg,
+                                             options.decimate.tile);
+    const auto& to_face = registrations[p]->distance_m;
+    product.drawn.assign(product.image.count(), stages::kNotDrawn);
+    parallel_for(
+        product.image.count(),
+        [&](std::size_t i) {
+          if (product.decimation.fate[i] <= stages::kDiscarded || product.stray[i] != stages::kNotStray)
+            return;
+          if (product.contour_faces.covered[i]) return;
+          if (!to_contour.empty() && to_contour[i] <= near) return;
+          const bool planar = product.segmentation.sample_label[i] != 0;
+          const bool on_face = to_face[i] <= (planar ? static_cast<float>(options.explain_m) : near);
+          product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
+        },
+        1 << 14);
+  }
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,22 @@
+#pragma once
+#include "batch/registration_unit.hpp"
+
+namespace hybrid::batch {
+
+// The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>.
+struct WorldContours {
+  PolygonModel model;
+  std::vector<std::uint32_t> scan;  // per face: index of its product
+};
+WorldContours world_contours(const std::vector<ScanProduct>& products,
+                             const std::vector<std::optional<ScanRegistration>>& registrations);
+
+// Decides how the retained samples of every registered scan are drawn (METHOD 10); fills product.drawn.
+// Not drawn: stray samples, and those that lie on a contour polygon. Drawn only without the proxy: those that
+// a proxy face stands for, as it stands for the discarded interior: planar ones within explain_m of a face,
+// others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on.
+void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
+                          const std::vector<std::optional<ScanRegistration>>& registrations,
+                          std::vector<ScanProduct>& products);
+
+}  // namespace hybrid::batch
