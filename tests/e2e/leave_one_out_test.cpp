@@ -1,0 +1,58 @@
+// Every photograph of the tiny room from the others, and options given on the command line.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "io/output.hpp"
+#include "program.hpp"
+
+namespace hybrid::e2e {
+namespace {
+
+std::string scene() {
+  return (room() / "scene.toml").string();
+}
+
+}  // namespace
+
+TEST(LeaveOneOut, scores_every_photograph_and_their_mean_and_shows_the_pairs) {
+  const Scratch scratch;
+  const auto made = run("hybrid run " + scene() + " --leave-one-out --set render.weights=ulr --quiet --out " +
+                        scratch.path().string());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto document = nlohmann::json::parse(io::read_text(scratch / "summary.json"));
+  EXPECT_EQ(document["options"]["render"]["weights"], "ulr");
+  const auto& scores = document["leave_one_out"];
+  ASSERT_EQ(scores["photographs"].size(), 6u);
+  const std::string page = io::read_text(scratch / "report/index.html");
+  double psnr = 0, seen = 0;
+  for (const auto& score : scores["photographs"]) {
+    const std::string name = std::filesystem::path(score["photograph"].get<std::string>()).stem().string();
+    EXPECT_GT(score["psnr_db"], 15.0) << name;
+    EXPECT_GT(score["ssim"], 0.3) << name;
+    psnr += score["psnr_db"].get<double>() / 6;
+    seen += score["share_seen"].get<double>() / 6;
+    EXPECT_TRUE(std::filesystem::exists(scratch / ("views/leave-one-out/" + name + "-pair.png")));
+    EXPECT_NE(page.find("leave-one-out/" + name + "-pair.png"), std::string::npos);
+  }
+  EXPECT_NEAR(scores["mean"]["psnr_db"].get<double>(), psnr, 1e-9);
+  EXPECT_NEAR(scores["mean"]["share_seen"].get<double>(), seen, 1e-9);
+  EXPECT_NE(made.out.find("mean of 6 photographs left out"), std::string::npos) << made.out;
+}
+
+TEST(SetOption, a_wrong_assignment_is_a_usage_error_that_names_the_key) {
+  const Scratch scratch;
+  for (const char* command : {"run", "register", "render"}) {
+    const auto wrong = run(std::string("hybrid ") + command + " " + scene() + " --set render.blnd=dual --out " +
+                           scratch.path().string());
+    EXPECT_EQ(wrong.exit_code, 2) << command;
+    EXPECT_NE(wrong.err.find("blnd"), std::string::npos) << wrong.err;
+    EXPECT_TRUE(std::filesystem::is_empty(scratch.path())) << command;
+  }
+  const auto planes = run("hybrid planes nothing.ply --set planes.min_squares=none --out " +
+                          scratch.path().string());
+  EXPECT_EQ(planes.exit_code, 2);
+  EXPECT_NE(planes.err.find("min_squares"), std::string::npos) << planes.err;
+}
+
+}  // namespace hybrid::e2e
