@@ -41,37 +41,6 @@ std::vector<Vec3> heights(const RangeImage& image, const SquarePlanes& squares, 
   return samples;
 }
 
-// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares against its linear part.
-bool bends(const std::vector<Vec3>& samples, double min_curvature) {
-  if (samples.size() < 30) return false;
-  double scale = 0;
-  for (const Vec3& s : samples) scale = std::max({scale, std::abs(s.x()), std::abs(s.y())});
-  if (!(scale > 0)) return false;
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Vec6 right = Vec6::Zero();
-  double squares = 0;
-  for (const Vec3& s : samples) {
-    const double a = s.x() / scale, b = s.y() / scale;
-    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
-    normal += row * row.transpose();
-    right += row * s.z();
-    squares += s.z() * s.z();
-  }
-  const Vec6 quadratic = normal.ldlt().solve(right);
-  const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
-  const double error_linear = squares - linear.dot(right.head<3>());
-  const double error_quadratic = squares - quadratic.dot(right);
-  const double variance =
-      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
-  const double fall = error_linear - error_quadratic;
-  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
-    return false;
-  const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
-  const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
-  return curvature > min_curvature;
-}
-
 double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
@@ -141,6 +110,37 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
 }
 
 }  // namespace
+
+// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares against its linear part.
+bool bends(const std::vector<Vec3>& samples, double min_curvature) {
+  if (samples.size() < 30) return false;
+  double scale = 0;
+  for (const Vec3& s : samples) scale = std::max({scale, std::abs(s.x()), std::abs(s.y())});
+  if (!(scale > 0)) return false;
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Vec6 right = Vec6::Zero();
+  double squares = 0;
+  for (const Vec3& s : samples) {
+    const double a = s.x() / scale, b = s.y() / scale;
+    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
+    normal += row * row.transpose();
+    right += row * s.z();
+    squares += s.z() * s.z();
+  }
+  const Vec6 quadratic = normal.ldlt().solve(right);
+  const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
+  const double error_linear = squares - linear.dot(right.head<3>());
+  const double error_quadratic = squares - quadratic.dot(right);
+  const double variance =
+      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
+  const double fall = error_linear - error_quadratic;
+  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
+    return false;
+  const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
+  const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
+  return curvature > min_curvature;
+}
 
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions) {
