@@ -11,6 +11,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kMostSamples = 4000;  // of a region in the quadratic fit
+constexpr std::size_t kFewestHeights = 30;
 constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameters
 constexpr double kLeastShareGained = 0.01;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
@@ -39,6 +40,42 @@ std::vector<Vec3> heights(const RangeImage& image, const SquarePlanes& squares, 
     samples.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), height);
   }
   return samples;
+}
+
+struct HeightFits {
+  double linear = 0, quadratic = 0;  // sums of squared residuals
+  double curvature = 0;              // 1/m, the larger principal one
+  bool determined = false;
+};
+
+// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares, and its linear part alone.
+HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
+  HeightFits fits;
+  Vec2 scale = Vec2::Zero();  // of its own for each axis: strips are narrow
+  for (const Vec3& s : heights) scale = scale.cwiseMax(s.head<2>().cwiseAbs());
+  if (!(scale.minCoeff() > 0)) return fits;
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Vec6 right = Vec6::Zero();
+  double squares = 0;
+  for (const Vec3& s : heights) {
+    const double a = s.x() / scale.x(), b = s.y() / scale.y();
+    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
+    normal += row * row.transpose();
+    right += row * s.z();
+    squares += s.z() * s.z();
+  }
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal);
+  // Samples in two lines fix no quadratic.
+  fits.determined = solver.vectorD().minCoeff() > 1e-3 * solver.vectorD().maxCoeff();
+  const Vec6 quadratic = solver.solve(right);
+  const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
+  fits.linear = squares - linear.dot(right.head<3>());
+  fits.quadratic = squares - quadratic.dot(right);
+  const double aa = 2 * quadratic[3] / (scale.x() * scale.x()), bb = 2 * quadratic[5] / (scale.y() * scale.y());
+  const double ab = quadratic[4] / (scale.x() * scale.y());
+  fits.curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab));
+  return fits;
 }
 
 double angle_between(const Vec3& a, const Vec3& b) {
@@ -111,47 +148,39 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
 
 }  // namespace
 
-// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares against its linear part.
-bool bends(const std::vector<Vec3>& samples, double min_curvature) {
-  if (samples.size() < 30) return false;
-  double scale = 0;
-  for (const Vec3& s : samples) scale = std::max({scale, std::abs(s.x()), std::abs(s.y())});
-  if (!(scale > 0)) return false;
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Vec6 right = Vec6::Zero();
-  double squares = 0;
-  for (const Vec3& s : samples) {
-    const double a = s.x() / scale, b = s.y() / scale;
-    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
-    normal += row * row.transpose();
-    right += row * s.z();
-    squares += s.z() * s.z();
-  }
-  const Vec6 quadratic = normal.ldlt().solve(right);
-  const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
-  const double error_linear = squares - linear.dot(right.head<3>());
-  const double error_quadratic = squares - quadratic.dot(right);
+bool can_bend(const std::vector<Vec3>& heights) {
+  return heights.size() >= kFewestHeights && fit_quadratic(heights).determined;
+}
+
+bool bends(const std::vector<Vec3>& heights, double min_curvature) {
+  if (heights.size() < kFewestHeights) return false;
+  const HeightFits fits = fit_quadratic(heights);
+  if (!fits.determined) return false;
   const double variance =
-      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
-  const double fall = error_linear - error_quadratic;
-  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
-    return false;
-  const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
-  const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
-  return curvature > min_curvature;
+      std::max(fits.quadratic, 1e-12 * fits.linear) / static_cast<double>(heights.size() - 6);
+  const double fall = fits.linear - fits.quadratic;
+  return variance > 0 && fall >= kLeastGain * variance && fall >= kLeastShareGained * fits.linear &&
+         fits.curvature > min_curvature;
 }
 
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions) {
-  std::vector<std::uint8_t> curved(regions.regions.size());
+  struct Verdict {
+    bool facet = false, curved = false;
+  };
+  std::vector<Verdict> verdicts(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
-    if (regions.regions[i].curved || regions.regions[i].squares.empty()) return;
-    const auto id = static_cast<std::uint32_t>(i + 1);
-    curved[i] = is_facet(image, squares, grid, options, regions, id) ||
-                bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+    const PlaneRegion& region = regions.regions[i];
+    if (region.curved || region.squares.empty()) return;
+    Verdict& verdict = verdicts[i];
+    verdict.facet = is_facet(image, squares, grid, options, regions, static_cast<std::uint32_t>(i + 1));
+    verdict.curved = verdict.facet ||
+                     bends(heights(image, squares, grid, options, region), options.min_curvature);
   });
-  for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved |= curved[i] != 0;
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    regions.regions[i].curved |= verdicts[i].curved;
+    regions.regions[i].facet |= verdicts[i].facet;
+  }
 }
 
 }  // namespace hybrid::stages

@@ -1,6 +1,7 @@
 #include "stages/small_planes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <queue>
 #include <unordered_set>
@@ -129,14 +130,35 @@ PlaneRegion region_of(const RangeImage& image, const SquareGrid& grid, int side,
   return region;
 }
 
-bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region, double min_curvature) {
-  std::vector<Vec3> heights;
+// The flood bends, and not only at a rim where it took in the first samples beyond a crease: whatever side
+// (right, lower, left, upper) loses its outermost samples, and without any of them, the rest bends as well.
+bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
+                 double min_curvature) {
   const std::size_t stride = flood.samples.size() / 4000 + 1;
+  std::array<std::vector<Vec3>, 6> heights;  // four sides eroded, all of them, none
   for (std::size_t k = 0; k < flood.samples.size(); k += stride) {
+    const int row = static_cast<int>(flood.samples[k]) / image.cols;
+    const int col = static_cast<int>(flood.samples[k]) % image.cols;
     const Vec3 arm = image.point(flood.samples[k]) - region.fit.centroid;
-    heights.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), arm.dot(region.fit.plane.normal));
+    const Vec3 height(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
+                      arm.dot(region.fit.plane.normal));
+    bool inside = true;
+    for (int side = 0; side < 4; ++side) {
+      const int r = row + (side == 1) - (side == 3);
+      int c = col + (side == 0) - (side == 2);
+      if (image.wraps) c = (c + image.cols) % image.cols;
+      const bool covered = r >= 0 && r < image.rows && c >= 0 && c < image.cols &&
+                           std::binary_search(flood.samples.begin(), flood.samples.end(),
+                                              static_cast<std::uint32_t>(image.index(r, c)));
+      if (covered) heights[static_cast<std::size_t>(side)].push_back(height);
+      inside = inside && covered;
+    }
+    if (inside) heights[4].push_back(height);
+    heights[5].push_back(height);
   }
-  return bends(heights, min_curvature);
+  return std::all_of(heights.begin(), heights.end(), [&](const auto& part) {
+    return !can_bend(part) || bends(part, min_curvature);
+  });
 }
 
 // Squares of curved regions and their neighbours.
@@ -152,6 +174,23 @@ std::vector<std::uint8_t> beside_curved(const SquareGrid& grid, const PlaneRegio
     }
   }
   return beside;
+}
+
+// A sample of a curved flood lies within two rows and columns, less than 45 degrees out of the plane.
+bool meets_curved(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
+                  double slack_m, std::uint32_t sample) {
+  const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
+  const Vec3 from = image.point(sample);
+  for (int r = std::max(row - 2, 0); r <= std::min(row + 2, image.rows - 1); ++r)
+    for (int step = -2; step <= 2; ++step) {
+      int c = col + step;
+      if (image.wraps) c = (c + image.cols) % image.cols;
+      if (c < 0 || c >= image.cols || use[image.index(r, c)] != kBlocked) continue;
+      const Vec3 chord = image.point(image.index(r, c)) - from;
+      const double out = std::abs(normal.dot(chord));
+      if (out <= std::sqrt(std::max(chord.squaredNorm() - out * out, 0.0)) + slack_m) return true;
+    }
+  return false;
 }
 
 }  // namespace
@@ -174,6 +213,14 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
   std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
   const auto beside = beside_curved(grid, regions);
   const Tile everywhere{0, 0, image.rows, image.cols};
+  const auto lies_beside = [&](const PlaneFlood& flood) {
+    const Vec3 normal = flood.plane.plane().normal;
+    const auto count = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
+      return beside[square_of(image, grid, squares.square, i)] != 0 ||
+             (!getenv("NOMEET") && meets_curved(image, use, normal, 3 * sigma_m, i));
+    });
+    return static_cast<double>(count) > kMostBesideCurved * static_cast<double>(flood.samples.size());
+  };
   SquarePresence presence;
   while (!heap.empty()) {
     Candidate best = heap.top();
@@ -188,12 +235,11 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
       continue;
     }
     PlaneRegion region = region_of(image, grid, squares.square, flood);
-    const auto near_curved = static_cast<double>(std::count_if(flood.samples.begin(), flood.samples.end(), [&](auto i) {
-      return beside[square_of(image, grid, squares.square, i)] != 0; }));
-    const bool curved = near_curved > kMostBesideCurved * static_cast<double>(size) ||
-                        flood_bends(image, flood, region, options.min_curvature);
-    if (!curved && flood.plane.squares_m2() > kMostChi2 * sigma_m * sigma_m * static_cast<double>(size - 3))
-      continue;
+    const bool scattered = flood.plane.squares_m2() > kMostChi2 * sigma_m * sigma_m * static_cast<double>(size - 3);
+    const bool curved = lies_beside(flood) ||
+                 flood_bends(image, flood, region, options.min_curvature);
+    if (getenv("DBG")) fprintf(stderr, "flood size %zu row %d col %d chi2/n %.2f curved %d bends %d\n", size, int(best.seed.sample)/image.cols, int(best.seed.sample)%image.cols, flood.plane.squares_m2()/sigma_m/sigma_m/double(size), curved, flood_bends(image, flood, region, options.min_curvature));
+    if (scattered && !curved) continue;
     for (const std::uint32_t i : flood.samples) use[i] = curved ? kBlocked : kTaken;
     if (curved) continue;
     std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);

@@ -49,9 +49,43 @@ SquareLinks link_squares(device::Queue& queue, const RangeImage& image, const Sq
   return queue.read(links);
 }
 
-void drop_small_regions(int min_squares, PlaneRegions& regions) {
+// Squares in the group of touching (8 neighbours) curved regions that each square belongs to; 0 = in none.
+std::vector<std::size_t> curved_group_sizes(const SquareGrid& grid, const PlaneRegions& regions) {
+  const auto curved = [&](std::int64_t square) {
+    if (square == SquareGrid::kNone) return false;
+    const std::uint32_t id = regions.of_square[static_cast<std::size_t>(square)];
+    return id != 0 && regions.regions[id - 1].curved;
+  };
+  const auto facet = [&](std::size_t square) { return regions.regions[regions.of_square[square] - 1].facet; };
+  std::vector<std::size_t> size(grid.count());
+  for (std::size_t start = 0; start < size.size(); ++start) {
+    if (size[start] != 0 || !curved(static_cast<std::int64_t>(start))) continue;
+    std::vector<std::size_t> group = {start};
+    size[start] = 1;
+    for (std::size_t next = 0; next < group.size(); ++next) {
+      const int row = static_cast<int>(group[next]) / grid.cols, col = static_cast<int>(group[next]) % grid.cols;
+      for (int k = 0; k < 9; ++k) {
+        const std::int64_t other = grid.at(row + k / 3 - 1, col + k % 3 - 1);
+        if (!curved(other) || size[static_cast<std::size_t>(other)] != 0) continue;
+        size[static_cast<std::size_t>(other)] = 1;
+        group.push_back(static_cast<std::size_t>(other));
+      }
+    }
+    const bool facets = std::any_of(group.begin(), group.end(), facet);
+    for (const std::size_t square : group) size[square] = facets ? group.size() : 1;
+  }
+  return size;
+}
+
+// Too few squares for a supercluster, or, of curved regions that touch, for a curved surface: a few squares
+// that straddle the edge of a table leg bend as well. Their samples may still make small planes.
+void drop_small_regions(const SquareGrid& grid, int min_squares, PlaneRegions& regions) {
+  const auto group_size = curved_group_sizes(grid, regions);
   for (PlaneRegion& region : regions.regions) {
-    if (region.curved || region.squares.size() >= static_cast<std::size_t>(min_squares)) continue;
+    if (region.squares.empty()) continue;
+    const std::size_t count = region.curved ? group_size[region.squares[0]] : region.squares.size();
+    if (count >= static_cast<std::size_t>(min_squares)) continue;
+    region.curved = false;
     for (const std::uint32_t square : region.squares) regions.of_square[square] = 0;
     region.squares.clear();
   }
@@ -199,7 +233,7 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   absorb_squares(image, squares, grid, options, regions);
   // Again: fragments of a column too small to show that they bend may have merged into one that does.
   mark_curved_regions(image, squares, grid, options, regions);
-  drop_small_regions(options.min_squares, regions);
+  drop_small_regions(grid, options.min_squares, regions);
 
   std::vector<Plane> planes;
   for (const PlaneRegion& region : regions.regions) planes.push_back(region.fit.plane);

@@ -3,10 +3,10 @@
 #include "shared/layout.h"
 
 // Windows tried at each sample, which is their upper left corner: square, upright, lying. Rows and columns.
-#define WINDOW_SHAPES 3
-#define WINDOW_ROWS(shape) ((shape) == 0u ? 4u : (shape) == 1u ? 8u : 3u)
-#define WINDOW_COLS(shape) ((shape) == 0u ? 4u : (shape) == 1u ? 3u : 8u)
-#define WINDOW_REACH 8  // the longest side: what a tile needs beyond its last row and column is one less
+#define WINDOW_SHAPES 5
+#define WINDOW_ROWS(shape) ((shape) == 0u ? 4u : (shape) == 1u ? 8u : (shape) == 2u ? 3u : (shape) == 3u ? 12u : 2u)
+#define WINDOW_COLS(shape) ((shape) == 0u ? 4u : (shape) == 1u ? 3u : (shape) == 2u ? 8u : (shape) == 3u ? 2u : 12u)
+#define WINDOW_REACH 12  // the longest side: what a tile needs beyond its last row and column is one less
 
 // One tile of the image with what its windows reach beyond it.
 typedef struct WindowPlanesParams {
