@@ -22,6 +22,7 @@ constexpr float kWindowCosine = 0.02f;  // noise along rays nearer to grazing le
 constexpr double kLeastNoise_m = 1e-4;  // as estimate_range_noise(): what floats and the model leave
 constexpr int kBlock = 64;              // samples; floods of a block look one block around it
 constexpr double kMostChi2 = 1.25;      // per sample
+constexpr double kFloodSigmas = 3;
 constexpr double kMostBesideCurved = 0.3;
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels) {
@@ -133,7 +134,7 @@ PlaneRegion region_of(const RangeImage& image, const SquareGrid& grid, int side,
 // The flood bends, and not only at a rim where it took in the first samples beyond a crease: whatever side
 // (right, lower, left, upper) loses its outermost samples, and without any of them, the rest bends as well.
 bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
-                 double min_curvature) {
+                 double min_curvature, bool scattered) {
   const std::size_t stride = flood.samples.size() / 4000 + 1;
   std::array<std::vector<Vec3>, 6> heights;  // four sides eroded, all of them, none
   for (std::size_t k = 0; k < flood.samples.size(); k += stride) {
@@ -156,9 +157,53 @@ bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRe
     if (inside) heights[4].push_back(height);
     heights[5].push_back(height);
   }
+  if (scattered) return bends(heights[5], min_curvature);
   return std::all_of(heights.begin(), heights.end(), [&](const auto& part) {
     return !can_bend(part) || bends(part, min_curvature);
   });
+}
+
+// Fewer than four samples wide, a flood cannot show that it bends; but a curved surface goes on smoothly beyond
+// its rim, where a jamb or a leg ends in a step or an edge.
+bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood, double sigma_m) {
+  const auto covered = [&](std::size_t i) {
+    return std::binary_search(flood.samples.begin(), flood.samples.end(), static_cast<std::uint32_t>(i));
+  };
+  const Vec3 normal = flood.plane.plane().normal;
+  const auto shallow = [&](std::size_t from, std::size_t to) {
+    const Vec3 step = image.point(to) - image.point(from);
+    const double out = std::abs(normal.dot(step));
+    return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + kFloodSigmas * sigma_m;
+  };
+  int top = image.rows, bottom = 0;
+  std::vector<std::uint8_t> cols(static_cast<std::size_t>(image.cols));
+  std::size_t smooth = 0;
+  for (const std::uint32_t i : flood.samples) {
+    const int row = static_cast<int>(i) / image.cols, col = static_cast<int>(i) % image.cols;
+    top = std::min(top, row);
+    bottom = std::max(bottom, row);
+    cols[static_cast<std::size_t>(col)] = 1;
+    bool goes_on = false;
+    for (int side = 0; side < 4 && !goes_on; ++side) {
+      std::size_t at[2];
+      bool there = true;
+      for (int k = 0; k < 2 && there; ++k) {
+        const int r = row + (k + 1) * ((side == 1) - (side == 3));
+        int c = col + (k + 1) * ((side == 0) - (side == 2));
+        if (image.wraps) c = (c + image.cols) % image.cols;
+        there = r >= 0 && r < image.rows && c >= 0 && c < image.cols;
+        if (!there) break;
+        at[k] = image.index(r, c);
+        there = image.mask[at[k]] == kMeasured && !covered(at[k]);
+      }
+      goes_on = there && shallow(i, at[0]) && shallow(at[0], at[1]);
+    }
+    smooth += goes_on;
+  }
+  const auto length = std::max<std::ptrdiff_t>(bottom - top + 1, std::count(cols.begin(), cols.end(), 1));
+  if (getenv("DBG")) fprintf(stderr, "   width %.1f smooth %.2f\n", double(flood.samples.size())/double(length), double(smooth)/double(flood.samples.size()));
+  return flood.samples.size() < 4 * static_cast<std::size_t>(length) &&
+         static_cast<double>(smooth) > kMostBesideCurved * static_cast<double>(flood.samples.size());
 }
 
 // Squares of curved regions and their neighbours.
@@ -236,9 +281,9 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
     }
     PlaneRegion region = region_of(image, grid, squares.square, flood);
     const bool scattered = flood.plane.squares_m2() > kMostChi2 * sigma_m * sigma_m * static_cast<double>(size - 3);
-    const bool curved = lies_beside(flood) ||
-                 flood_bends(image, flood, region, options.min_curvature);
-    if (getenv("DBG")) fprintf(stderr, "flood size %zu row %d col %d chi2/n %.2f curved %d bends %d\n", size, int(best.seed.sample)/image.cols, int(best.seed.sample)%image.cols, flood.plane.squares_m2()/sigma_m/sigma_m/double(size), curved, flood_bends(image, flood, region, options.min_curvature));
+    const bool curved = lies_beside(flood) || is_strip_of_smooth_surface(image, flood, sigma_m) ||
+                 flood_bends(image, flood, region, options.min_curvature, scattered);
+    if (getenv("DBG")) fprintf(stderr, "flood size %zu row %d col %d chi2/n %.2f curved %d bends %d\n", size, int(best.seed.sample)/image.cols, int(best.seed.sample)%image.cols, flood.plane.squares_m2()/sigma_m/sigma_m/double(size), curved, flood_bends(image, flood, region, options.min_curvature, scattered));
     if (scattered && !curved) continue;
     for (const std::uint32_t i : flood.samples) use[i] = curved ? kBlocked : kTaken;
     if (curved) continue;
