@@ -170,10 +170,10 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
     return std::binary_search(flood.samples.begin(), flood.samples.end(), static_cast<std::uint32_t>(i));
   };
   const Vec3 normal = flood.plane.plane().normal;
-  const auto shallow = [&](std::size_t from, std::size_t to) {
+  const auto shallow = [&](std::size_t from, std::size_t to, double slack_m) {
     const Vec3 step = image.point(to) - image.point(from);
     const double out = std::abs(normal.dot(step));
-    return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + kFloodSigmas * sigma_m;
+    return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m;
   };
   int top = image.rows, bottom = 0;
   std::vector<std::uint8_t> cols(static_cast<std::size_t>(image.cols));
@@ -196,7 +196,7 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
         at[k] = image.index(r, c);
         there = image.mask[at[k]] == kMeasured && !covered(at[k]);
       }
-      goes_on = there && shallow(i, at[0]) && shallow(at[0], at[1]);
+      goes_on = there && shallow(i, at[0], kFloodSigmas * sigma_m) && shallow(at[0], at[1], 0);
     }
     smooth += goes_on;
   }
