@@ -16,6 +16,8 @@ constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameter
 constexpr double kLeastShareGained = 0.01;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
+constexpr double kBulgeScatter = 0.3;  // rms of a parabola about its mean, over its height: 2 / (3 sqrt 5)
+constexpr double kMostBulge = 2;       // times the scatter
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
@@ -119,7 +121,7 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
   const PlaneRegion& region = regions.regions[id - 1];
   const Vec3& normal = region.fit.plane.normal;
   int rim = 0, contacts = 0;
-  double bend = 0, variance = 0;
+  double bend = 0, reach = 0, variance = 0;
   for (const std::uint32_t square : region.squares)
     for (int direction = 0; direction < 4; ++direction) {
       const std::int64_t neighbour = grid.neighbour(square, direction);
@@ -138,10 +140,16 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       const Vec3 step = square_centroid(next) - square_centroid(here);
       const Vec3 outward = (step - step.dot(normal) * normal).normalized();
       bend += square_normal(next).dot(outward);
+      reach += step.norm();
       variance += next.sigma_normal * next.sigma_normal;
     }
   // A wide region bends visibly itself when it is curved: bends() decides.
   if (region.squares.size() > kWidestFacet / 2 * static_cast<std::size_t>(rim)) return false;
+  // If its neighbours' turn went on across the region, it would bulge, and scatter about its plane by 0.3 of
+  // that; when it scatters less, what turns at its rim are the edges of a flat face.
+  const double width = std::sqrt(12 * region.fit.spread[0] / region.fit.weight);
+  const double bulge = std::abs(bend) / std::max(reach, 1e-9) * width * width / 8;
+  if (kBulgeScatter * bulge > kMostBulge * region.fit.rms_m) return false;
   return contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
          std::abs(bend) > kBendSigmas * std::sqrt(variance);
 }
