@@ -16,8 +16,8 @@ constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameter
 constexpr double kLeastShareGained = 0.01;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
-constexpr double kBulgeScatter = 0.3;  // rms of a parabola about its mean, over its height: 2 / (3 sqrt 5)
-constexpr double kMostBulge = 2;       // times the scatter
+constexpr double kBulgeScatter = 0.3;    // rms of a parabola about its mean, over its height: 2 / (3 sqrt 5)
+constexpr double kMostBulge = 2;         // times the scatter
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
@@ -74,7 +74,8 @@ HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
   const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
   fits.linear = squares - linear.dot(right.head<3>());
   fits.quadratic = squares - quadratic.dot(right);
-  const double aa = 2 * quadratic[3] / (scale.x() * scale.x()), bb = 2 * quadratic[5] / (scale.y() * scale.y());
+  const double aa = 2 * quadratic[3] / (scale.x() * scale.x()),
+               bb = 2 * quadratic[5] / (scale.y() * scale.y());
   const double ab = quadratic[4] / (scale.x() * scale.y());
   fits.curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab));
   return fits;
@@ -182,8 +183,8 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
     if (region.curved || region.squares.empty()) return;
     Verdict& verdict = verdicts[i];
     verdict.facet = is_facet(image, squares, grid, options, regions, static_cast<std::uint32_t>(i + 1));
-    verdict.curved = verdict.facet ||
-                     bends(heights(image, squares, grid, options, region), options.min_curvature);
+    verdict.curved =
+        verdict.facet || bends(heights(image, squares, grid, options, region), options.min_curvature);
   });
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     regions.regions[i].curved |= verdicts[i].curved;

@@ -63,7 +63,8 @@ std::vector<std::size_t> curved_group_sizes(const SquareGrid& grid, const PlaneR
     std::vector<std::size_t> group = {start};
     size[start] = 1;
     for (std::size_t next = 0; next < group.size(); ++next) {
-      const int row = static_cast<int>(group[next]) / grid.cols, col = static_cast<int>(group[next]) % grid.cols;
+      const int row = static_cast<int>(group[next]) / grid.cols,
+                col = static_cast<int>(group[next]) % grid.cols;
       for (int k = 0; k < 9; ++k) {
         const std::int64_t other = grid.at(row + k / 3 - 1, col + k % 3 - 1);
         if (!curved(other) || size[static_cast<std::size_t>(other)] != 0) continue;
@@ -128,8 +129,7 @@ std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measu
     const PlaneRegion& region = regions.regions[i];
     if (region.curved || (region.squares.empty() && !region.small)) continue;
     if (measured[i].samples < (region.small ? least : 3)) continue;
-    if (!region.squares.empty())
-      first[i] = *std::min_element(region.squares.begin(), region.squares.end());
+    if (!region.squares.empty()) first[i] = *std::min_element(region.squares.begin(), region.squares.end());
     order.push_back(static_cast<std::uint32_t>(i));
   }
   std::sort(order.begin(), order.end(), [&](auto a, auto b) {
