@@ -104,6 +104,21 @@ void take(PlaneRegions& regions, std::uint32_t winner, std::uint32_t loser) {
 
 }  // namespace
 
+std::uint32_t coplanar_region(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                              const SuperclusterOptions& options, const PlaneRegions& regions,
+                              const PlaneRegion& small) {
+  std::uint32_t best = 0;
+  for (std::size_t i = 0; i < regions.regions.size(); ++i) {
+    const PlaneRegion& region = regions.regions[i];
+    if (region.curved || region.squares.empty() || !coplanar(region.fit, small.fit, options)) continue;
+    if (best != 0 && region.moments.weight <= regions.regions[best - 1].moments.weight) continue;
+    const auto id = static_cast<std::uint32_t>(i + 1);
+    const Gap gap = nearest_squares(grid, rim(grid, regions, id), small.squares);
+    if (seen_through(image, squares, region.fit.plane, gap, options) <= kMostSeenThrough) best = id;
+  }
+  return best;
+}
+
 void merge_coplanar_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                             const SuperclusterOptions& options, PlaneRegions& regions) {
   std::vector<std::uint32_t> order(regions.regions.size());

@@ -10,4 +10,9 @@ namespace hybrid::stages {
 void merge_coplanar_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                             const SuperclusterOptions& options, PlaneRegions& regions);
 
+// The largest region that, by the same tests, `small` continues: index + 1, 0 = none.
+std::uint32_t coplanar_region(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                              const SuperclusterOptions& options, const PlaneRegions& regions,
+                              const PlaneRegion& small);
+
 }  // namespace hybrid::stages

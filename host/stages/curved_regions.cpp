@@ -11,10 +11,13 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kMostSamples = 4000;  // of a region in the quadratic fit
+constexpr std::size_t kFewestHeights = 30;
 constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameters
 constexpr double kLeastShareGained = 0.01;  // of the squared residuals
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
+constexpr double kBulgeScatter = 0.3;    // rms of a parabola about its mean, over its height: 2 / (3 sqrt 5)
+constexpr double kMostBulge = 2;         // times the scatter
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
@@ -41,35 +44,41 @@ std::vector<Vec3> heights(const RangeImage& image, const SquarePlanes& squares, 
   return samples;
 }
 
-// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares against its linear part.
-bool bends(const std::vector<Vec3>& samples, double min_curvature) {
-  if (samples.size() < 30) return false;
-  double scale = 0;
-  for (const Vec3& s : samples) scale = std::max({scale, std::abs(s.x()), std::abs(s.y())});
-  if (!(scale > 0)) return false;
+struct HeightFits {
+  double linear = 0, quadratic = 0;  // sums of squared residuals
+  double curvature = 0;              // 1/m, the larger principal one
+  bool determined = false;
+};
+
+// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares, and its linear part alone.
+HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
+  HeightFits fits;
+  Vec2 scale = Vec2::Zero();  // of its own for each axis: strips are narrow
+  for (const Vec3& s : heights) scale = scale.cwiseMax(s.head<2>().cwiseAbs());
+  if (!(scale.minCoeff() > 0)) return fits;
   using Vec6 = Eigen::Matrix<double, 6, 1>;
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
   Vec6 right = Vec6::Zero();
   double squares = 0;
-  for (const Vec3& s : samples) {
-    const double a = s.x() / scale, b = s.y() / scale;
+  for (const Vec3& s : heights) {
+    const double a = s.x() / scale.x(), b = s.y() / scale.y();
     const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
     normal += row * row.transpose();
     right += row * s.z();
     squares += s.z() * s.z();
   }
-  const Vec6 quadratic = normal.ldlt().solve(right);
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal);
+  // Samples in two lines fix no quadratic.
+  fits.determined = solver.vectorD().minCoeff() > 1e-3 * solver.vectorD().maxCoeff();
+  const Vec6 quadratic = solver.solve(right);
   const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
-  const double error_linear = squares - linear.dot(right.head<3>());
-  const double error_quadratic = squares - quadratic.dot(right);
-  const double variance =
-      std::max(error_quadratic, 1e-12 * squares) / static_cast<double>(samples.size() - 6);
-  const double fall = error_linear - error_quadratic;
-  if (!(variance > 0) || fall < kLeastGain * variance || fall < kLeastShareGained * error_linear)
-    return false;
-  const double aa = 2 * quadratic[3], ab = quadratic[4], bb = 2 * quadratic[5];
-  const double curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab)) / (scale * scale);
-  return curvature > min_curvature;
+  fits.linear = squares - linear.dot(right.head<3>());
+  fits.quadratic = squares - quadratic.dot(right);
+  const double aa = 2 * quadratic[3] / (scale.x() * scale.x()),
+               bb = 2 * quadratic[5] / (scale.y() * scale.y());
+  const double ab = quadratic[4] / (scale.x() * scale.y());
+  fits.curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab));
+  return fits;
 }
 
 double angle_between(const Vec3& a, const Vec3& b) {
@@ -113,7 +122,7 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
   const PlaneRegion& region = regions.regions[id - 1];
   const Vec3& normal = region.fit.plane.normal;
   int rim = 0, contacts = 0;
-  double bend = 0, variance = 0;
+  double bend = 0, reach = 0, variance = 0;
   for (const std::uint32_t square : region.squares)
     for (int direction = 0; direction < 4; ++direction) {
       const std::int64_t neighbour = grid.neighbour(square, direction);
@@ -132,26 +141,55 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
       const Vec3 step = square_centroid(next) - square_centroid(here);
       const Vec3 outward = (step - step.dot(normal) * normal).normalized();
       bend += square_normal(next).dot(outward);
+      reach += step.norm();
       variance += next.sigma_normal * next.sigma_normal;
     }
   // A wide region bends visibly itself when it is curved: bends() decides.
   if (region.squares.size() > kWidestFacet / 2 * static_cast<std::size_t>(rim)) return false;
+  // If its neighbours' turn went on across the region, it would bulge, and scatter about its plane by 0.3 of
+  // that; when it scatters less, what turns at its rim are the edges of a flat face.
+  const double width = std::sqrt(12 * region.fit.spread[0] / region.fit.weight);
+  const double bulge = std::abs(bend) / std::max(reach, 1e-9) * width * width / 8;
+  if (kBulgeScatter * bulge > kMostBulge * region.fit.rms_m) return false;
   return contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
          std::abs(bend) > kBendSigmas * std::sqrt(variance);
 }
 
 }  // namespace
 
+bool can_bend(const std::vector<Vec3>& heights) {
+  return heights.size() >= kFewestHeights && fit_quadratic(heights).determined;
+}
+
+bool bends(const std::vector<Vec3>& heights, double min_curvature) {
+  if (heights.size() < kFewestHeights) return false;
+  const HeightFits fits = fit_quadratic(heights);
+  if (!fits.determined) return false;
+  const double variance =
+      std::max(fits.quadratic, 1e-12 * fits.linear) / static_cast<double>(heights.size() - 6);
+  const double fall = fits.linear - fits.quadratic;
+  return variance > 0 && fall >= kLeastGain * variance && fall >= kLeastShareGained * fits.linear &&
+         fits.curvature > min_curvature;
+}
+
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions) {
-  std::vector<std::uint8_t> curved(regions.regions.size());
+  struct Verdict {
+    bool facet = false, curved = false;
+  };
+  std::vector<Verdict> verdicts(regions.regions.size());
   parallel_for(regions.regions.size(), [&](std::size_t i) {
-    if (regions.regions[i].curved || regions.regions[i].squares.empty()) return;
-    const auto id = static_cast<std::uint32_t>(i + 1);
-    curved[i] = is_facet(image, squares, grid, options, regions, id) ||
-                bends(heights(image, squares, grid, options, regions.regions[i]), options.min_curvature);
+    const PlaneRegion& region = regions.regions[i];
+    if (region.curved || region.squares.empty()) return;
+    Verdict& verdict = verdicts[i];
+    verdict.facet = is_facet(image, squares, grid, options, regions, static_cast<std::uint32_t>(i + 1));
+    verdict.curved =
+        verdict.facet || bends(heights(image, squares, grid, options, region), options.min_curvature);
   });
-  for (std::size_t i = 0; i < curved.size(); ++i) regions.regions[i].curved |= curved[i] != 0;
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    regions.regions[i].curved |= verdicts[i].curved;
+    regions.regions[i].facet |= verdicts[i].facet;
+  }
 }
 
 }  // namespace hybrid::stages

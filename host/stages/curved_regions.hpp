@@ -14,4 +14,9 @@ namespace hybrid::stages {
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions);
 
+// A quadratic height field over (a, b, height) fits significantly better than a plane and bends more than
+// min_curvature, 1/m. False when the samples are too few or in too few lines to tell (can_bend).
+bool can_bend(const std::vector<Vec3>& heights);
+bool bends(const std::vector<Vec3>& heights, double min_curvature);
+
 }  // namespace hybrid::stages

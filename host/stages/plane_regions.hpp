@@ -13,6 +13,8 @@ struct PlaneRegion {
   PlaneFit fit;
   std::vector<std::uint32_t> squares;  // in the order of growth
   bool curved = false;                 // a facet of a cylinder, vault, ...: no supercluster
+  bool facet = false;                  // curved because it meets its neighbours in shallow creases
+  bool small = false;  // from leftover samples (recover_small_planes): owns none of its squares
 };
 
 struct PlaneRegions {

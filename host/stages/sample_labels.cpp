@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numeric>
 
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
@@ -22,21 +24,25 @@ std::vector<std::array<int, 2>> neighbourhood() {
   return offsets;
 }
 
-std::vector<LabelPlane> label_planes(const std::vector<Plane>& planes, const PlaneRegions& regions) {
+std::vector<LabelPlane> label_planes(const std::vector<Plane>& planes) {
   std::vector<LabelPlane> result(planes.size());
   for (std::size_t i = 0; i < planes.size(); ++i) {
     for (int k = 0; k < 3; ++k) result[i].normal[k] = static_cast<float>(planes[i].normal[k]);
     result[i].offset = static_cast<float>(planes[i].offset_m);
-    result[i].label = regions.regions[i].curved ? 0 : static_cast<std::uint32_t>(i + 1);
+    result[i].label = static_cast<std::uint32_t>(i + 1);
   }
   return result;
 }
 
 }  // namespace
 
-LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid,
-                             const PlaneRegions& regions) {
+LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions,
+                             const SquarePresence& presence) {
   const auto offsets = neighbourhood();
+  // Entries of square i: first[i] to first[i + 1].
+  std::vector<std::uint32_t> first(grid.count() + 1);
+  for (const auto& entry : presence) first[entry.first + 1] += 1;
+  std::partial_sum(first.begin(), first.end(), first.begin());
   LabelContest contest;
   contest.candidates.assign(grid.count() * LABEL_CANDIDATES, 0);
   contest.own_plane.assign(grid.count(), {0, 0, 0, 0});
@@ -45,16 +51,21 @@ LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid
       const std::size_t square = row * static_cast<std::size_t>(grid.cols) + static_cast<std::size_t>(col);
       std::uint32_t* list = &contest.candidates[square * LABEL_CANDIDATES];
       int count = 0;
+      const auto compete = [&](std::uint32_t id) {
+        if (id != 0 && count < LABEL_CANDIDATES && std::find(list, list + count, id) == list + count)
+          list[count++] = id;
+      };
       for (const auto& offset : offsets) {
-        const std::int64_t other = grid.at(static_cast<int>(row) + offset[0], col + offset[1]);
-        const std::uint32_t id =
-            other == SquareGrid::kNone ? 0 : regions.of_square[static_cast<std::size_t>(other)];
-        if (id == 0 || count == LABEL_CANDIDATES || std::find(list, list + count, id) != list + count)
-          continue;
-        list[count++] = id;
+        const std::int64_t at = grid.at(static_cast<int>(row) + offset[0], col + offset[1]);
+        if (at == SquareGrid::kNone) continue;
+        const auto other = static_cast<std::size_t>(at);
+        compete(regions.of_square[other]);
+        if (std::abs(offset[0]) <= 1 && std::abs(offset[1]) <= 1)
+          for (std::uint32_t k = first[other]; k < first[other + 1]; ++k) compete(presence[k].second);
       }
       const SquareRecord& record = squares.squares[square];
-      if (record.state == SQUARE_PLANAR && regions.of_square[square] == 0)
+      if (record.state == SQUARE_PLANAR && regions.of_square[square] == 0 &&
+          first[square] == first[square + 1])
         contest.own_plane[square] = {record.normal[0], record.normal[1], record.normal[2], record.offset};
     }
   });
@@ -64,10 +75,10 @@ LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid
 std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage& image,
                                          const SquarePlanes& squares, const SquareGrid& grid,
                                          const LabelContest& contest, const std::vector<Plane>& planes,
-                                         const PlaneRegions& regions, const SuperclusterOptions& options) {
+                                         const SuperclusterOptions& options) {
   const auto candidates = queue.array(contest.candidates);
   const auto own_plane = queue.array(contest.own_plane);
-  const auto plane_table = queue.array(label_planes(planes, regions));
+  const auto plane_table = queue.array(label_planes(planes));
   const auto tiles = make_tiles(image.rows, image.cols, options.tile, squares.square);
   std::size_t largest = 0;
   for (const Tile& tile : tiles)

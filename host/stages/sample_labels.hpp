@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "shared/params_label_samples.h"
-#include "stages/plane_regions.hpp"
+#include "stages/small_planes.hpp"
 
 namespace hybrid::stages {
 
@@ -12,16 +12,15 @@ struct LabelContest {
   std::vector<std::array<float, 4>> own_plane;  // per square: a planar square of no region, else 0
 };
 
-// The regions of the 5 x 5 squares around each square, the nearest first.
-LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid,
-                             const PlaneRegions& regions);
+// The regions of the 5 x 5 squares around each square and those present in the 3 x 3, the nearest first.
+LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions,
+                             const SquarePresence& presence);
 
-// Region + 1 per sample by kernel label_samples; planes are per region (curved ones compete, and win
-// nothing).
+// Region + 1 per sample by kernel label_samples, curved regions included; planes are per region.
 std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage& image,
                                          const SquarePlanes& squares, const SquareGrid& grid,
                                          const LabelContest& contest, const std::vector<Plane>& planes,
-                                         const PlaneRegions& regions, const SuperclusterOptions& options);
+                                         const SuperclusterOptions& options);
 
 // Least squares over each region's measured samples, weighted 1 / max(|n.u|, c)^2 because range noise is
 // along the ray (METHOD 2). Regions with fewer than 3 samples keep their plane.

@@ -1,6 +1,7 @@
 #include "stages/superclusters.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numbers>
 #include <numeric>
 
@@ -9,12 +10,12 @@
 #include "stages/coplanar_merge.hpp"
 #include "stages/curved_regions.hpp"
 #include "stages/sample_labels.hpp"
+#include "stages/small_planes.hpp"
 
 namespace hybrid::stages {
 namespace {
 
 constexpr float kReachCosine = 0.05f;  // c of the distance test
-constexpr int kLabelPasses = 2;  // the second one competes with planes refitted to the first one's labels
 
 void check_extent(const RangeImage& image, const SquarePlanes& squares) {
   const int n = squares.square;
@@ -48,27 +49,92 @@ SquareLinks link_squares(device::Queue& queue, const RangeImage& image, const Sq
   return queue.read(links);
 }
 
-void drop_small_regions(int min_squares, PlaneRegions& regions) {
+// Squares in the group of touching (8 neighbours) curved regions that each square belongs to; 0 = in none.
+std::vector<std::size_t> curved_group_sizes(const SquareGrid& grid, const PlaneRegions& regions) {
+  const auto curved = [&](std::int64_t square) {
+    if (square == SquareGrid::kNone) return false;
+    const std::uint32_t id = regions.of_square[static_cast<std::size_t>(square)];
+    return id != 0 && regions.regions[id - 1].curved;
+  };
+  const auto facet = [&](std::size_t square) { return regions.regions[regions.of_square[square] - 1].facet; };
+  std::vector<std::size_t> size(grid.count());
+  for (std::size_t start = 0; start < size.size(); ++start) {
+    if (size[start] != 0 || !curved(static_cast<std::int64_t>(start))) continue;
+    std::vector<std::size_t> group = {start};
+    size[start] = 1;
+    for (std::size_t next = 0; next < group.size(); ++next) {
+      const int row = static_cast<int>(group[next]) / grid.cols,
+                col = static_cast<int>(group[next]) % grid.cols;
+      for (int k = 0; k < 9; ++k) {
+        const std::int64_t other = grid.at(row + k / 3 - 1, col + k % 3 - 1);
+        if (!curved(other) || size[static_cast<std::size_t>(other)] != 0) continue;
+        size[static_cast<std::size_t>(other)] = 1;
+        group.push_back(static_cast<std::size_t>(other));
+      }
+    }
+    const bool facets = std::any_of(group.begin(), group.end(), facet);
+    for (const std::size_t square : group) size[square] = facets ? group.size() : 1;
+  }
+  return size;
+}
+
+// Too few squares for a supercluster, or, of curved regions that touch, for a curved surface: a few squares
+// that straddle the edge of a table leg bend as well. Their samples may still make small planes.
+void drop_small_regions(const SquareGrid& grid, int min_squares, PlaneRegions& regions) {
+  const auto group_size = curved_group_sizes(grid, regions);
   for (PlaneRegion& region : regions.regions) {
-    if (region.curved || region.squares.size() >= static_cast<std::size_t>(min_squares)) continue;
+    if (region.squares.empty()) continue;
+    const std::size_t count = region.curved ? group_size[region.squares[0]] : region.squares.size();
+    if (count >= static_cast<std::size_t>(min_squares)) continue;
+    region.curved = false;
     for (const std::uint32_t square : region.squares) regions.of_square[square] = 0;
     region.squares.clear();
   }
 }
 
-// New id per region: largest sample count first, ties by the first square; 0 for what became no supercluster.
+// Squares of no region become a small plane's when it took at least half of their samples.
+void own_squares(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                 const std::vector<std::uint32_t>& labels, PlaneRegions& regions) {
+  const int n = squares.square;
+  const auto owner = [&](int square) -> std::uint32_t {
+    std::map<std::uint32_t, int> votes;
+    int valid = 0;
+    for (int row = square / grid.cols * n; row < std::min(square / grid.cols * n + n, image.rows); ++row)
+      for (int col = square % grid.cols * n; col < std::min(square % grid.cols * n + n, image.cols); ++col) {
+        const std::size_t i = image.index(row, col);
+        valid += image.mask[i] != kEmpty;
+        if (labels[i] != 0 && regions.regions[labels[i] - 1].small) ++votes[labels[i]];
+      }
+    for (const auto& [id, count] : votes)
+      if (2 * count >= valid) return id;
+    return 0;
+  };
+  for (PlaneRegion& region : regions.regions) {
+    if (!region.small) continue;
+    for (const std::uint32_t square : region.squares)
+      if (regions.of_square[square] == 0) regions.of_square[square] = owner(static_cast<int>(square));
+    region.squares.clear();
+  }
+  for (std::size_t i = 0; i < regions.of_square.size(); ++i)
+    if (const std::uint32_t id = regions.of_square[i]; id != 0 && regions.regions[id - 1].small)
+      regions.regions[id - 1].squares.push_back(static_cast<std::uint32_t>(i));
+}
+
+// New id per region: largest sample count first, ties by the first square; 0 for what became no supercluster,
+// small planes left with fewer than `least` samples among it.
 std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measured,
-                                          const PlaneRegions& regions) {
+                                          const PlaneRegions& regions, std::int64_t least) {
   std::vector<std::uint32_t> order, first(measured.size(), 0);
   for (std::size_t i = 0; i < measured.size(); ++i) {
     const PlaneRegion& region = regions.regions[i];
-    if (region.curved || region.squares.empty() || measured[i].samples < 3) continue;
-    first[i] = *std::min_element(region.squares.begin(), region.squares.end());
+    if (region.curved || (region.squares.empty() && !region.small)) continue;
+    if (measured[i].samples < (region.small ? least : 3)) continue;
+    if (!region.squares.empty()) first[i] = *std::min_element(region.squares.begin(), region.squares.end());
     order.push_back(static_cast<std::uint32_t>(i));
   }
   std::sort(order.begin(), order.end(), [&](auto a, auto b) {
-    return measured[a].samples != measured[b].samples ? measured[a].samples > measured[b].samples
-                                                      : first[a] < first[b];
+    if (measured[a].samples != measured[b].samples) return measured[a].samples > measured[b].samples;
+    return first[a] != first[b] ? first[a] < first[b] : a < b;
   });
   std::vector<std::uint32_t> id(measured.size() + 1, 0);
   for (std::size_t k = 0; k < order.size(); ++k) id[order[k] + 1] = static_cast<std::uint32_t>(k + 1);
@@ -76,8 +142,8 @@ std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measu
 }
 
 PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions,
-                           std::vector<std::uint32_t> labels, std::vector<Supercluster> measured) {
-  const auto id = number_regions(measured, regions);
+                           const std::vector<std::uint32_t>& id, std::vector<std::uint32_t> labels,
+                           std::vector<Supercluster> measured) {
   PlaneSegmentation result;
   result.square = squares.square;
   result.square_rows = grid.rows;
@@ -128,6 +194,13 @@ const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table() {
        "largest offset of neighbours out of plane, in sigmas",
        {}},
       {"min_squares", "squares", &O::min_squares, 1, 1e6, "superclusters with fewer squares are dropped", {}},
+      {"min_plane_samples",
+       "samples",
+       &O::min_plane_samples,
+       0,
+       1e9,
+       "samples of the smallest plane recovered from what those leave; 0 = none is",
+       {}},
       {"label_sigmas",
        "",
        &O::label_sigmas,
@@ -160,18 +233,24 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   absorb_squares(image, squares, grid, options, regions);
   // Again: fragments of a column too small to show that they bend may have merged into one that does.
   mark_curved_regions(image, squares, grid, options, regions);
-  drop_small_regions(options.min_squares, regions);
+  drop_small_regions(grid, options.min_squares, regions);
 
   std::vector<Plane> planes;
   for (const PlaneRegion& region : regions.regions) planes.push_back(region.fit.plane);
-  const LabelContest contest = find_candidates(squares, grid, regions);
-  std::vector<std::uint32_t> labels;
-  for (int pass = 0; pass < kLabelPasses; ++pass) {
-    labels = label_samples(queue, image, squares, grid, contest, planes, regions, options);
-    refit_planes(image, squares.square, labels, planes);
-  }
+  auto labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, {}),
+                              planes, options);
+  refit_planes(image, squares.square, labels, planes);
+  SquarePresence presence;
+  if (options.min_plane_samples > 0)
+    presence = recover_small_planes(queue, image, squares, grid, labels, options, regions, planes);
+  // The second pass competes with the planes refitted to the first one's labels, and with the small ones.
+  labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
+                         planes, options);
+  refit_planes(image, squares.square, labels, planes);
+  own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
-  return assemble(squares, grid, regions, std::move(labels), std::move(measured));
+  const auto ids = number_regions(measured, regions, least_plane_samples(image, options));
+  return assemble(squares, grid, regions, ids, std::move(labels), std::move(measured));
 }
 
 }  // namespace hybrid::stages

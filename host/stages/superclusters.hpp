@@ -13,6 +13,7 @@ struct SuperclusterOptions {
   double distance_factor = 2;  // beta of METHOD 3
   double offset_sigmas = 3;    // out-of-plane test
   int min_squares = 20;
+  int min_plane_samples = 48;      // of planes recovered from what no such supercluster took
   double label_sigmas = 3.5;       // a sample belongs to a plane within this many sigmas of range noise
   double waviness_m = 0.005;       // ... plus this: how far real walls stray from a plane, along the normal
   double min_curvature = 0.15;     // 1/m: regions that bend more, significantly, are no planes

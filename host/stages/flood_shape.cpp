@@ -1,0 +1,126 @@
+#include "stages/flood_shape.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "stages/curved_regions.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr std::size_t kMostHeights = 4000;  // of a flood in a quadratic fit
+constexpr std::size_t kNarrow = 4;          // samples
+constexpr int kReach = 2;                   // samples from a curved flood
+constexpr double kContinuitySigmas = 3;
+constexpr int kSides = 4;
+
+// Index of the node `steps` beyond sample `i` to the right, below, left or above; none outside the image.
+std::optional<std::uint32_t> beyond(const RangeImage& image, std::uint32_t i, int side, int steps) {
+  const int row = static_cast<int>(i) / image.cols + steps * ((side == 1) - (side == 3));
+  int col = static_cast<int>(i) % image.cols + steps * ((side == 0) - (side == 2));
+  if (image.wraps) col = (col + image.cols) % image.cols;
+  if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return std::nullopt;
+  return static_cast<std::uint32_t>(image.index(row, col));
+}
+
+bool covers(const PlaneFlood& flood, std::uint32_t sample) {
+  return std::binary_search(flood.samples.begin(), flood.samples.end(), sample);
+}
+
+// The step leaves the plane by less than 45 degrees, and `slack_m`.
+bool shallow(const Vec3& step, const Vec3& normal, double slack_m) {
+  const double out = std::abs(normal.dot(step));
+  return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m;
+}
+
+// The surface goes on beyond sample `i` for two more samples outside the flood. Only the first of them may be
+// a noisy step away: noise must not make an edge of 90 degrees shallow.
+bool goes_on(const RangeImage& image, const PlaneFlood& flood, const Vec3& normal, double slack_m,
+             std::uint32_t i) {
+  for (int side = 0; side < kSides; ++side) {
+    const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
+    if (!first || !second || covers(flood, *first) || covers(flood, *second)) continue;
+    if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) continue;
+    if (shallow(image.point(*first) - image.point(i), normal, slack_m) &&
+        shallow(image.point(*second) - image.point(*first), normal, 0))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+PlaneRegion region_of_flood(const RangeImage& image, const PlaneFlood& flood) {
+  PlaneRegion region;
+  region.small = true;
+  PlaneMoments& moments = region.moments;
+  moments.weight = static_cast<double>(flood.samples.size());
+  for (const std::uint32_t i : flood.samples) moments.mean += image.point(i) / moments.weight;
+  for (const std::uint32_t i : flood.samples) {
+    const Vec3 arm = image.point(i) - moments.mean;
+    moments.scatter += arm * arm.transpose();
+  }
+  region.fit = fit_plane(moments);
+  return region;
+}
+
+bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
+                 double min_curvature, bool scattered) {
+  const std::size_t stride = (flood.samples.size() + kMostHeights - 1) / kMostHeights;
+  std::vector<Vec3> all, inner;
+  std::array<std::vector<Vec3>, kSides> trimmed;  // without the outermost samples of one side
+  for (std::size_t k = 0; k < flood.samples.size(); k += stride) {
+    const Vec3 arm = image.point(flood.samples[k]) - region.fit.centroid;
+    all.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
+                     arm.dot(region.fit.plane.normal));
+    bool inside = true;
+    for (int side = 0; side < kSides; ++side) {
+      const auto next = beyond(image, flood.samples[k], side, 1);
+      const bool covered = next && covers(flood, *next);
+      if (covered) trimmed[static_cast<std::size_t>(side)].push_back(all.back());
+      inside = inside && covered;
+    }
+    if (inside) inner.push_back(all.back());
+  }
+  if (!bends(all, min_curvature)) return false;
+  if (scattered) return true;
+  const auto may_bend = [&](const std::vector<Vec3>& part) {
+    return !can_bend(part) || bends(part, min_curvature);
+  };
+  return may_bend(inner) && std::all_of(trimmed.begin(), trimmed.end(), may_bend);
+}
+
+bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood, double sigma_m,
+                                double share) {
+  const auto row = [&](std::uint32_t i) { return i / static_cast<std::uint32_t>(image.cols); };
+  std::vector<std::uint8_t> cols(static_cast<std::size_t>(image.cols));
+  for (const std::uint32_t i : flood.samples) cols[i % static_cast<std::uint32_t>(image.cols)] = 1;
+  const auto rows = static_cast<std::size_t>(row(flood.samples.back()) - row(flood.samples.front()) + 1);
+  const auto width = static_cast<std::size_t>(std::count(cols.begin(), cols.end(), 1));
+  if (flood.samples.size() >= kNarrow * std::max(rows, width)) return false;
+  const Vec3 normal = flood.plane.plane().normal;
+  const auto smooth = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
+    return goes_on(image, flood, normal, kContinuitySigmas * sigma_m, i);
+  });
+  return static_cast<double>(smooth) > share * static_cast<double>(flood.samples.size());
+}
+
+bool meets_curved_flood(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
+                        double sigma_m, std::uint32_t sample) {
+  const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
+  for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, image.rows - 1); ++r)
+    for (int step = -kReach; step <= kReach; ++step) {
+      int c = col + step;
+      if (image.wraps) c = (c + image.cols) % image.cols;
+      if (c < 0 || c >= image.cols) continue;
+      const std::size_t other = image.index(r, c);
+      if (use[other] == kBlocked &&
+          shallow(image.point(other) - image.point(sample), normal, kContinuitySigmas * sigma_m))
+        return true;
+    }
+  return false;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,30 @@
+#pragma once
+#include "stages/plane_floods.hpp"
+#include "stages/plane_regions.hpp"
+
+namespace hybrid::stages {
+
+// Whether what a flood covers is a plane of its own or part of a curved surface: three tests that
+// recover_small_planes() asks one after the other.
+
+// Moments, plane and axes of the flood's samples; no squares.
+PlaneRegion region_of_flood(const RangeImage& image, const PlaneFlood& flood);
+
+// The flood bends (curved_regions.hpp, bends()). One whose scatter the noise explains is asked more closely:
+// at its rim it may have taken in the first samples beyond an edge. Then the rest must bend as well whichever
+// side loses its outermost samples, and without the outermost of all sides.
+bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
+                 double min_curvature, bool scattered);
+
+// Fewer than four samples wide, a flood cannot show that it bends; but a curved surface goes on smoothly
+// (less than 45 degrees out of the plane) beyond its rim, where a jamb or a leg ends in a step or an edge.
+// True when that holds for more than `share` of the samples.
+bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood, double sigma_m,
+                                double share);
+
+// A sample of a curved flood (kBlocked) lies within two rows and columns of `sample`, less than 45 degrees
+// out of the plane with this normal.
+bool meets_curved_flood(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
+                        double sigma_m, std::uint32_t sample);
+
+}  // namespace hybrid::stages

@@ -1,0 +1,60 @@
+#include "stages/ray_plane.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kThinnest = 1e-3;  // width over length: thinner samples are in line
+
+}  // namespace
+
+RayPlane::RayPlane(const Vec3& around) {
+  const Vec3 across = around.unitOrthogonal();
+  frame_.row(0) = around.normalized();
+  frame_.row(1) = across;
+  frame_.row(2) = around.normalized().cross(across);
+}
+
+void RayPlane::add(const Vec3& point) {
+  const double weight = point.squaredNorm();
+  const Vec3 turned = frame_ * point;
+  samples_ += 1;
+  matrix_ += weight * turned * turned.transpose();
+  right_ += weight * turned;
+  constant_ += weight;
+}
+
+bool RayPlane::solve() {
+  if (samples_ < 3) return false;
+  const Eigen::LDLT<Mat3> solver(matrix_);
+  // The pivots go with the samples' extents: weight, length, width.
+  const Vec3 pivots = solver.vectorD();
+  if (!(pivots[2] > kThinnest * kThinnest * pivots[1])) return false;
+  inverse_ = frame_.transpose() * solver.solve(Mat3::Identity()) * frame_;
+  m_ = frame_.transpose() * solver.solve(right_);
+  squares_m2_ = std::max(0.0, constant_ - right_.dot(solver.solve(right_)));
+  return m_.allFinite() && m_.squaredNorm() > 0;
+}
+
+double RayPlane::residual_m(const Vec3& point) const {
+  const double reached = m_.dot(point);  // measured over predicted range
+  return reached > 0 ? point.norm() * (reached - 1) / reached : NAN;
+}
+
+double RayPlane::prediction_variance(const Vec3& point) const {
+  return point.squaredNorm() * point.dot(inverse_ * point);
+}
+
+double RayPlane::cosine(const Vec3& point) const {
+  return std::abs(m_.dot(point)) / (m_.norm() * point.norm());
+}
+
+Plane RayPlane::plane() const {
+  const double length = m_.norm();
+  return {-m_ / length, -1 / length};
+}
+
+}  // namespace hybrid::stages

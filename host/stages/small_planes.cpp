@@ -1,0 +1,241 @@
+#include "stages/small_planes.hpp"
+
+#include <algorithm>
+#include <queue>
+#include <unordered_set>
+
+#include "core/parallel.hpp"
+#include "geometry/tiles.hpp"
+#include "shared/params_window_planes.h"
+#include "stages/coplanar_merge.hpp"
+#include "stages/flood_shape.hpp"
+#include "stages/plane_floods.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr float kWindowShare = 0.7f;    // of a window's samples, as METHOD 2 asks of a square
+constexpr float kWindowSigmas = 4;      // of chi2's standard deviation
+constexpr float kWindowCosine = 0.02f;  // noise along rays nearer to grazing leaves no plane
+constexpr double kLeastNoise_m = 1e-4;  // as estimate_range_noise(): what floats and the model leave
+constexpr int kBlock = 64;              // samples; floods of a block look one block around it
+constexpr double kMostChi2 = 1.25;      // per sample
+constexpr double kMostBesideCurved = 0.3;
+
+std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels) {
+  std::vector<std::uint8_t> use(image.count());
+  parallel_for(
+      use.size(), [&](std::size_t i) { use[i] = image.mask[i] == kMeasured && labels[i] == 0; }, 1 << 14);
+  return use;
+}
+
+std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image,
+                                   const std::vector<std::uint8_t>& use, double sigma_m, int tile_side) {
+  std::vector<WindowSeed> seeds;
+  const auto width = static_cast<std::size_t>(image.cols);
+  for (const Tile& tile : make_tiles(image.rows, image.cols, tile_side)) {
+    WindowPlanesParams params{};
+    params.rows = static_cast<std::uint32_t>(tile.rows);
+    params.cols = static_cast<std::uint32_t>(tile.cols);
+    params.halo_rows =
+        static_cast<std::uint32_t>(std::min(tile.rows + WINDOW_REACH - 1, image.rows - tile.row));
+    params.halo_cols =
+        static_cast<std::uint32_t>(std::min(tile.cols + WINDOW_REACH - 1, image.cols - tile.col));
+    params.sigma_m = static_cast<float>(sigma_m);
+    params.chi2_sigmas = kWindowSigmas;
+    params.min_share = kWindowShare;
+    params.min_cosine = kWindowCosine;
+    const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
+                            params.halo_rows, params.halo_cols};
+    const std::size_t count = rect.rows * rect.cols;
+    auto x = queue.array<float>(count), y = queue.array<float>(count), z = queue.array<float>(count);
+    auto free = queue.array<std::uint8_t>(count);
+    auto shape =
+        queue.array<std::uint8_t>(static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.cols));
+    queue.write_rect(x, image.x.data(), width, rect);
+    queue.write_rect(y, image.y.data(), width, rect);
+    queue.write_rect(z, image.z.data(), width, rect);
+    queue.write_rect(free, use.data(), width, rect);
+    queue.launch("window_planes", queue.kernel("window_planes"), device::grid(params.cols, params.rows),
+                 params, x, y, z, free, shape);
+    const auto shapes = queue.read(shape);
+    for (std::size_t k = 0; k < shapes.size(); ++k)
+      if (shapes[k] != 0) {
+        const auto i = image.index(tile.row + static_cast<int>(k) / tile.cols,
+                                   tile.col + static_cast<int>(k) % tile.cols);
+        seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1)});
+      }
+  }
+  std::sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
+  return seeds;
+}
+
+struct Candidate {
+  std::size_t size = 0;
+  WindowSeed seed;
+  // Of a heap's order: the largest first, ties by the first sample.
+  bool operator<(const Candidate& other) const {
+    return size != other.size ? size < other.size : seed.sample > other.seed.sample;
+  }
+};
+
+// Floods from the seeds of each block that no earlier flood of the block covers, no farther than one block
+// around: how much a seed is worth. Blocks do not see each other.
+std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& flooder,
+                                 const std::vector<WindowSeed>& seeds, std::size_t least) {
+  const int block_cols = (image.cols + kBlock - 1) / kBlock, block_rows = (image.rows + kBlock - 1) / kBlock;
+  std::vector<std::vector<WindowSeed>> of_block(static_cast<std::size_t>(block_cols) *
+                                                static_cast<std::size_t>(block_rows));
+  for (const WindowSeed& seed : seeds) {
+    const int row = static_cast<int>(seed.sample) / image.cols,
+              col = static_cast<int>(seed.sample) % image.cols;
+    of_block[static_cast<std::size_t>(row / kBlock * block_cols + col / kBlock)].push_back(seed);
+  }
+  std::vector<std::vector<Candidate>> found(of_block.size());
+  parallel_for(of_block.size(), [&](std::size_t b) {
+    const int row = static_cast<int>(b) / block_cols * kBlock,
+              col = static_cast<int>(b) % block_cols * kBlock;
+    const int top = std::max(row - kBlock, 0), left = std::max(col - kBlock, 0);
+    const Tile limits{top, left, std::min(row + 2 * kBlock, image.rows) - top,
+                      std::min(col + 2 * kBlock, image.cols) - left};
+    std::unordered_set<std::uint32_t> covered;
+    for (const WindowSeed& seed : of_block[b]) {
+      if (covered.contains(seed.sample)) continue;
+      const PlaneFlood flood = flooder.flood(seed, limits);
+      if (flood.samples.size() < least) continue;
+      covered.insert(flood.samples.begin(), flood.samples.end());
+      found[b].push_back({flood.samples.size(), seed});
+    }
+  });
+  std::vector<Candidate> candidates;
+  for (const auto& list : found) candidates.insert(candidates.end(), list.begin(), list.end());
+  return candidates;
+}
+
+std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int side, std::uint32_t sample) {
+  const auto cols = static_cast<std::uint32_t>(image.cols), n = static_cast<std::uint32_t>(side);
+  return sample / cols / n * static_cast<std::uint32_t>(grid.cols) + sample % cols / n;
+}
+
+// Squares of curved regions and their neighbours.
+std::vector<std::uint8_t> beside_curved(const SquareGrid& grid, const PlaneRegions& regions) {
+  std::vector<std::uint8_t> beside(grid.count());
+  for (const PlaneRegion& region : regions.regions) {
+    if (!region.curved) continue;
+    for (const std::uint32_t square : region.squares) {
+      beside[square] = 1;
+      for (int direction = 0; direction < 4; ++direction)
+        if (const auto other = grid.neighbour(square, direction); other != SquareGrid::kNone)
+          beside[static_cast<std::size_t>(other)] = 1;
+    }
+  }
+  return beside;
+}
+
+// Which floods become small planes. Keeps the use of the samples.
+class SmallPlaneJudge {
+ public:
+  SmallPlaneJudge(const RangeImage& image, const SquareGrid& grid, int side, const PlaneRegions& regions,
+                  double min_curvature, double sigma_m)
+      : image_(image),
+        grid_(grid),
+        side_(side),
+        beside_(beside_curved(grid, regions)),
+        min_curvature_(min_curvature),
+        sigma_m_(sigma_m) {}
+
+  // kTaken: a plane; kBlocked: part of a curved surface; kFree: neither.
+  SampleUse judge(const PlaneFlood& flood, const PlaneRegion& region,
+                  const std::vector<std::uint8_t>& use) const {
+    const auto freedom = static_cast<double>(flood.samples.size()) - 3;
+    const bool scattered = flood.plane.squares_m2() > kMostChi2 * sigma_m_ * sigma_m_ * freedom;
+    if (lies_beside_curved(flood, use) ||
+        is_strip_of_smooth_surface(image_, flood, sigma_m_, kMostBesideCurved) ||
+        flood_bends(image_, flood, region, min_curvature_, scattered))
+      return kBlocked;
+    return scattered ? kFree : kTaken;
+  }
+
+ private:
+  bool lies_beside_curved(const PlaneFlood& flood, const std::vector<std::uint8_t>& use) const {
+    const Vec3 normal = flood.plane.plane().normal;
+    const auto count = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
+      return beside_[square_of(image_, grid_, side_, i)] != 0 ||
+             meets_curved_flood(image_, use, normal, sigma_m_, i);
+    });
+    return static_cast<double>(count) > kMostBesideCurved * static_cast<double>(flood.samples.size());
+  }
+
+  const RangeImage& image_;
+  const SquareGrid& grid_;
+  int side_;
+  std::vector<std::uint8_t> beside_;
+  double min_curvature_, sigma_m_;
+};
+
+// Squares in which the flood has samples, sorted.
+std::vector<std::uint32_t> squares_of(const PlaneFlood& flood, const RangeImage& image,
+                                      const SquareGrid& grid, int side) {
+  std::vector<std::uint32_t> squares;
+  for (const std::uint32_t i : flood.samples) squares.push_back(square_of(image, grid, side, i));
+  std::sort(squares.begin(), squares.end());
+  squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
+  return squares;
+}
+
+}  // namespace
+
+std::int64_t least_plane_samples(const RangeImage& image, const SuperclusterOptions& options) {
+  return std::max<std::int64_t>(options.min_plane_samples, static_cast<std::int64_t>(image.count() / 100000));
+}
+
+SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& image,
+                                    const SquarePlanes& squares, const SquareGrid& grid,
+                                    const std::vector<std::uint32_t>& labels,
+                                    const SuperclusterOptions& options, PlaneRegions& regions,
+                                    std::vector<Plane>& planes) {
+  const auto least = static_cast<std::size_t>(least_plane_samples(image, options));
+  const double sigma_m = std::max(squares.sigma_m, kLeastNoise_m);
+  auto use = free_samples(image, labels);
+  const PlaneFlooder flooder(image, use, sigma_m);
+  const auto candidates =
+      try_seeds(image, flooder, find_seeds(queue, image, use, sigma_m, options.tile), least);
+  const SmallPlaneJudge judge(image, grid, squares.square, regions, options.min_curvature, sigma_m);
+  std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
+  SquarePresence presence;
+  while (!heap.empty()) {
+    Candidate best = heap.top();
+    heap.pop();
+    const PlaneFlood flood = flooder.flood(best.seed, {0, 0, image.rows, image.cols});
+    const std::size_t size = flood.samples.size();
+    if (size < least) continue;
+    if (size < best.size && !heap.empty() &&
+        size < heap.top().size) {  // others took samples: not its turn yet
+      best.size = size;
+      heap.push(best);
+      continue;
+    }
+    PlaneRegion region = region_of_flood(image, flood);
+    const SampleUse verdict = judge.judge(flood, region, use);
+    if (verdict == kFree) continue;
+    for (const std::uint32_t i : flood.samples) use[i] = verdict;
+    if (verdict == kBlocked) continue;
+    region.squares = squares_of(flood, image, grid, squares.square);
+    std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
+    if (id == 0) {
+      regions.regions.push_back(region);
+      planes.push_back(flood.plane.plane());
+      id = static_cast<std::uint32_t>(regions.regions.size());
+    } else if (PlaneRegion& continued = regions.regions[id - 1]; continued.small) {
+      continued.squares.insert(continued.squares.end(), region.squares.begin(), region.squares.end());
+      continued.moments.merge(region.moments);
+      continued.fit = fit_plane(continued.moments);
+    }
+    for (const std::uint32_t square : region.squares) presence.emplace_back(square, id);
+  }
+  std::sort(presence.begin(), presence.end());
+  presence.erase(std::unique(presence.begin(), presence.end()), presence.end());
+  return presence;
+}
+
+}  // namespace hybrid::stages
