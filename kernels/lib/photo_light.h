@@ -9,16 +9,21 @@ typedef struct Bilinear {
   float share[4];
 } Bilinear;
 
-static inline Bilinear bilinear_at(const CameraRecord* camera, float column, float row) {
+// Through a pointer: oclgrind's compiler stumbles over structs returned through two inlined functions.
+static inline void bilinear_at(const CameraRecord* camera, float column, float row, Bilinear* at) {
   const float x = clamp(column - 0.5f, 0.0f, (float)(camera->width - 1u));
   const float y = clamp(row - 0.5f, 0.0f, (float)(camera->height - 1u));
   const uint x0 = (uint)x, y0 = (uint)y;
   const uint x1 = min(x0 + 1u, camera->width - 1u), y1 = min(y0 + 1u, camera->height - 1u);
   const float right = x - (float)x0, below = y - (float)y0;
-  Bilinear at = {
-      {y0 * camera->width + x0, y0 * camera->width + x1, y1 * camera->width + x0, y1 * camera->width + x1},
-      {(1.0f - right) * (1.0f - below), right * (1.0f - below), (1.0f - right) * below, right * below}};
-  return at;
+  at->pixel[0] = y0 * camera->width + x0;
+  at->pixel[1] = y0 * camera->width + x1;
+  at->pixel[2] = y1 * camera->width + x0;
+  at->pixel[3] = y1 * camera->width + x1;
+  at->share[0] = (1.0f - right) * (1.0f - below);
+  at->share[1] = right * (1.0f - below);
+  at->share[2] = (1.0f - right) * below;
+  at->share[3] = right * below;
 }
 
 static inline float3 light_at(const Bilinear* at, global const uchar* photo, global const float* linear) {
@@ -62,11 +67,12 @@ static inline void add_high(float3 high, float weight, uint high_power, uint cou
 }
 
 // Adds the light that photograph number `photograph` has at a position to point i of `count`.
-static inline void add_light(const CameraRecord* camera, BlendMode mix, int photograph, float column, float row,
-                             float weight, global const uchar* photo, global const half* low,
+static inline void add_light(const CameraRecord* camera, BlendMode mix, int photograph, float column,
+                             float row, float weight, global const uchar* photo, global const half* low,
                              global const float* linear, uint count, uint i, global float* sums,
                              global int* best) {
-  const Bilinear around = bilinear_at(camera, column, row);
+  Bilinear around;
+  bilinear_at(camera, column, row, &around);
   const float3 light = light_at(&around, photo, linear);
   const float3 smooth = mix.mode == BLEND_DUAL ? low_at(&around, low) : light;
   sums[BLEND_SUM_R * count + i] += weight * smooth.x;
