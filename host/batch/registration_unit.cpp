@@ -48,11 +48,15 @@ stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& mo
   return stages::fit_landmarks(model, pairs, options.landmarks);
 }
 
+// A supercluster within 30 degrees of vertical is a wall from this area on; below it stands furniture.
+constexpr double kLeastWallM2 = 1;
+
 WallShare wall_share(const ScanProduct& product, const Pose& world_from_scan,
                      const std::vector<float>& distance_m) {
   std::vector<bool> wall(product.segmentation.superclusters.size() + 1, false);
   for (const auto& supercluster : product.segmentation.superclusters)
     wall[supercluster.id] =
+        supercluster.area_m2 >= kLeastWallM2 &&
         std::abs(world_from_scan.rotate(supercluster.plane.normal).z()) < std::sin(M_PI / 6);
   WallShare share;
   std::int64_t near = 0, nearer = 0;

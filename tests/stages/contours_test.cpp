@@ -93,7 +93,8 @@ TEST(Contours, box_room_has_the_rings_of_its_walls) {
   const auto t = trace({});
   expect_room(t.segmentation);
   for (const Supercluster& s : t.segmentation.superclusters)
-    EXPECT_NEAR(expect_valid_contours(s), s.area_m2, 0.08 * s.area_m2);  // half a sample is lost all round
+    // Half a sample is lost all round: much of a jamb or a post, which are few samples across.
+    EXPECT_NEAR(expect_valid_contours(s), s.area_m2, (s.area_m2 < 1 ? 0.4 : 0.08) * s.area_m2);
 }
 
 TEST(Contours, rings_reach_the_corners_of_a_wall) {
@@ -120,7 +121,7 @@ TEST(Contours, rings_of_directions_off_the_grid_are_simple) {
   const auto t = trace(room);
   EXPECT_GE(t.segmentation.superclusters.size(), 8u);
   for (const Supercluster& s : t.segmentation.superclusters) {
-    EXPECT_GT(expect_valid_contours(s), 0.8 * s.area_m2);
+    EXPECT_GT(expect_valid_contours(s), (s.area_m2 < 1 ? 0.6 : 0.8) * s.area_m2);
     EXPECT_GE(count(s, true), 1);
   }
 }

@@ -101,10 +101,12 @@ TEST(Superclusters, box_room_gives_exactly_its_planes) {
     EXPECT_EQ(result.found, kScoredPlanes) << noise;
     EXPECT_GT(result.right, 0.995) << noise;  // measured: 0.9999, 0.9993, 0.9979
     EXPECT_LT(result.curved_planar, 0.01) << noise;
-    // No plane twice, and nothing but the room's faces.
-    EXPECT_EQ(segmentation.superclusters.size(), std::size_t{kScoredPlanes}) << noise;
-    EXPECT_EQ(std::set<std::size_t>(result.majority.begin(), result.majority.end()).size(),
-              std::size_t{kScoredPlanes});
+    // No scored plane twice, and nothing else but the room's small faces: edges of the panel, jambs, the post.
+    std::multiset<std::size_t> faces(result.majority.begin(), result.majority.end());
+    faces.erase(kSmallFaces);
+    EXPECT_EQ(faces.size(), std::size_t{kScoredPlanes}) << noise;
+    EXPECT_EQ(std::set<std::size_t>(faces.begin(), faces.end()).size(), std::size_t{kScoredPlanes}) << noise;
+    EXPECT_FALSE(faces.contains(kColumn)) << noise;
   }
 }
 
@@ -146,8 +148,9 @@ TEST(Superclusters, planes_are_accurate_and_described) {
   for (const std::uint32_t label : segmentation.sample_label) labelled[label] += 1;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const Supercluster& s = segmentation.superclusters[i];
-    const Plane truth = true_plane(faces[i]);
     EXPECT_EQ(s.id, i + 1);
+    if (faces[i] == kSmallFaces) continue;  // several planes, which true_plane does not tell apart
+    const Plane truth = true_plane(faces[i]);
     EXPECT_LE(s.samples, before);
     before = s.samples;
     EXPECT_EQ(s.samples, labelled[i + 1]);
