@@ -204,7 +204,7 @@ std::vector<SceneCase> scene_cases() {
       {"truth_is_the_scene",
        instead("levelled = true", "truth = \"scene.toml\""),
        4,
-       {"scene.toml: not the truth of a synthetic scene"}},
+       {"scene.toml: expected the truth of a synthetic scene"}},
       {"view_photograph_unknown",
        instead("photograph = \"0.png\"", "photograph = \"9.png\""),
        3,
