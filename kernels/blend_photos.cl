@@ -47,8 +47,9 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
                         (packet_angle(&sight, &from_eye) + params.pixel_rad);
   int visible[VW];
   float columns[VW], rows[VW], weights[VW];
-  STORE_LANES(packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked),
-              visible);
+  STORE_LANES(
+      packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked),
+      visible);
   STORE_LANES(column, columns);
   STORE_LANES(row, rows);
   STORE_LANES(weight, weights);

@@ -9,7 +9,8 @@
 //
 // Mapping: one work-item per packet of VW points, as in ray_cast.cl.
 //
-// in: surface, penalty, ranked as rank_photos reads and leaves them; photo, low, linear as in blend_photos.cl.
+// in: surface, penalty, ranked as rank_photos reads and leaves them; photo, low, linear as in
+// blend_photos.cl.
 //
 // in/out: sums[BLEND_PLANES * cols * rows], best[cols * rows], as in blend_photos.cl.
 //

@@ -72,8 +72,9 @@ kernel void rank_photos(const RankPhotosParams params, global const BvhNode* res
   const ShadowTolerance tolerance = {params.tolerance_m, params.face_tolerance_m};
   int visible[VW];
   float penalties[VW];
-  STORE_LANES(packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked),
-              visible);
+  STORE_LANES(
+      packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked),
+      visible);
   STORE_LANES(photo_penalty(&params, &points, &sight, column, row), penalties);
   for (uint lane = 0u; lane < VW; ++lane) {
     if (!visible[lane]) continue;

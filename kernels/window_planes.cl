@@ -78,8 +78,9 @@ static inline int is_planar(global const float* restrict x, global const float* 
         scale[k] * (h[k] - mean_h - slope_a * (a[k] - mean_a) - slope_b * (b[k] - mean_b)) / params.sigma_m;
     chi2 += error * error;
   }
-  // depth m, with m the normal over the offset, is (intercept, slope_a, slope_b) in the frame's axes.
-  const float cosine = (1.0f + mean_h) / sqrt(intercept * intercept + slope_a * slope_a + slope_b * slope_b);
+  // Incidence at the corner: depth m, with m the normal over the offset, is (intercept, slope_a, slope_b) in
+  // the frame's axes.
+  const float cosine = intercept / sqrt(intercept * intercept + slope_a * slope_a + slope_b * slope_b);
   const float freedom = (float)count - 3.0f;
   return cosine >= params.min_cosine && chi2 <= freedom + params.chi2_sigmas * sqrt(2.0f * freedom);
 }

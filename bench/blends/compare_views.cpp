@@ -3,6 +3,7 @@
 // sees (METHOD, how results are scored). Prints one JSON document; bench/blends.sh makes the table of it.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfInputFile.h>
 
 #include <algorithm>
@@ -51,12 +52,13 @@ double srgb_green(const float* rgb, double gain) {
 
 // Energy of the differences between neighbouring pixels of the view over the photograph's, both inside the
 // mask: below 1 the view is blurred, which PSNR hardly punishes. sRGB green, after the gain.
-double detail(const ImageF& view, const Image8& photograph, const std::vector<std::uint8_t>& mask, double gain) {
+double detail(const ImageF& view, const Image8& photograph, const std::vector<std::uint8_t>& mask,
+              double gain) {
   double ours = 0, theirs = 0;
   for (int y = 0; y < view.height; ++y)
     for (int x = 1; x < view.width; ++x) {
-      const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) +
-                     static_cast<std::size_t>(x);
+      const auto i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(x);
       if (!mask[i] || !mask[i - 1]) continue;
       const double a = srgb_green(view.at(x, y), gain) - srgb_green(view.at(x - 1, y), gain);
       const double b = (photograph.at(x, y)[1] - photograph.at(x - 1, y)[1]) / 255.0;

@@ -76,7 +76,8 @@ std::vector<std::string> leave_one_out_names(const PhotographSet& photographs) {
   std::vector<std::string> names;
   std::map<std::string, int> uses;
   const auto flat = [](std::string name) {
-    std::replace_if(name.begin(), name.end(), [](char c) { return c == '/' || c == '\\'; }, '_');
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '/' || c == '\\'; }, '_');
     return name;
   };
   for (const auto& photograph : photographs.cameras) {

@@ -138,10 +138,9 @@ class Run {
       log::error("{}", error.what());
       std::string assignments;
       for (const auto& assignment : request_.assignments) assignments += " --set " + assignment;
-      run_.failures.push_back(
-          {name, error.what(), error.kind(),
-           fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(), request_.out.string(),
-                       assignments)});
+      run_.failures.push_back({name, error.what(), error.kind(),
+                               fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(),
+                                           request_.out.string(), assignments)});
     }
   }
 

@@ -22,11 +22,11 @@ struct RunRequest {
   // Whose outputs are written. What they need is computed again from the inputs, never taken from `out`;
   // "report" brings the others with it, since its page shows their files.
   std::set<std::string> stages = kAllStages;
-  std::string only_view;                      // render: this view alone
-  bool scene_views = true;                    // render: the scene file's views
-  bool leave_one_out = false;                 // render: then every photograph from the others
-  std::vector<std::string> assignments;       // SECTION.KEY=VALUE, override the scene file
-  std::optional<OptionValue> square;          // overrides the scene file
+  std::string only_view;                 // render: this view alone
+  bool scene_views = true;               // render: the scene file's views
+  bool leave_one_out = false;            // render: then every photograph from the others
+  std::vector<std::string> assignments;  // SECTION.KEY=VALUE, override the scene file
+  std::optional<OptionValue> square;     // overrides the scene file
   int tile = 1024;
   std::optional<int> seed;  // overrides the scene file
   bool force = false;       // write into the output folder of another scene

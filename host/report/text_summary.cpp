@@ -49,9 +49,10 @@ std::string text_summary(const batch::SceneRun& run, const std::filesystem::path
           100 * view["left_out"]["share_seen"].get<double>());
   if (run.summary.contains("leave_one_out")) {
     const auto& mean = run.summary["leave_one_out"]["mean"];
-    text += fmt::format("mean of {} photographs left out: PSNR {:.2f} dB, SSIM {:.3f} on {:.1f} % of their pixels\n",
-                        run.summary["leave_one_out"]["photographs"].size(), mean["psnr_db"].get<double>(),
-                        mean["ssim"].get<double>(), 100 * mean["share_seen"].get<double>());
+    text += fmt::format(
+        "mean of {} photographs left out: PSNR {:.2f} dB, SSIM {:.3f} on {:.1f} % of their pixels\n",
+        run.summary["leave_one_out"]["photographs"].size(), mean["psnr_db"].get<double>(),
+        mean["ssim"].get<double>(), 100 * mean["share_seen"].get<double>());
   }
   for (const auto& failure : run.failures)
     text += fmt::format("failed: {}\n  run it again: {}\n", failure.error, failure.command);

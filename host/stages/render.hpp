@@ -16,13 +16,14 @@
 namespace hybrid::stages {
 
 struct RenderOptions {
-  std::string blend = "dual";         // "nearest" | "linear" | "dual"
-  std::string weights = "ulr";        // "angle" (Facade) | "ulr" (unstructured lumigraph)
-  int ulr_k = 3;                      // photographs that mix in a pixel; the next one's penalty ends them
-  double ulr_resolution = 0.05;       // penalty, rad, per time that a photograph is coarser than the view
-  double ulr_field_of_view = 0.1;     // penalty, rad, at a photograph's border
-  double sigma_px = 4;                // Gaussian that splits photographs into low and high frequencies
-  int high_power = 4;        // exponent of the weights in the high band: 1 as in the low band, 64 the heaviest alone
+  std::string blend = "dual";      // "nearest" | "linear" | "dual"
+  std::string weights = "ulr";     // "angle" (Facade) | "ulr" (unstructured lumigraph)
+  int ulr_k = 3;                   // photographs that mix in a pixel; the next one's penalty ends them
+  double ulr_resolution = 0.05;    // penalty, rad, per time that a photograph is coarser than the view
+  double ulr_field_of_view = 0.1;  // penalty, rad, at a photograph's border
+  double sigma_px = 4;             // Gaussian that splits photographs into low and high frequencies
+  int high_power =
+      4;  // exponent of the weights in the high band: 1 as in the low band, 64 the heaviest alone
   double feather_px = 32;             // weights fall to 0 over this distance to a photograph's border
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
@@ -114,7 +115,7 @@ struct ImageQuality {
   double psnr_db = 0;  // sRGB-encoded 8-bit scale, R, G and B pooled, on the mask, after one gain per channel
                        // (least squares in linear light); at most 100, 0 for an empty mask
   double ssim = 0;     // mean over the mask, luma, 11x11 Gaussian window
-  double share_seen = 0;  // share of pixels in the mask
+  double share_seen = 0;                // share of pixels in the mask
   std::array<double, 3> gain{1, 1, 1};  // that was fitted: light of the reference over ours
 };
 // `linear`: 3 channels; `mask`: one per pixel, 0 = ignore; pixels that are not finite are ignored too. Throws

@@ -62,10 +62,10 @@ typedef struct ShadowTolerance {
 } ShadowTolerance;
 
 // Which of the lanes `asked` nothing hides from the photograph at `centre`. Shadow rays end before the
-// surface, so that neighbouring samples, and samples and the face they lie on, do not shadow each other: among
-// samples two radii or the tolerance, between samples and faces the tolerance, both along the surface normal
-// and stretched by up to 5 at grazing angles, and two radii of the sample that would shade; among faces
-// rounding only.
+// surface, so that neighbouring samples, and samples and the face they lie on, do not shadow each other:
+// among samples two radii or the tolerance, between samples and faces the tolerance, both along the surface
+// normal and stretched by up to 5 at grazing angles, and two radii of the sample that would shade; among
+// faces rounding only.
 static inline intv packet_unhidden(const PacketSurface* points, const PacketSight* sight, float3 centre,
                                    ShadowTolerance tolerance, global const BvhNode* nodes,
                                    global const TriangleRecord* triangles, global const SphereRecord* spheres,
@@ -74,8 +74,9 @@ static inline intv packet_unhidden(const PacketSurface* points, const PacketSigh
   const floatv near_face =
       PICK(MASK(points->radius == 0.0f), (floatv)(tolerance.face_m), (floatv)(tolerance.sample_m));
   const floatv near_sphere = max(2.0f * fabs(points->radius), (floatv)(tolerance.sample_m));
-  const PacketRays rays = bvh_rays(centre, PICK(asked, sight->x, (floatv)(0.0f)),
-                                   PICK(asked, sight->y, (floatv)(0.0f)), PICK(asked, sight->z, (floatv)(1.0f)));
+  const PacketRays rays =
+      bvh_rays(centre, PICK(asked, sight->x, (floatv)(0.0f)), PICK(asked, sight->y, (floatv)(0.0f)),
+               PICK(asked, sight->z, (floatv)(1.0f)));
   const intv blocked =
       bvh_occluded(&rays, nodes, triangles, spheres, root, sight->distance - near_face * stretch,
                    sight->distance - near_sphere * stretch, asked);

@@ -25,8 +25,8 @@ typedef struct BlendRankedParams {
   CameraRecord camera;     // the photograph's
   HYBRID_UINT cols, rows;  // surface points of this launch
   BlendMode mix;
-  int photograph;          // its index
-  HYBRID_UINT kept;        // as in RankPhotosParams
+  int photograph;    // its index
+  HYBRID_UINT kept;  // as in RankPhotosParams
   float feather_px;
   float pixel_rad;  // angle of one pixel of the view
 } BlendRankedParams;

@@ -41,8 +41,8 @@ struct BlendRankedCase {
       params.feather_px = blend.feather_px;
       params.pixel_rad = blend.pixel_rad;
       queue.launch(kName, queue.kernel(kName, {{"VW", width}}),
-                   stages::packet_grid(width, blend.cols, blend.rows), params, surface, penalty, ranked, pixels,
-                   low, linear, sums, best);
+                   stages::packet_grid(width, blend.cols, blend.rows), params, surface, penalty, ranked,
+                   pixels, low, linear, sums, best);
       queue.finish();
     }
     return {queue.read(sums), queue.read(best)};

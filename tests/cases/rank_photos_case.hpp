@@ -13,7 +13,7 @@ struct RankPhotosCase {
     float resolution_cost = 0.05f, field_of_view_cost = 0.1f, pixel_ratio = 1.5f;
   };
   struct Output {
-    std::vector<float> penalty;      // kept planes
+    std::vector<float> penalty;       // kept planes
     std::vector<std::int32_t> photo;  // kept planes
     std::vector<std::uint32_t> seen;
   };
@@ -56,14 +56,16 @@ struct RankPhotosCase {
 
   // Angles are good to 1e-6, ratios of distances and cosines of 0.05 and more to 1e-5.
   static constexpr float kTolerance = 2e-5f;
-  // Points at a photograph's border, at a shadow's edge or with two penalties alike may be decided either way.
+  // Points at a photograph's border, at a shadow's edge or with two penalties alike may be decided either
+  // way.
   static constexpr double kUndecided = 1e-3;
   static bool agrees(const Output& got, const Output& expected, std::size_t i) {
     const std::size_t count = got.seen.size();
     if (got.seen[i] != expected.seen[i]) return false;
     for (std::size_t at = i; at < got.photo.size(); at += count) {
       if (got.photo[at] != expected.photo[at]) return false;
-      if (got.photo[at] >= 0 && !(std::abs(got.penalty[at] - expected.penalty[at]) < kTolerance)) return false;
+      if (got.photo[at] >= 0 && !(std::abs(got.penalty[at] - expected.penalty[at]) < kTolerance))
+        return false;
     }
     return true;
   }

@@ -43,14 +43,14 @@ TEST(LeaveOneOut, scores_every_photograph_and_their_mean_and_shows_the_pairs) {
 TEST(SetOption, a_wrong_assignment_is_a_usage_error_that_names_the_key) {
   const Scratch scratch;
   for (const char* command : {"run", "register", "render"}) {
-    const auto wrong = run(std::string("hybrid ") + command + " " + scene() + " --set render.blnd=dual --out " +
-                           scratch.path().string());
+    const auto wrong = run(std::string("hybrid ") + command + " " + scene() +
+                           " --set render.blnd=dual --out " + scratch.path().string());
     EXPECT_EQ(wrong.exit_code, 2) << command;
     EXPECT_NE(wrong.err.find("blnd"), std::string::npos) << wrong.err;
     EXPECT_TRUE(std::filesystem::is_empty(scratch.path())) << command;
   }
-  const auto planes = run("hybrid planes nothing.ply --set planes.min_squares=none --out " +
-                          scratch.path().string());
+  const auto planes =
+      run("hybrid planes nothing.ply --set planes.min_squares=none --out " + scratch.path().string());
   EXPECT_EQ(planes.exit_code, 2);
   EXPECT_NE(planes.err.find("min_squares"), std::string::npos) << planes.err;
 }

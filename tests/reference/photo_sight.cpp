@@ -73,8 +73,8 @@ Vec3 photo_low(const BlendPhotosCase::Photo& photo, const Vec2& position) {
   });
 }
 
-void write_sums(const std::vector<WeighedLight>& lights, const BlendMode& mix, std::size_t count, std::size_t i,
-                std::vector<float>& sums, std::vector<std::int32_t>& best) {
+void write_sums(const std::vector<WeighedLight>& lights, const BlendMode& mix, std::size_t count,
+                std::size_t i, std::vector<float>& sums, std::vector<std::int32_t>& best) {
   if (lights.empty()) return;
   const bool dual = mix.mode == BLEND_DUAL;
   const auto heaviest =

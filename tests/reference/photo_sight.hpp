@@ -8,8 +8,8 @@ namespace hybrid::testing {
 // How photograph number `photo` sees point `i` of the input, in double.
 struct PhotoSight {
   Vec2 pixel;
-  double distance, facing;   // cosine, 1 without a normal
-  double angle;              // to the ray from the eye
+  double distance, facing;  // cosine, 1 without a normal
+  double angle;             // to the ray from the eye
   double eye_distance, eye_facing;
   double feather;
 };
@@ -26,8 +26,9 @@ struct WeighedLight {
   double weight;
   Vec3 light, low;
 };
-// Writes the BLEND_PLANES sums and the best photograph of point `i` of `count` from all contributions at once.
-void write_sums(const std::vector<WeighedLight>& lights, const BlendMode& mix, std::size_t count, std::size_t i,
-                std::vector<float>& sums, std::vector<std::int32_t>& best);
+// Writes the BLEND_PLANES sums and the best photograph of point `i` of `count` from all contributions at
+// once.
+void write_sums(const std::vector<WeighedLight>& lights, const BlendMode& mix, std::size_t count,
+                std::size_t i, std::vector<float>& sums, std::vector<std::int32_t>& best);
 
 }  // namespace hybrid::testing

@@ -27,8 +27,8 @@ TEST(PhotographStore, gives_the_same_photographs_whether_they_stay_or_are_loaded
 }
 
 TEST(PhotographStore, no_low_band_crosses_a_visibility_edge) {
-  // A black box before a white wall, its edges oblique in the picture: wherever the photograph shows one of the
-  // two alone, so does its low band.
+  // A black box before a white wall, its edges oblique in the picture: wherever the photograph shows one of
+  // the two alone, so does its low band.
   RoomScene room;
   room.add_box({-4, 3, -4}, {4, 3.1, 4}, false);
   room.add_box({-0.7, 1.5, -0.5}, {0.4, 1.9, 0.6}, false);

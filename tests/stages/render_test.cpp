@@ -40,8 +40,12 @@ std::vector<std::uint8_t> seen_mask(const RenderedView& image) {
 }
 
 // blend and weights, every combination.
-const std::array<std::array<const char*, 2>, 6> kMixes{
-    {{"nearest", "angle"}, {"linear", "angle"}, {"dual", "angle"}, {"nearest", "ulr"}, {"linear", "ulr"}, {"dual", "ulr"}}};
+const std::array<std::array<const char*, 2>, 6> kMixes{{{"nearest", "angle"},
+                                                        {"linear", "angle"},
+                                                        {"dual", "angle"},
+                                                        {"nearest", "ulr"},
+                                                        {"linear", "ulr"},
+                                                        {"dual", "ulr"}}};
 
 void expect_same(const RenderedView& a, const RenderedView& b) {
   EXPECT_TRUE(same_bits(a.colour.pixels, b.colour.pixels));

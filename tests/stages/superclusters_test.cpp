@@ -101,7 +101,8 @@ TEST(Superclusters, box_room_gives_exactly_its_planes) {
     EXPECT_EQ(result.found, kScoredPlanes) << noise;
     EXPECT_GT(result.right, 0.995) << noise;  // measured: 0.9999, 0.9993, 0.9979
     EXPECT_LT(result.curved_planar, 0.01) << noise;
-    // No scored plane twice, and nothing else but the room's small faces: edges of the panel, jambs, the post.
+    // No scored plane twice, and nothing else but the room's small faces: edges of the panel, jambs, the
+    // post.
     std::multiset<std::size_t> faces(result.majority.begin(), result.majority.end());
     faces.erase(kSmallFaces);
     EXPECT_EQ(faces.size(), std::size_t{kScoredPlanes}) << noise;
