@@ -11,8 +11,9 @@
 // out, row-major: distance[cols * rows] along the ray, metres, +inf = nothing hit; id[cols * rows]: 0 =
 // nothing, else the primitive's (1 + face, 0x80000000 + splat); with want_surface the planes
 // surface[SURFACE_PLANES * cols * rows]: point, normal, radius; x is NaN where nothing is hit. The normal is
-// unit: a triangle's towards the origin; a splat's own, towards its scanner; where a splat has none the
-// sphere's, and the radius is then negative. A triangle's radius is its record's: 0 on a face of the model.
+// unit: a face's towards the origin; that of a triangle with a radius and a splat's own, towards their
+// scanner; where a splat has none the sphere's, and the radius is then negative. A triangle's radius is its
+// record's: 0 on a face of the model.
 //
 // A sphere with a normal stands for a flat patch, its disc across the normal: a large sphere of a sparse scan
 // would bulge out of its surface, and a photograph projected on the bulge would shift by the radius. Shadow
@@ -84,7 +85,7 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
     float3 normal = (float3)(0.0f);
     float t = INFINITY, radius = 0.0f;
     uint hit_id = 0u;
-    int facing_known = 0;
+    int own_normal = 0;
     if (triangle[lane] != BVH_EMPTY) {
       global const TriangleRecord* face = triangles + triangle[lane];
       const float3 a = vload3(0, face->a);
@@ -92,6 +93,7 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
       t = t_triangle[lane];
       hit_id = face->id;
       radius = face->radius;
+      own_normal = radius > 0.0f;
     }
     const float behind = (t_sphere[lane] - t) * max(fabs(dot(normal, direction)), 1.0f / SLACK);
     if (sphere[lane] != BVH_EMPTY && (hit_id == 0u || behind <= params.tolerance_m)) {
@@ -99,17 +101,17 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
       hit_id = sphere_surfaces[sphere[lane]].id;
       normal = vload3(0, sphere_surfaces[sphere[lane]].normal);
       radius = spheres[sphere[lane]].radius;
-      facing_known = 1;
+      own_normal = 1;
       if (dot(normal, normal) == 0.0f) {
         normal = (origin + t * direction - vload3(0, spheres[sphere[lane]].centre)) / radius;
         radius = -radius;
-        facing_known = 0;
+        own_normal = 0;
       }
     }
     distance[i] = t;
     id[i] = hit_id;
     if (!params.want_surface) continue;
-    if (!facing_known && dot(normal, direction) > 0.0f) normal = -normal;
+    if (!own_normal && dot(normal, direction) > 0.0f) normal = -normal;
     const float3 point = hit_id == 0u ? (float3)(NAN) : origin + t * direction;
     surface[SURFACE_X * count + i] = point.x;
     surface[SURFACE_Y * count + i] = point.y;

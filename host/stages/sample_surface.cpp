@@ -8,9 +8,10 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLongestStretch = 3;  // of the sample spacing, at grazing incidence or beside a gap
-constexpr double kSteepestJump =
-    5;                      // range difference to a neighbour of the same surface, in sample spacings
+constexpr double kLongestStretch = 4;  // of the sample spacing, at grazing incidence or beside a gap
+// A neighbour of the same surface, in sample spacings: difference in range, distance from the tangent plane.
+constexpr double kSteepestJump = 10;
+constexpr double kOffTangent = 1;
 constexpr int kWindow = 2;  // neighbours on either side that tell the normal
 constexpr double kDefaultStep_rad = 1e-3;  // of an image of one sample, which has no spacing of its own
 
@@ -51,19 +52,22 @@ Vec3 neighbour_normal(const RangeImage& image, int row, int col, double spacing_
 }
 
 // Distance to the farther of the two neighbours along the rows or the columns, of those that lie on the same
-// surface: patches close up. At a silhouette only the inner one does, so that the patch hardly reaches beyond
-// it. Where a return is missing the next sample counts: only measured ones become patches. Half the nominal
-// spacing where there is none, as in a veil or across a wire.
-double neighbour_spacing(const RangeImage& image, int row, int col, int down, int across, double nominal_m) {
+// surface, in the sample's tangent plane: patches close up. At a silhouette only the inner one does, so that
+// the patch hardly reaches beyond it. Where a return is missing the next sample counts: only measured ones
+// become patches. Half the nominal spacing where there is none, as in a veil or across a wire.
+double neighbour_spacing(const RangeImage& image, int row, int col, int down, int across, double nominal_m,
+                         const Vec3& normal) {
   const Vec3 centre = image.point(image.index(row, col));
   double spacing = 0;
   for (const int side : {-1, 1})
     for (const int steps : {side, 2 * side}) {
       const auto i = node(image, row + steps * down, col + steps * across);
       if (!i || image.mask[*i] != kMeasured) continue;
-      const Vec3 point = image.point(*i);
-      if (std::abs(point.norm() - centre.norm()) <= kSteepestJump * std::abs(steps) * nominal_m)
-        spacing = std::max(spacing, (point - centre).norm());
+      const Vec3 arm = image.point(*i) - centre;
+      const double jump = std::abs(image.point(*i).norm() - centre.norm());
+      const double reach_m = std::abs(steps) * nominal_m;
+      if (jump <= kSteepestJump * reach_m && std::abs(normal.dot(arm)) <= kOffTangent * reach_m)
+        spacing = std::max(spacing, arm.norm());
       break;
     }
   return spacing > 0 ? std::min(spacing, kLongestStretch * nominal_m) : 0.5 * nominal_m;
@@ -93,8 +97,8 @@ SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& s
     const double stretch = std::min(1 / std::max(std::abs(facing), 1e-9), kLongestStretch);
     surface.radius_m = 0.5 * std::max(down_m, across_m) * std::hypot(stretch, 1.0);
   } else {
-    surface.radius_m = 0.5 * std::hypot(neighbour_spacing(image, row, col, 1, 0, down_m),
-                                        neighbour_spacing(image, row, col, 0, 1, across_m));
+    surface.radius_m = 0.5 * std::hypot(neighbour_spacing(image, row, col, 1, 0, down_m, surface.normal),
+                                        neighbour_spacing(image, row, col, 0, 1, across_m, surface.normal));
   }
   return surface;
 }

@@ -12,7 +12,7 @@ struct SampleSurface {
 
 // Of a non-empty node. With a supercluster: its normal, and a patch of r x angular step by r x angular step /
 // cos incidence. Without: the normal of the neighbours around it, and a patch as long as the distances to the
-// neighbours on the same surface. No side is longer than 3 r x angular step. `segmentation` may be empty.
+// neighbours on the same surface. No side is longer than 4 r x angular step. `segmentation` may be empty.
 SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& segmentation, int row,
                              int col);
 

@@ -79,7 +79,7 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
     const double t = sphere_wins ? t_sphere : t_triangle;
     const Vec3 point = origin + t * direction;
     double radius = triangle ? triangle->radius : 0;
-    bool own_normal = false;
+    bool own_normal = triangle && triangle->radius > 0;
     if (sphere_wins) {
       const auto& record = input.scene.spheres[sphere];
       const float* known = input.scene.surfaces[sphere].normal;

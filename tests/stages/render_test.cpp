@@ -373,6 +373,19 @@ TEST(Render, a_contour_polygon_is_a_surface_of_the_scan_and_stands_in_for_its_sa
       less += two.id[i] >= kContour && two.id[i] == one.id[i] && two.coverage[i] < one.coverage[i];
     EXPECT_EQ(less, 0u) << eye_x;
   }
+  // From behind it has the colour of the side it was scanned from, as samples have: here that towards +x.
+  const auto& photographs = scene.photographs;
+  const auto in_front = std::count_if(photographs.begin(), photographs.end(),
+                                      [](const Photograph& p) { return p.centre().x() > 2; });
+  request = view({0.6, 2.5, 1.7}, {2, 2.5, 1.7}, 120, 120);
+  const RenderedView behind = render(scene, request);
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < behind.id.size(); ++i) {
+    if (behind.id[i] < kContour) continue;
+    seen += behind.coverage[i] > 0;
+    EXPECT_LE(behind.coverage[i], static_cast<std::uint32_t>(in_front));
+  }
+  EXPECT_GT(seen, 1000u);
   request = view({1.5, 2.5, 1.8}, {0, 2.5, 1.8}, 120, 120);
   EXPECT_EQ(count("both", 0x80000000u, 0x80000001u), 0);
   EXPECT_GT(count("scan", 0x80000000u, 0x80000001u), 0);
