@@ -12,7 +12,7 @@ constexpr double kLongestStretch = 4;  // of the sample spacing, at grazing inci
 // A neighbour of the same surface, in sample spacings: difference in range, distance from the tangent plane.
 constexpr double kSteepestJump = 10;
 constexpr double kOffTangent = 1;
-constexpr int kWindow = 2;  // neighbours on either side that tell the normal
+constexpr int kWindow = 2;                 // neighbours on either side that tell the normal
 constexpr double kDefaultStep_rad = 1e-3;  // of an image of one sample, which has no spacing of its own
 
 std::optional<std::size_t> node(const RangeImage& image, int row, int col) {
