@@ -16,9 +16,9 @@
 #define MOST_SAMPLES 24
 
 // A plane through the free samples of one window.
-static inline int is_planar(global const float* restrict x, global const float* restrict y,
-                            global const float* restrict z, global const uchar* restrict free, uint corner,
-                            uint shape, WindowPlanesParams params) {
+// No restrict here: inlined, it leaves a hint that oclgrind does not know.
+static inline int is_planar(global const float* x, global const float* y, global const float* z,
+                            global const uchar* free, uint corner, uint shape, WindowPlanesParams params) {
   const uint rows = WINDOW_ROWS(shape), cols = WINDOW_COLS(shape);
   uint at[MOST_SAMPLES], count = 0u;
   for (uint r = 0u; r < rows; ++r)
