@@ -242,6 +242,10 @@ std::vector<SceneCase> scene_cases() {
   };
 }
 
+void PrintTo(const SceneCase& row, std::ostream* out) {
+  *out << row.name;
+}
+
 class BadScene : public ::testing::TestWithParam<SceneCase> {};
 
 }  // namespace
