@@ -60,7 +60,7 @@ TEST(StageOptions, a_wrong_assignment_says_what_is_wrong_with_it) {
   for (const char* shapeless : {"", "render", "render.blend", "blend=linear", "blend=a.b"})
     EXPECT_TRUE(contains(rejection(shapeless), "SECTION.KEY=VALUE")) << shapeless;
   EXPECT_TRUE(contains(rejection("rendr.blend=linear"), "planes, register or render"));
-  EXPECT_TRUE(contains(rejection("render.blnd=linear"), "'blnd'"));
+  EXPECT_TRUE(contains(rejection("render.blnd=linear"), "\"blnd\"; did you mean \"blend\"?"));
   EXPECT_TRUE(contains(rejection("render.blnd=linear"), "sigma_px"));
   EXPECT_TRUE(contains(rejection("render.blend=cubic"), "nearest, linear, dual"));
   EXPECT_TRUE(contains(rejection("render.sigma_px=wide"), "\"wide\""));
