@@ -113,6 +113,8 @@ BoundaryScore::Distances summarise(std::vector<float> distances) {
   BoundaryScore::Distances summary;
   summary.borders = static_cast<std::int64_t>(distances.size());
   if (distances.empty()) return summary;
+  const auto beyond = std::count_if(distances.begin(), distances.end(), [](float d) { return d > 1; });
+  summary.share_beyond_1 = static_cast<double>(beyond) / static_cast<double>(distances.size());
   const auto rank = [&](double share) {
     const auto place =
         static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(distances.size()))) - 1;

@@ -15,6 +15,7 @@ struct BoundaryScore {
   struct Distances {
     std::int64_t borders = 0;
     double median = 0, percentile_95 = 0;  // samples
+    double share_beyond_1 = 0;             // of the borders, farther than one sample
   };
   Distances displaced, invented;
   std::int64_t not_compared = 0;  // true borders of planes without a region

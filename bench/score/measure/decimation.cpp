@@ -49,11 +49,11 @@ DecimationScore score_decimation(const LabelledGrid& grid, const std::map<std::u
   for (const auto& [id, plane] : planes) polygons.emplace(id, PlanePolygon(plane.plane, plane.rings));
 
   DecimationScore score;
+  score.input_samples = static_cast<std::int64_t>(truth.range_m.size());
   std::vector<std::size_t> discarded;
   std::int64_t matched = 0;
   for (std::size_t i = 0; i < grid.source.size(); ++i) {
     if (grid.source[i] == kNoSource) continue;
-    ++score.measured;
     if (kept_bits.count(bits_of(grid.point[i])))
       ++matched;
     else

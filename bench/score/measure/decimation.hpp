@@ -10,7 +10,8 @@ namespace score {
 // supercluster that the sample's label names. The true point lies on the sample's own ray at the range
 // without noise.
 struct DecimationScore {
-  std::int64_t measured = 0, discarded = 0;
+  std::int64_t input_samples = 0;  // those that no node of the grid took are always kept
+  std::int64_t discarded = 0;
   std::int64_t without_polygon = 0;  // discarded, and no supercluster stands for them
   double largest_mm = 0, percentile_999_mm = 0;
 };

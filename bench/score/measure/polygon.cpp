@@ -19,7 +19,7 @@ PlanePolygon::PlanePolygon(const Plane& plane, const std::vector<std::vector<Vec
   }
   strips_.resize(std::max<std::size_t>(1, edges_.size() / 2));
   for (std::size_t i = 0; i < edges_.size(); ++i) {
-    const auto [first, last] = std::minmax(strip_of(edges_[i].a.y()), strip_of(edges_[i].b.y()));
+    const auto [first, last] = std::minmax({strip_of(edges_[i].a.y()), strip_of(edges_[i].b.y())});
     for (std::size_t strip = first; strip <= last; ++strip)
       strips_[strip].push_back(static_cast<std::uint32_t>(i));
   }

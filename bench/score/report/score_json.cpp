@@ -30,7 +30,8 @@ Json hoover_json(const HooverScore& score) {
 Json distances_json(const BoundaryScore::Distances& distances) {
   return {{"borders", distances.borders},
           {"median_samples", distances.median},
-          {"percentile_95_samples", distances.percentile_95}};
+          {"percentile_95_samples", distances.percentile_95},
+          {"share_beyond_1_sample", distances.share_beyond_1}};
 }
 
 Json pose_json(const PoseScore& score) {
@@ -42,9 +43,9 @@ Json pose_json(const PoseScore& score) {
 }
 
 Json decimation_json(const DecimationScore& score) {
-  return {{"measured", score.measured},
+  return {{"input_samples", score.input_samples},
           {"discarded", score.discarded},
-          {"discarded_share", share(score.discarded, score.measured)},
+          {"discarded_share", share(score.discarded, score.input_samples)},
           {"discarded_without_polygon", score.without_polygon},
           {"largest_mm", score.largest_mm},
           {"percentile_99_9_mm", score.percentile_999_mm}};

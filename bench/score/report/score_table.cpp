@@ -41,7 +41,8 @@ std::string square_metres(const std::optional<double>& area) {
 }
 
 std::string boundary(const BoundaryScore::Distances& distances) {
-  return distances.borders > 0 ? fmt::format("{:.1f} / {:.1f}", distances.median, distances.percentile_95)
+  return distances.borders > 0 ? fmt::format("{:.1f} / {:.1f} / {:.2f} %", distances.median,
+                                             distances.percentile_95, 100 * distances.share_beyond_1)
                                : "-";
 }
 
@@ -76,7 +77,7 @@ std::string decimation_table(const std::vector<ScanScore>& scans) {
   for (const ScanScore& scan : scans) {
     if (!scan.decimation) continue;
     const DecimationScore& d = *scan.decimation;
-    rows.push_back({scan.id, percent(d.discarded, d.measured), fmt::format("{}", d.without_polygon),
+    rows.push_back({scan.id, percent(d.discarded, d.input_samples), fmt::format("{}", d.without_polygon),
                     fmt::format("{:.2f}", d.percentile_999_mm), fmt::format("{:.2f}", d.largest_mm)});
   }
   return rows.size() > 1 ? aligned("decimation: discarded true points from their plane's polygon", rows) : "";
@@ -122,7 +123,7 @@ std::string planes_table(const std::vector<std::pair<std::string, const PlaneSco
     hoover += hoover_table(id, *score);
   }
   if (rows.size() == 1) return "";
-  return aligned("planes (borders: median / 95th percentile, samples)", rows) + hoover;
+  return aligned("planes (borders: median / 95th percentile, samples / share beyond one)", rows) + hoover;
 }
 
 std::string scene_table(const SceneScore& score) {
