@@ -39,9 +39,9 @@ TEST(Polygon, distance_to_a_square_with_a_hole) {
   EXPECT_DOUBLE_EQ(polygon.distance_m({5, 5.25, 0}), 0.75);  // in the hole
   EXPECT_DOUBLE_EQ(polygon.distance_m({13, 14, 0}), 5);      // off a corner
   EXPECT_DOUBLE_EQ(polygon.distance_m({13, 5, 4}), 5);       // off an edge and the plane
-  EXPECT_TRUE(polygon.covers({1, 9, 100}));
-  EXPECT_FALSE(polygon.covers({-1, 5, 0}));
-  EXPECT_FALSE(score::PlanePolygon({Vec3::UnitZ(), 0}, {}).covers({0, 0, 0}));
+  EXPECT_TRUE(polygon.covers(Vec3(1, 9, 100)));
+  EXPECT_FALSE(polygon.covers(Vec3(-1, 5, 0)));
+  EXPECT_FALSE(score::PlanePolygon({Vec3::UnitZ(), 0}, {}).covers(Vec3(0, 0, 0)));
 }
 
 TEST(Boundary, a_border_three_samples_off) {
