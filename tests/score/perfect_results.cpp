@@ -56,6 +56,7 @@ std::vector<Vec3> hull(std::vector<Vec3> points, const Vec3& normal) {
     const Vec2 fa = flat(a), fb = flat(b);
     return fa.x() != fb.x() ? fa.x() < fb.x() : fa.y() < fb.y();
   });
+  if (points.size() < 2) return points;
   std::vector<Vec3> ring;
   for (int side = 0; side < 2; ++side) {
     const std::size_t start = ring.size();
