@@ -121,11 +121,12 @@ BenchmarkScore score_benchmark(const fs::path& truth, const fs::path& results, c
   if (!fs::exists(results))
     bad_input("{}: expected the results for {}, found nothing; run hybrid planes on the image first",
               results.string(), truth.string());
+  if (!segcomp && !fs::is_directory(results))
+    bad_input("{}: expected a folder with range.exr and labels.exr, found a file", results.string());
   const Labelled labelled =
       fs::is_directory(results) ? read_folder(results) : read_machine_segmentation(results);
   const JoinedScan joined = join(labelled.grid, samples, options.min_samples, results.string());
-  if (!segcomp)
-    check_same_scan(read_measured_ranges(only_scan(results)), samples, results.string(), truth.string());
+  if (!segcomp) check_same_scan(labelled.grid, samples, results.string(), truth.string());
   score.planes = score_planes(joined, labelled.normals, plane_normals);
   score.planes.normals_from = labelled.normals_from;
   if (segcomp) compare_angles(fs::path(truth).replace_extension(".gt-ang"), labelled.normals, score);

@@ -1,9 +1,11 @@
+#include <ImfThreading.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <thread>
 
 #include "score/benchmark_score.hpp"
 #include "score/error.hpp"
@@ -66,6 +68,7 @@ int main(int argc, char** argv) {
     return app.exit(problem, std::cout, std::cerr) == 0 ? 0 : kUsage;
   }
   try {
+    Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
     print_score(truth, results, options, json);
     return 0;
   } catch (const score::InputError& problem) {

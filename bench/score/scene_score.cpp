@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 fs::path scan_folder(const fs::path& results, const TrueScan& scan, const TrueSamples& truth) {
   if (fs::exists(results / "scans" / scan.id)) return results / "scans" / scan.id;
   if (!fs::exists(results / "range.exr")) return {};
-  const bool ours = range_disagreement(read_measured_ranges(results), truth) <= kSameScanM;
+  const bool ours = range_disagreement(read_labelled_grid(results), truth) <= kSameScanM;
   return ours ? results : fs::path();
 }
 
@@ -28,9 +28,8 @@ Normals normals_in_scan(const SceneTruth& truth, const Similarity& world_from_sc
 
 void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueScan& scan,
                     const TrueSamples& samples, const ScoreOptions& options, ScanScore& score) {
-  check_same_scan(read_measured_ranges(folder), samples, (folder / "range.exr").string(),
-                  scan.image.string());
   const LabelledGrid grid = read_labelled_grid(folder);
+  check_same_scan(grid, samples, (folder / "range.exr").string(), scan.image.string());
   const JoinedScan joined = join(grid, samples, options.min_samples, (folder / "range.exr").string());
   const auto planes = read_result_planes(folder);
   Normals region_normals;

@@ -132,6 +132,12 @@ TEST(SynPeb, ascii_and_binary_clouds_against_their_own_labels) {
   }
 }
 
+TEST(SynPeb, a_file_is_no_folder_of_results) {
+  const fs::path place = folder();
+  write_text(place / "a.pcd", pcd("ascii", corner_points(12, true)));
+  EXPECT_THROW(score::score_benchmark(place / "a.pcd", place / "a.pcd", {}), score::InputError);
+}
+
 TEST(SynPeb, other_clouds_are_refused) {
   const fs::path place = folder();
   write_text(place / "cut.pcd", pcd("ascii", "1 2 3 4\n"));

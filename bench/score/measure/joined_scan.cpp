@@ -35,12 +35,12 @@ JoinedScan join(const LabelledGrid& grid, const TrueSamples& truth, std::int64_t
   return scan;
 }
 
-double range_disagreement(const std::vector<MeasuredRange>& measured, const TrueSamples& truth) {
+double range_disagreement(const LabelledGrid& grid, const TrueSamples& truth) {
   std::vector<float> off;
-  off.reserve(measured.size());
-  for (const MeasuredRange& sample : measured) {
-    if (sample.source >= truth.range_m.size()) return std::numeric_limits<double>::infinity();
-    const float difference = std::abs(sample.range_m - truth.range_m[sample.source]);
+  for (std::size_t i = 0; i < grid.source.size(); ++i) {
+    if (grid.source[i] == kNoSource) continue;
+    if (grid.source[i] >= truth.range_m.size()) return std::numeric_limits<double>::infinity();
+    const float difference = std::abs(grid.range_m[i] - truth.range_m[grid.source[i]]);
     if (std::isfinite(difference)) off.push_back(difference);
   }
   if (off.empty()) return 0;
@@ -49,9 +49,9 @@ double range_disagreement(const std::vector<MeasuredRange>& measured, const True
   return *middle;
 }
 
-void check_same_scan(const std::vector<MeasuredRange>& measured, const TrueSamples& truth,
-                     const std::string& name, const std::string& truth_name) {
-  const double off_m = range_disagreement(measured, truth);
+void check_same_scan(const LabelledGrid& grid, const TrueSamples& truth, const std::string& name,
+                     const std::string& truth_name) {
+  const double off_m = range_disagreement(grid, truth);
   if (off_m <= kSameScanM) return;
   bad_input(
       "{}: expected the scan that {} knows, found another scene's or seed's ({}); score the results with "

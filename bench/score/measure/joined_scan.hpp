@@ -33,10 +33,10 @@ JoinedScan join(const LabelledGrid& grid, const TrueSamples& truth, std::int64_t
 
 // Throws InputError unless the measured ranges are those of this truth: another seed's or scene's results
 // would get numbers that look bad and mean nothing.
-void check_same_scan(const std::vector<MeasuredRange>& measured, const TrueSamples& truth,
-                     const std::string& name, const std::string& truth_name);
+void check_same_scan(const LabelledGrid& grid, const TrueSamples& truth, const std::string& name,
+                     const std::string& truth_name);
 // Median difference of measured and true ranges, metres; infinite when a source is no sample of this truth.
-double range_disagreement(const std::vector<MeasuredRange>& measured, const TrueSamples& truth);
+double range_disagreement(const LabelledGrid& grid, const TrueSamples& truth);
 inline constexpr double kSameScanM = 0.05;
 
 }  // namespace score

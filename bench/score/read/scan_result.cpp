@@ -24,6 +24,7 @@ LabelledGrid read_labelled_grid(const std::filesystem::path& folder) {
   grid.cols = range.width();
   grid.wraps = range.whole_number("hybrid:wraps").value_or(0) != 0;
   grid.source = range.uints("source");
+  grid.range_m = range.floats("range");
   grid.label = labels.uints("id");
   const auto mask = range.uints("mask");
   for (std::size_t i = 0; i < mask.size(); ++i)
@@ -37,16 +38,6 @@ LabelledGrid read_labelled_grid(const std::filesystem::path& folder) {
     for (std::size_t i = 0; i < x.size(); ++i) grid.point[i] = {x[i], y[i], z[i]};
   }
   return grid;
-}
-
-std::vector<MeasuredRange> read_measured_ranges(const std::filesystem::path& folder) {
-  ExrFile image(folder / "range.exr");
-  const auto mask = image.uints("mask"), source = image.uints("source");
-  const auto range = image.floats("range");
-  std::vector<MeasuredRange> measured;
-  for (std::size_t i = 0; i < mask.size(); ++i)
-    if (mask[i] == kMeasured) measured.push_back({source[i], range[i]});
-  return measured;
 }
 
 std::optional<std::map<std::uint32_t, ResultPlane>> read_result_planes(const std::filesystem::path& folder) {

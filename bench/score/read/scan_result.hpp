@@ -16,6 +16,7 @@ struct LabelledGrid {
   int rows = 0, cols = 0;
   bool wraps = false;                        // the last column is next to the first
   std::vector<std::uint32_t> source, label;  // source: kNoSource where nothing was measured; label: 0 = none
+  std::vector<float> range_m;                // as measured
   std::vector<Eigen::Vector3f> point;        // scan frame, metres; empty when range.exr has no x y z
 
   std::size_t index(int row, int col) const {
@@ -23,13 +24,6 @@ struct LabelledGrid {
   }
 };
 LabelledGrid read_labelled_grid(const std::filesystem::path& folder);
-// Of range.exr, for the measured samples in grid order.
-struct MeasuredRange {
-  std::uint32_t source;
-  float range_m;
-};
-std::vector<MeasuredRange> read_measured_ranges(const std::filesystem::path& folder);
-
 struct ResultPlane {
   Plane plane;                           // scan frame
   std::vector<std::vector<Vec3>> rings;  // outer and inner, scan frame
