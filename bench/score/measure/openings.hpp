@@ -1,0 +1,31 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "score/read/model_files.hpp"
+#include "score/read/scene_truth.hpp"
+
+namespace score {
+
+// Areas are counted on a grid of kOpeningStepM. A polygon closes a point of a face when it lies within
+// kFaceReachM of it, is within 30 degrees of parallel to it, and covers its foot.
+struct OpeningScore {
+  struct One {
+    std::string name, face;
+    double area_m2 = 0;
+    std::optional<double> open_share;      // that no polygon of model/edited.obj closes
+    std::optional<double> reported_share;  // that a ring of model/openings.json covers
+  };
+  std::vector<One> openings;
+  std::optional<double> wrongly_open_m2;      // closed in the scene's own proxy, outside every true opening
+  std::optional<double> wrongly_reported_m2;  // reported outside every true opening
+};
+inline constexpr double kOpeningStepM = 0.02;
+inline constexpr double kFaceReachM = 0.15;
+
+// `proxy`: the scene's model before editing; empty when it is not there.
+OpeningScore score_openings(const std::vector<TrueOpening>& truth, const EditedModel& result,
+                            const std::vector<Ring>& proxy);
+
+}  // namespace score

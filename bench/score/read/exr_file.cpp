@@ -1,0 +1,85 @@
+#include "score/read/exr_file.hpp"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIntAttribute.h>
+
+#include "score/error.hpp"
+#include "score/read/files.hpp"
+
+namespace score {
+namespace {
+
+constexpr double kMostPixels = 2e9;  // a damaged header must not ask for all the memory there is
+
+}  // namespace
+
+ExrFile::ExrFile(const std::filesystem::path& path) : path_(path) {
+  check_file(path);
+  try {
+    file_ = std::make_unique<Imf::InputFile>(path.c_str());
+    const auto window = file_->header().dataWindow();
+    left_ = window.min.x;
+    top_ = window.min.y;
+    const double width = 1.0 + window.max.x - window.min.x, height = 1.0 + window.max.y - window.min.y;
+    if (width < 1 || height < 1 || width * height > kMostPixels)
+      bad_input("{}: header: expected an image, found {} x {} pixels; the file is damaged: write it again",
+                path.string(), width, height);
+    width_ = static_cast<int>(width);
+    height_ = static_cast<int>(height);
+    if (!file_->isComplete())
+      bad_input("{}: expected all tiles, found some missing; the file is cut short: write it again",
+                path.string());
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& problem) {
+    bad_input("{}: expected an OpenEXR image, found something else ({}); write it again", path.string(),
+              problem.what());
+  }
+}
+
+bool ExrFile::has(const std::string& channel) const {
+  return file_->header().channels().findChannel(channel) != nullptr;
+}
+
+template <typename T>
+std::vector<T> ExrFile::read(const std::string& name, Imf::PixelType type) {
+  const Imf::Channel* channel = file_->header().channels().findChannel(name);
+  const bool counts = channel && channel->type == Imf::UINT;
+  if (!channel || counts != (type == Imf::UINT) || channel->xSampling != 1 || channel->ySampling != 1)
+    bad_input("{}: expected a channel \"{}\" of {} numbers, found {}; SCENE.md's Outputs name the channels",
+              path_.string(), name, type == Imf::UINT ? "whole" : "real",
+              channel ? "another kind" : "no such channel");
+  try {
+    std::vector<T> values(pixels());
+    const std::size_t row = sizeof(T) * static_cast<std::size_t>(width_);
+    Imf::FrameBuffer buffer;
+    buffer.insert(name, Imf::Slice(type,
+                                   reinterpret_cast<char*>(values.data()) -
+                                       static_cast<std::ptrdiff_t>(sizeof(T)) * left_ -
+                                       static_cast<std::ptrdiff_t>(row) * top_,
+                                   sizeof(T), row));
+    file_->setFrameBuffer(buffer);
+    file_->readPixels(top_, top_ + height_ - 1);
+    return values;
+  } catch (const std::exception& problem) {
+    bad_input("{}: channel \"{}\" cannot be read ({}); the file is damaged: write it again", path_.string(),
+              name, problem.what());
+  }
+}
+
+std::vector<std::uint32_t> ExrFile::uints(const std::string& channel) {
+  return read<std::uint32_t>(channel, Imf::UINT);
+}
+
+std::vector<float> ExrFile::floats(const std::string& channel) {
+  return read<float>(channel, Imf::FLOAT);
+}
+
+std::optional<int> ExrFile::whole_number(const std::string& attribute) const {
+  const auto* found = file_->header().findTypedAttribute<Imf::IntAttribute>(attribute);
+  return found ? std::optional<int>(found->value()) : std::nullopt;
+}
+
+}  // namespace score

@@ -1,0 +1,36 @@
+#pragma once
+#include <ImfInputFile.h>
+#include <ImfPixelType.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace score {
+
+// A single-part OpenEXR image, tiles or lines. Everything throws InputError that names the file.
+class ExrFile {
+ public:
+  explicit ExrFile(const std::filesystem::path& path);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  std::size_t pixels() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
+  bool has(const std::string& channel) const;
+  std::vector<std::uint32_t> uints(const std::string& channel);
+  std::vector<float> floats(const std::string& channel);  // half or float
+  std::optional<int> whole_number(const std::string& attribute) const;
+
+ private:
+  template <typename T>
+  std::vector<T> read(const std::string& channel, Imf::PixelType type);
+
+  std::filesystem::path path_;
+  std::unique_ptr<Imf::InputFile> file_;
+  int left_ = 0, top_ = 0, width_ = 0, height_ = 0;
+};
+
+}  // namespace score

@@ -1,0 +1,122 @@
+// Polygons, borders and openings where the answer is plain.
+#include <gtest/gtest.h>
+
+#include "score/measure/boundary.hpp"
+#include "score/measure/openings.hpp"
+#include "score/measure/polygon.hpp"
+#include "score/read/camera.hpp"
+
+namespace score_tests {
+namespace {
+
+using score::Vec3;
+
+std::vector<Vec3> square(double low, double high, double z = 0) {
+  return {{low, low, z}, {high, low, z}, {high, high, z}, {low, high, z}};
+}
+
+// One row: plane 1 to `border`, plane 2 after it; the result has its border at `found`.
+score::JoinedScan row_of(int cols, int border, int found, bool wraps) {
+  score::JoinedScan scan;
+  scan.rows = 1;
+  scan.cols = cols;
+  scan.wraps = wraps;
+  scan.min_samples = 1;
+  for (int col = 0; col < cols; ++col) {
+    scan.plane.push_back(col < border ? 1 : 2);
+    scan.kind.push_back(score::kPlanar);
+    scan.label.push_back(col < found ? 7 : 8);
+    ++scan.plane_size[scan.plane.back()];
+  }
+  return scan;
+}
+
+}  // namespace
+
+TEST(Polygon, distance_to_a_square_with_a_hole) {
+  const score::PlanePolygon polygon({Vec3::UnitZ(), 0}, {square(0, 10), square(4, 6)});
+  EXPECT_DOUBLE_EQ(polygon.distance_m({2, 2, 0.5}), 0.5);
+  EXPECT_DOUBLE_EQ(polygon.distance_m({5, 5.25, 0}), 0.75);  // in the hole
+  EXPECT_DOUBLE_EQ(polygon.distance_m({13, 14, 0}), 5);      // off a corner
+  EXPECT_DOUBLE_EQ(polygon.distance_m({13, 5, 4}), 5);       // off an edge and the plane
+  EXPECT_TRUE(polygon.covers(Vec3(1, 9, 100)));
+  EXPECT_FALSE(polygon.covers(Vec3(-1, 5, 0)));
+  EXPECT_FALSE(score::PlanePolygon({Vec3::UnitZ(), 0}, {}).covers(Vec3(0, 0, 0)));
+}
+
+TEST(Boundary, a_border_three_samples_off) {
+  const auto score = score::score_boundaries(row_of(100, 50, 53, false));
+  EXPECT_EQ(score.displaced.borders, 2);  // one for either plane
+  EXPECT_DOUBLE_EQ(score.displaced.median, 3);
+  EXPECT_DOUBLE_EQ(score.invented.median, 3);
+  EXPECT_DOUBLE_EQ(score.displaced.share_beyond_1, 1);
+}
+
+TEST(Boundary, the_seam_is_no_end) {
+  const auto open = score::score_boundaries(row_of(100, 50, 50, false));
+  EXPECT_EQ(open.displaced.borders, 2);
+  const auto closed = score::score_boundaries(row_of(100, 50, 50, true));
+  EXPECT_EQ(closed.displaced.borders, 4);  // the last column is next to the first
+  EXPECT_DOUBLE_EQ(closed.displaced.percentile_95, 0);
+}
+
+TEST(Boundary, gaps_and_mixed_samples_are_stepped_over) {
+  auto scan = row_of(100, 50, 50, false);
+  scan.kind[50] = score::kMixed;
+  scan.kind[51] = score::kNotMeasured;
+  scan.label[50] = 7;  // what becomes of a mixed sample is no matter of borders
+  const auto score = score::score_boundaries(scan);
+  EXPECT_EQ(score.displaced.borders, 2);
+  EXPECT_DOUBLE_EQ(score.displaced.percentile_95, 0);
+}
+
+TEST(Boundary, a_hole_inside_a_plane_is_invented) {
+  auto scan = row_of(100, 50, 50, false);
+  scan.label[20] = 0;
+  const auto score = score::score_boundaries(scan);
+  EXPECT_DOUBLE_EQ(score.displaced.percentile_95, 0);
+  EXPECT_EQ(score.invented.borders, 4);
+  EXPECT_GT(score.invented.percentile_95, 25);
+}
+
+TEST(Openings, half_of_an_opening_is_closed) {
+  const std::vector<score::TrueOpening> truth = {{"window", "floor", square(1, 2)}};
+  score::EditedModel edited;
+  edited.polygons = {
+      {{0, 0, 0.05}, {1.5, 0, 0.05}, {1.5, 5, 0.05}, {0, 5, 0.05}},  // 5 cm off: the face all the same
+      square(0, 5, 1.0)};                                            // another face, a metre away
+  const auto score = score::score_openings(truth, edited, {});
+  EXPECT_NEAR(*score.openings[0].open_share, 0.5, 0.03);
+  EXPECT_FALSE(score.openings[0].reported_share);
+  EXPECT_FALSE(score.wrongly_open_m2);
+}
+
+TEST(Camera, ray_and_pixel_are_inverse) {
+  const auto camera =
+      score::json_camera({{"name", "a"},
+                          {"size_px", {640, 480}},
+                          {"model", "RADIAL"},
+                          {"parameters", {500.0, 321.0, 242.0, -0.06, 0.02}},
+                          {"world_from_camera", {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1}}});
+  for (const auto& [x, y] : {std::pair{0.5, 0.5}, {321.0, 242.0}, {639.5, 479.5}, {100.0, 400.0}}) {
+    const auto pixel = camera.pixel_of(camera.eye + 3 * camera.ray(x, y));
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR(pixel->x(), x, 1e-9);
+    EXPECT_NEAR(pixel->y(), y, 1e-9);
+  }
+  EXPECT_FALSE(camera.pixel_of(camera.eye - Vec3::UnitZ()));
+}
+
+TEST(Geometry, poses_that_are_none_are_refused) {
+  EXPECT_THROW(score::similarity_from_row_major({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1}),
+               std::runtime_error);
+  EXPECT_THROW(score::similarity_from_row_major({1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}),
+               std::runtime_error);
+  EXPECT_THROW(score::similarity_from_row_major({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 1}),
+               std::runtime_error);
+  const auto pose = score::similarity_from_row_major({0, -2, 0, 5, 2, 0, 0, 6, 0, 0, 2, 7, 0, 0, 0, 1});
+  EXPECT_NEAR(pose.scale, 2, 1e-12);
+  EXPECT_NEAR(score::rotation_angle_deg(pose.rotation), 90, 1e-9);
+}
+
+}  // namespace score_tests
