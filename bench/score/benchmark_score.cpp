@@ -80,20 +80,6 @@ Normals fit_plane_normals(const LabelledPcd& cloud) {
   return normals;
 }
 
-// hybrid run numbers an organised cloud's samples column by column, its peers row by row as the file does.
-TrueSamples column_by_column(const TrueSamples& rows, int width, int height) {
-  TrueSamples columns;
-  for (int col = 0; col < width; ++col)
-    for (int row = 0; row < height; ++row) {
-      const auto i =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(col);
-      columns.plane.push_back(rows.plane[i]);
-      columns.kind.push_back(rows.kind[i]);
-      columns.range_m.push_back(rows.range_m[i]);
-    }
-  return columns;
-}
-
 // The stated angle between two true regions against the angle between the regions found for them, at 51 %
 // overlap.
 void compare_angles(const fs::path& file, const Normals& normals, BenchmarkScore& score) {
@@ -122,13 +108,6 @@ BenchmarkScore score_benchmark(const fs::path& truth, const fs::path& results, c
   BenchmarkScore score;
   score.name = truth.filename().string();
   const bool segcomp = truth.extension() == ".gt-seg";
-  if (!fs::exists(results))
-    bad_input("{}: expected the results for {}, found nothing; run hybrid planes on the image first",
-              results.string(), truth.string());
-  if (!segcomp && !fs::is_directory(results))
-    bad_input("{}: expected a folder with range.exr and labels.exr, found a file", results.string());
-  const Labelled labelled =
-      fs::is_directory(results) ? read_folder(results) : read_machine_segmentation(results);
   TrueSamples samples;
   Normals plane_normals;
   if (segcomp) {
@@ -138,12 +117,16 @@ BenchmarkScore score_benchmark(const fs::path& truth, const fs::path& results, c
     plane_normals = fit_plane_normals(cloud);
     samples = samples_of(cloud.label);
     for (const Vec3& point : cloud.points) samples.range_m.push_back(static_cast<float>(point.norm()));
-    const TrueSamples turned = column_by_column(samples, cloud.width, cloud.height);
-    if (range_disagreement(labelled.grid, turned) < range_disagreement(labelled.grid, samples))
-      samples = turned;
-    check_same_scan(labelled.grid, samples, results.string(), truth.string());
   }
+  if (!fs::exists(results))
+    bad_input("{}: expected the results for {}, found nothing; run hybrid planes on the image first",
+              results.string(), truth.string());
+  if (!segcomp && !fs::is_directory(results))
+    bad_input("{}: expected a folder with range.exr and labels.exr, found a file", results.string());
+  const Labelled labelled =
+      fs::is_directory(results) ? read_folder(results) : read_machine_segmentation(results);
   const JoinedScan joined = join(labelled.grid, samples, options.min_samples, results.string());
+  if (!segcomp) check_same_scan(labelled.grid, samples, results.string(), truth.string());
   score.planes = score_planes(joined, labelled.normals, plane_normals);
   score.planes.normals_from = labelled.normals_from;
   if (segcomp) compare_angles(fs::path(truth).replace_extension(".gt-ang"), labelled.normals, score);

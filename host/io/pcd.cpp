@@ -83,7 +83,11 @@ class PcdReader {
     Scan scan = header_.data == PcdData::ascii    ? read_ascii()
                 : header_.data == PcdData::binary ? read_binary()
                                                   : read_compressed();
-    if (header_.width > 1 && header_.height > 1) make_column_major(scan, header_.height, header_.width);
+    if (header_.width > 1 && header_.height > 1) {
+      scan.grid_rows = static_cast<int>(header_.height);
+      scan.grid_cols = static_cast<int>(header_.width);
+      scan.row_by_row = true;
+    }
     set_pose(scan);
     return scan;
   }

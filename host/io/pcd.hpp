@@ -7,7 +7,7 @@ namespace hybrid::io {
 
 // PCD 0.7: ascii, binary, binary_compressed; any field order and types. Used: x y z, intensity, rgb or rgba
 // (packed) or red green blue; names in any case; other fields are listed in Scan::notes. HEIGHT > 1 is an
-// organised scan, turned to Scan's column-major order. Throws ErrorKind::input naming file, line or byte.
+// organised scan, row by row. Throws ErrorKind::input naming file, line or byte.
 //
 // VIEWPOINT, unless it is the identity, becomes world_from_scan, and the points are taken to be in the
 // scanner's frame. The format leaves that open, and programs differ: pcl_viewer, pcl_transform_from_viewpoint

@@ -22,14 +22,6 @@ std::uint8_t to_byte(double value) {
   return static_cast<std::uint8_t>(value > 0 ? std::min(value + 0.5, 255.0) : 0.0);  // NaN: 0
 }
 
-template <typename T>
-void transpose(std::vector<T>& values, std::size_t rows, std::size_t cols) {
-  std::vector<T> turned(values.size());
-  for (std::size_t row = 0; row < rows && !values.empty(); ++row)
-    for (std::size_t col = 0; col < cols; ++col) turned[col * rows + row] = values[row * cols + col];
-  values = std::move(turned);
-}
-
 }  // namespace
 
 ColourKind colour_kind(ScalarType type) {
@@ -136,14 +128,6 @@ Scan ScanBuilder::finish() {
     add_note(fmt::format("coordinates are large: kept relative to ({}, {}, {})", scan_.origin.x(),
                          scan_.origin.y(), scan_.origin.z()));
   return std::move(scan_);
-}
-
-void make_column_major(Scan& scan, std::uint64_t rows, std::uint64_t cols) {
-  transpose(scan.points, rows, cols);
-  transpose(scan.intensity, rows, cols);
-  transpose(scan.rgb, rows, cols);
-  scan.grid_rows = static_cast<int>(rows);
-  scan.grid_cols = static_cast<int>(cols);
 }
 
 bool names_intensity(const std::string& lower_case_name) {

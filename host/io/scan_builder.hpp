@@ -51,9 +51,6 @@ class ScanBuilder {
   std::uint64_t not_finite_ = 0;
 };
 
-// Puts samples given row by row into Scan's column-major order and sets the grid.
-void make_column_major(Scan& scan, std::uint64_t rows, std::uint64_t cols);
-
 // Whether a lower-case field name means intensity.
 bool names_intensity(const std::string& lower_case_name);
 

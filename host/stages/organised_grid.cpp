@@ -15,11 +15,6 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kOpenGap = 3;      // columns: a turn with a wider gap is not a full one
 constexpr double kMostSteps = 0.9;  // of a table's steps that must go one way
 
-std::size_t grid_index(const Scan& scan, int row, int col) {
-  return static_cast<std::size_t>(col) * static_cast<std::size_t>(scan.grid_rows) +
-         static_cast<std::size_t>(row);
-}
-
 double median(std::vector<double>& values) {
   if (values.empty()) return NAN;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -32,7 +27,7 @@ std::vector<double> row_elevations(const Scan& scan, const SampleAngles& angles)
   parallel_for(table.size(), [&](std::size_t row) {
     std::vector<double> values;
     for (int col = 0; col < scan.grid_cols; ++col) {
-      const double elevation = angles.elevation_rad[grid_index(scan, static_cast<int>(row), col)];
+      const double elevation = angles.elevation_rad[scan.grid_index(static_cast<int>(row), col)];
       if (!std::isnan(elevation)) values.push_back(elevation);
     }
     table[row] = median(values);
@@ -47,7 +42,7 @@ std::vector<double> column_azimuths(const Scan& scan, const SampleAngles& angles
     double x = 0, y = 0;
     std::vector<std::size_t> samples;
     for (int row = 0; row < scan.grid_rows; ++row) {
-      const std::size_t i = grid_index(scan, row, static_cast<int>(col));
+      const std::size_t i = scan.grid_index(row, static_cast<int>(col));
       if (std::isnan(angles.elevation_rad[i])) continue;
       samples.push_back(i);
       x += std::cos(angles.elevation_rad[i]) * std::cos(angles.azimuth_rad[i]);
@@ -105,8 +100,8 @@ double typical_angle(const Scan& scan, int row_step, int col_step) {
   std::vector<double> found;
   for (int col = 0; col + col_step < scan.grid_cols; ++col)
     for (int row = 0; row + row_step < scan.grid_rows; ++row) {
-      const auto& a = scan.points[grid_index(scan, row, col)];
-      const auto& b = scan.points[grid_index(scan, row + row_step, col + col_step)];
+      const auto& a = scan.points[scan.grid_index(row, col)];
+      const auto& b = scan.points[scan.grid_index(row + row_step, col + col_step)];
       const Vec3 p = scan.origin + Vec3(a[0], a[1], a[2]), q = scan.origin + Vec3(b[0], b[1], b[2]);
       const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
       if (angle > 0) found.push_back(angle);
@@ -128,7 +123,7 @@ void place(const Scan& scan, const SampleAngles& angles, bool flip_rows, bool fl
     const int row = static_cast<int>(r);
     for (int col = 0; col < image.cols; ++col) {
       const std::size_t source =
-          grid_index(scan, flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col);
+          scan.grid_index(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col);
       if (std::isnan(angles.elevation_rad[source])) continue;
       const std::size_t i = image.index(row, col);
       const auto& p = scan.points[source];

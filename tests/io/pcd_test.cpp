@@ -38,7 +38,7 @@ TEST(Pcd, FieldsInAnyOrderAndTypeWithCounts) {
   EXPECT_EQ(scan.notes, std::vector<std::string>{"fields not used: normal"});
 }
 
-TEST(Pcd, OrganisedBecomesColumnMajor) {
+TEST(Pcd, OrganisedKeepsTheFilesOrder) {
   const ScanFolder folder;
   // 2 rows of 3, row by row; x = column, y = row.
   const auto file =
@@ -49,12 +49,11 @@ TEST(Pcd, OrganisedBecomesColumnMajor) {
   ASSERT_TRUE(scan.organised());
   EXPECT_EQ(scan.grid_rows, 2);
   EXPECT_EQ(scan.grid_cols, 3);
-  for (std::size_t col = 0; col < 3; ++col)
-    for (std::size_t row = 0; row < 2; ++row) {
-      const std::size_t i = col * 2 + row;
-      EXPECT_EQ(scan.points[i], (std::array<float, 3>{static_cast<float>(col), static_cast<float>(row), 1}));
-      EXPECT_EQ(scan.intensity[i], static_cast<float>(10 + 10 * row + col));
-    }
+  EXPECT_EQ(scan.intensity, (std::vector<float>{10, 11, 12, 20, 21, 22}));
+  for (int col = 0; col < 3; ++col)
+    for (int row = 0; row < 2; ++row)
+      EXPECT_EQ(scan.points[scan.grid_index(row, col)],
+                (std::array<float, 3>{static_cast<float>(col), static_cast<float>(row), 1}));
 }
 
 TEST(Pcd, ViewpointIsThePose) {

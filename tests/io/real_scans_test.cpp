@@ -26,7 +26,7 @@ TEST(RealScansInDetail, GridNeighboursAreClose) {
     GTEST_SKIP() << "needs planes/synpeb under ../shared/data or HYBRID_DATA";
   const Scan scan = io::read_scans(file).at(0);
   const auto direction = [&](int row, int col) {
-    const auto& p = scan.points[static_cast<std::size_t>(col * scan.grid_rows + row)];
+    const auto& p = scan.points[scan.grid_index(row, col)];
     return Vec3(Vec3(p[0], p[1], p[2]).normalized());
   };
   for (int i = 0; i + 1 < 100; ++i) {

@@ -42,14 +42,13 @@ void write_text(const fs::path& file, const std::string& text) {
 }
 
 // The cloud's own labels as a result.
-void write_result(const fs::path& place, const score::LabelledPcd& cloud, bool columns = false) {
+void write_result(const fs::path& place, const score::LabelledPcd& cloud) {
   score::LabelledGrid grid;
   grid.rows = cloud.height;
   grid.cols = cloud.width;
   std::vector<float> range;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const auto width = static_cast<std::size_t>(cloud.width), height = static_cast<std::size_t>(cloud.height);
-    grid.source.push_back(static_cast<std::uint32_t>(columns ? i % width * height + i / width : i));
+    grid.source.push_back(static_cast<std::uint32_t>(i));
     grid.label.push_back(cloud.label[i]);
     grid.point.push_back(cloud.points[i].cast<float>());
     range.push_back(static_cast<float>(cloud.points[i].norm()));
@@ -131,15 +130,6 @@ TEST(SynPeb, ascii_and_binary_clouds_against_their_own_labels) {
     EXPECT_EQ(score.planes.hoover[6].correct, 2);
     EXPECT_LT(score.planes.hoover[6].mean_angle_deg, 1e-3);
   }
-}
-
-TEST(SynPeb, sources_may_count_column_by_column) {
-  const fs::path place = folder();
-  write_text(place / "a.pcd", pcd("ascii", corner_points(12, true)));
-  const auto cloud = score::read_labelled_pcd(place / "a.pcd");
-  write_result(place, cloud, true);
-  const auto score = score::score_benchmark(place / "a.pcd", place, {});
-  EXPECT_EQ(score.planes.labels.right, 400);
 }
 
 TEST(SynPeb, a_file_is_no_folder_of_results) {

@@ -22,7 +22,6 @@ class ExrWriter {
  public:
   ExrWriter(int width, int height) : header_(width, height), row_(4 * static_cast<std::size_t>(width)) {
     height_ = height;
-    header_.compression() = Imf::NO_COMPRESSION;  // written dozens of times
   }
   template <typename T>
   void add(const char* name, const std::vector<T>& values) {

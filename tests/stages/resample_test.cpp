@@ -223,6 +223,24 @@ TEST(Resample, an_organised_scan_keeps_its_grid_however_it_is_turned) {
     }
 }
 
+TEST(Resample, sources_count_an_organised_files_samples_in_its_own_order) {
+  const RangeImage truth = image_room(60, 90, 0.02, 0.002);
+  const Scan by_columns = organised(truth, true, false, [](std::size_t i) { return i % 7 == 0; });
+  Scan by_rows = by_columns;
+  by_rows.row_by_row = true;
+  for (int col = 0; col < truth.cols; ++col)
+    for (int row = 0; row < truth.rows; ++row)
+      by_rows.points[by_rows.grid_index(row, col)] = by_columns.points[by_columns.grid_index(row, col)];
+  const RangeImage expected = resample_scan(queue(), by_columns), image = resample_scan(queue(), by_rows);
+  expect_complete(by_rows, image);
+  EXPECT_EQ(image.mask, expected.mask);
+  for (std::size_t i = 0; i < image.count(); ++i) {
+    if (image.mask[i] != kMeasured) continue;
+    ASSERT_EQ(image.x[i], expected.x[i]);
+    ASSERT_EQ(by_rows.points[image.source[i]], by_columns.points[expected.source[i]]);
+  }
+}
+
 TEST(Resample, an_organised_full_turn_wraps) {
   const RangeImage truth = image_room(20, 100, 2 * std::numbers::pi / 100, 0);
   const Scan scan = organised(truth, true, false, [](std::size_t) { return false; });
