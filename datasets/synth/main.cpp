@@ -8,6 +8,7 @@
 #include <exception>
 #include <map>
 #include <optional>
+#include <system_error>
 
 #include "room/room.hpp"
 
@@ -90,6 +91,11 @@ int main(int argc, char** argv) {
     if (!quiet) fmt::print(stderr, "{}", summary.text);
     if (json) fmt::print("{}", summary.json);
     return 0;
+  } catch (const std::system_error& problem) {
+    const bool full = problem.code() == std::errc::no_space_on_device;
+    fmt::print(stderr, "hybrid-synth room: {}{}\n", problem.what(),
+               full ? "; free space and run again" : "; give another --out");
+    return full ? 75 : 1;
   } catch (const std::exception& problem) {
     fmt::print(stderr, "hybrid-synth room: {}\n", problem.what());
     return 1;

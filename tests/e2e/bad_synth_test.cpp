@@ -1,5 +1,6 @@
 // What goes wrong with hybrid-synth: the exit codes of the house, one clear message, nothing half-written.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "bad_output_check.hpp"
 #include "io/output.hpp"
@@ -59,6 +60,18 @@ TEST(BadSynth, an_output_folder_that_cannot_be) {
     expect_failure(outcome, 1, {(scratch / out).string(), "Give another --out"});
   }
   EXPECT_EQ(io::read_text(scratch / "file"), "mine");
+}
+
+TEST(BadSynth, a_full_disk) {
+  const Scratch disk;
+  const std::string folder = disk.path().string();
+  const auto outcome = run("unshare " + std::string(geteuid() == 0 ? "-m" : "-rm") +
+                           " sh -c 'mount -t tmpfs -o size=200k none " + folder +
+                           " || exit 99; timeout 60 hybrid-synth room --preset tiny --quiet --out " + folder +
+                           "/out; code=$?; find " + folder + "/out -name \".*\"; exit $code'");
+  if (outcome.exit_code == 99 || outcome.exit_code == 1) GTEST_SKIP() << "this machine does not allow mounts";
+  expect_failure(outcome, 75, {folder + "/out/", "No space left on device; free space and run again"});
+  EXPECT_EQ(outcome.out, "");
 }
 
 }  // namespace hybrid::e2e

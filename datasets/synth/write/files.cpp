@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -24,26 +25,21 @@ void make_folder(const fs::path& folder) {
         fmt::format("cannot write into the folder {}. Give another --out.", folder.string()));
 }
 
-void write_by_rename(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+void write_bytes(const fs::path& path, const std::string& bytes) {
   const fs::path temporary =
       path.parent_path() / fmt::format(".tmp-{}-{}", ::getpid(), path.filename().string());
   try {
-    write(temporary);
-    fs::rename(temporary, path);
-  } catch (const std::exception& problem) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw std::runtime_error(fmt::format("writing {}: {}", path.string(), problem.what()));
-  }
-}
-
-void write_bytes(const fs::path& path, const std::string& bytes) {
-  write_by_rename(path, [&](const fs::path& temporary) {
+    errno = 0;
     std::ofstream file(temporary, std::ios::binary);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();
-    if (!file) throw std::runtime_error("the file could not be written whole; is the disk full?");
-  });
+    if (!file) throw std::system_error(errno != 0 ? errno : EIO, std::generic_category());
+    fs::rename(temporary, path);
+  } catch (const std::system_error& problem) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw std::system_error(problem.code(), fmt::format("writing {}", path.string()));
+  }
 }
 
 }  // namespace synth

@@ -4,6 +4,8 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
+#include <ImfStdIO.h>
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <limits>
@@ -14,19 +16,20 @@
 namespace synth {
 
 void write_jpeg_or_png(const std::filesystem::path& path, const Picture8& picture) {
-  write_by_rename(path, [&](const std::filesystem::path& temporary) {
-    auto file = OIIO::ImageOutput::create(temporary.string());
-    if (!file) throw std::runtime_error("OpenImageIO cannot write this format: " + OIIO::geterror());
-    OIIO::ImageSpec spec(picture.width_px, picture.height_px, 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    if (path.extension() == ".jpg") {
-      spec.attribute("Compression", "jpeg:95");
-      spec.attribute("jpeg:subsampling", "4:4:4");
-    }
-    if (!file->open(temporary.string(), spec) ||
-        !file->write_image(OIIO::TypeDesc::UINT8, picture.rgb.data()) || !file->close())
-      throw std::runtime_error(file->geterror());
-  });
+  // Encoded in memory: the libraries do not tell when a file's last bytes find no room on the disk.
+  OIIO::Filesystem::IOVecOutput encoded;
+  auto file = OIIO::ImageOutput::create(path.filename().string(), &encoded);
+  if (!file) throw std::runtime_error("OpenImageIO cannot write this format: " + OIIO::geterror());
+  OIIO::ImageSpec spec(picture.width_px, picture.height_px, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  if (path.extension() == ".jpg") {
+    spec.attribute("Compression", "jpeg:95");
+    spec.attribute("jpeg:subsampling", "4:4:4");
+  }
+  if (!file->open(path.filename().string(), spec) ||
+      !file->write_image(OIIO::TypeDesc::UINT8, picture.rgb.data()) || !file->close())
+    throw std::runtime_error(file->geterror());
+  write_bytes(path, {encoded.buffer().begin(), encoded.buffer().end()});
 }
 
 void write_truth_exr(const std::filesystem::path& path, const Scan& scan) {
@@ -49,11 +52,13 @@ void write_truth_exr(const std::filesystem::path& path, const Scan& scan) {
   channel("plane", Imf::UINT, plane.data());
   channel("range", Imf::FLOAT, range.data());
   channel("kind", Imf::UINT, kind.data());
-  write_by_rename(path, [&](const std::filesystem::path& temporary) {
-    Imf::OutputFile file(temporary.c_str(), header);
+  Imf::StdOSStream encoded;
+  {
+    Imf::OutputFile file(encoded, header);
     file.setFrameBuffer(pixels);
     file.writePixels(static_cast<int>(height));
-  });
+  }  // which writes the table of its lines
+  write_bytes(path, encoded.str());
 }
 
 }  // namespace synth
