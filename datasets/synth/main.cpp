@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "room/room.hpp"
+#include "world/generate.hpp"
 
 namespace {
 
@@ -50,7 +51,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   CLI::App* room = app.add_subcommand("room", "A furnished room: two scans, six photographs, a box as proxy");
 
-  synth::RoomOptions options;
+  synth::Options options;
   std::string folder, preset = "demo";
   int threads = 0;
   bool json = false, quiet = false;
@@ -59,10 +60,10 @@ int main(int argc, char** argv) {
   room->add_option("--preset", preset, "tiny: for tests; demo: for people")
       ->check(CLI::IsMember({"tiny", "demo"}))
       ->capture_default_str();
-  room->add_option("--noise-m", options.noise_m, "Range noise along the ray, standard deviation")
+  room->add_option("--noise-m", options.scanner.noise_m, "Range noise along the ray, standard deviation")
       ->check(within(0.0, 0.1))
       ->capture_default_str();
-  room->add_option("--dropout", options.dropout_share, "Share of samples that do not return")
+  room->add_option("--dropout", options.scanner.dropout_share, "Share of samples that do not return")
       ->check(within(0.0, 0.9))
       ->capture_default_str();
   room->add_option("--proxy-error-m", options.proxy_error_m,
@@ -87,7 +88,7 @@ int main(int argc, char** argv) {
     if (threads > 0)
       limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     options.preset = kPresets.at(preset);
-    const synth::Summary summary = synth::generate_room(options, folder);
+    const synth::Summary summary = synth::generate(synth::build_room(options), options, folder);
     if (!quiet) fmt::print(stderr, "{}", summary.text);
     if (json) fmt::print("{}", summary.json);
     return 0;

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
 #include <stdexcept>
 #include <system_error>
 
@@ -25,21 +24,74 @@ void make_folder(const fs::path& folder) {
         fmt::format("cannot write into the folder {}. Give another --out.", folder.string()));
 }
 
+void check_free_space(const fs::path& folder, double bytes) {
+  fs::path there = fs::absolute(folder);
+  std::error_code problem;
+  while (!fs::exists(there, problem) && there.has_relative_path()) there = there.parent_path();
+  const fs::space_info space = fs::space(there, problem);
+  if (problem || static_cast<double>(space.available) >= bytes) return;
+  throw std::system_error(
+      ENOSPC, std::generic_category(),
+      fmt::format("{}: the scene needs about {:.1f} GB, its disk has {:.1f} GB free", folder.string(),
+                  bytes / 1e9, static_cast<double>(space.available) / 1e9));
+}
+
+OutputFile::OutputFile(const fs::path& path)
+    : path_(path),
+      temporary_(path.parent_path() / fmt::format(".tmp-{}-{}", ::getpid(), path.filename().string())) {
+  errno = 0;
+  file_.open(temporary_, std::ios::binary);
+  if (!file_) fail();
+}
+
+OutputFile::~OutputFile() {
+  if (temporary_.empty()) return;
+  file_.close();
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+void OutputFile::fail() {
+  throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(),
+                          fmt::format("writing {}", path_.string()));
+}
+
+void OutputFile::write(const void* bytes, std::size_t count) {
+  errno = 0;
+  file_.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(count));
+  if (!file_) fail();
+}
+
+std::uint64_t OutputFile::position() {
+  return static_cast<std::uint64_t>(file_.tellp());
+}
+
+void OutputFile::seek(std::uint64_t position) {
+  errno = 0;
+  file_.seekp(static_cast<std::streamoff>(position));
+  if (!file_) fail();
+}
+
+void OutputFile::flush() {
+  errno = 0;
+  file_.flush();
+  if (!file_) fail();
+}
+
+void OutputFile::commit() {
+  errno = 0;
+  file_.close();
+  if (!file_) fail();
+  std::error_code problem;
+  fs::rename(temporary_, path_, problem);
+  if (problem) throw std::system_error(problem, fmt::format("writing {}", path_.string()));
+  temporary_.clear();
+}
+
 void write_bytes(const fs::path& path, const std::string& bytes) {
-  const fs::path temporary =
-      path.parent_path() / fmt::format(".tmp-{}-{}", ::getpid(), path.filename().string());
-  try {
-    errno = 0;
-    std::ofstream file(temporary, std::ios::binary);
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file) throw std::system_error(errno != 0 ? errno : EIO, std::generic_category());
-    fs::rename(temporary, path);
-  } catch (const std::system_error& problem) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw std::system_error(problem.code(), fmt::format("writing {}", path.string()));
-  }
+  OutputFile file(path);
+  file.write(bytes);
+  file.commit();
 }
 
 }  // namespace synth
