@@ -208,7 +208,7 @@ void add_churchyard(World& world, Random& random) {
     add_box(world.mesh, side < 0 ? "bench-leg-left" : "bench-leg-right", Material::dressed_stone,
             {-4.1 + side, -0.55, 0.21}, {0.12, 0.36, 0.43}, 0);
   note_clutter(world, "bench", "boxes", first);
-  add_person(world, "passer-by", {vary(2.1, 0.2), vary(-4.6, 0.3), 0}, vary(1.75, 0.08), 2);
+  add_person(world, "passer-by", {vary(3.4, 0.2), vary(-3.0, 0.3), 0}, vary(1.75, 0.08), 2);
   add_person(world, "waiting", {vary(-2.3, 0.2), vary(-1.7, 0.2), 0}, vary(1.63, 0.08), 1);
   for (const double side : {-1.0, 1.0}) {
     const std::string name = side < 0 ? "cypress-left" : "cypress-right";

@@ -10,7 +10,7 @@ namespace synth {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kOutside = 1.0, kInside = 3.6;  // exposures
+constexpr double kOutside = 1.0, kInside = 4.2;  // exposures
 
 struct Stand {
   Vec3 eye, target;

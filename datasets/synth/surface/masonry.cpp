@@ -74,8 +74,8 @@ Rgb limewash(const Spot& s, double height_m) {
   static const Rgb white = srgb(0xe6dfcd), dado = srgb(0x9b5b45), line = srgb(0x5d3326),
                    ochre = srgb(0xc08a3c);
   const double w = s.footprint, stains = noise(s, 1.1, 5, 10), cracks = std::abs(noise(s, 0.9, 3, 11));
-  Rgb colour = white * (1 + 0.10 * stains + 0.08 * noise(s, 0.04, 3, 12)) *
-               (1 - 0.45 * inside((cracks - 0.010) * 0.9, w));
+  Rgb colour = white * (1 + 0.06 * stains + 0.08 * noise(s, 0.04, 3, 12)) *
+               (1 - 0.25 * inside((cracks - 0.004) * 0.9, w));
   if (height_m < 4) return colour;  // jambs and small walls stay plain
   // A painted dado with a row of lozenges, and false masonry in red lines above.
   const double lozenge = std::abs(s.u / 0.4 - std::round(s.u / 0.4)) * 0.4 + std::abs(s.v - 1.22) - 0.10;
