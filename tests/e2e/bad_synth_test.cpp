@@ -17,7 +17,7 @@ struct SynthCase {
 };
 
 std::vector<SynthCase> synth_cases() {
-  const std::string room = "room --out OUT --preset tiny ";
+  const std::string room = "room --out OUT --preset tiny ", church = "church --out OUT --preset tiny ";
   return {
       {"nothing", "", 2, {"subcommand"}},
       {"unknown_scene", "castle --out OUT", 2, {"castle"}},
@@ -31,6 +31,19 @@ std::vector<SynthCase> synth_cases() {
       {"proxy_error_not_finite", room + "--proxy-error-m nan", 2, {"--proxy-error-m", "nan"}},
       {"threads_negative", room + "--threads -1", 2, {"--threads", "-1"}},
       {"unknown_option", room + "--fast", 2, {"--fast"}},
+      {"room_has_no_full_preset", "room --out OUT --preset full", 2, {"--preset", "full"}},
+      {"church_unknown_preset", "church --out OUT --preset huge", 2, {"--preset", "huge", "demo"}},
+      {"church_noise_growth", church + "--noise-per-m 1", 2, {"--noise-per-m", "1"}},
+      {"church_proxy_error_negative", church + "--proxy-error -0.01", 2, {"--proxy-error", "-0.01"}},
+      {"church_camera_error_text", church + "--camera-error much", 2, {"--camera-error", "much"}},
+      {"church_too_many_megapixels", church + "--megapixels 4000", 2, {"--megapixels", "4000"}},
+      {"church_variation_not_finite", church + "--photograph-variation inf", 2, {"--photograph-variation"}},
+      {"archive_without_count", "archive --out OUT", 2, {"scenes"}},
+      {"archive_of_none", "archive 0 --out OUT", 2, {"scenes", "0"}},
+      {"archive_over_the_disk",
+       "archive 100000 --preset full --out OUT",
+       75,
+       {"needs about", "free", "No space"}},
   };
 }
 

@@ -94,7 +94,7 @@ struct Furniture {
                 {0.46, 2.09},
                 {0.46, 1.2},
                 {0, 1.2}},
-               8);
+               40);
     note_clutter(world, "pulpit", "turned", first);
   }
 
@@ -145,7 +145,7 @@ void furnish(World& world, const Plan& plan, Random& random) {
   f.pulpit();
   f.font();
   f.chest();
-  add_person(world, "visitor", {f.vary(0.2, 0.15), f.end() - 3.9, plan.floor}, f.vary(1.72, 0.08), 0);
+  add_person(world, "visitor", {f.vary(1.35, 0.1), f.end() - 3.45, plan.floor}, f.vary(1.72, 0.08), 0);
   add_person(world, "reader",
              {plan.arcade + f.vary(1.3, 0.2), f.vary(plan.wall + 0.6 * plan.length, 0.8), plan.floor},
              f.vary(1.68, 0.08), 1);
