@@ -156,9 +156,18 @@ struct Front {
     around("lancet-right-moulding", lancet(1, 0), false);
     // String course and coping.
     const double half = plan.outer_half();
-    add_moulding(world.mesh, "string-course", Material::dressed_stone, frame,
-                 {{half + 0.04, 5.8}, {-half - 0.04, 5.8}}, false,
-                 {{-0.09, -0.02}, {0.09, -0.02}, {0.09, 0.05}, {0.03, 0.13}, {-0.05, 0.13}, {-0.09, 0.06}});
+    Outline course;  // in front of the wall, up
+    for (const Vec2& p : {Vec2(-0.02, -0.09), Vec2(0.06, -0.09), Vec2(0.13, -0.05), Vec2(0.13, 0.03),
+                          Vec2(0.05, 0.09), Vec2(-0.02, 0.09)})
+      course.line_to(p);
+    add_slab(world.mesh, {"string-course",
+                          {{-half - 0.04, 0, 5.8}, -Vec3::UnitY(), Vec3::UnitZ()},
+                          course,
+                          2 * half + 0.08,
+                          Material::dressed_stone,
+                          Material::dressed_stone,
+                          Material::dressed_stone,
+                          {}});
     const Outline g = gable();
     add_moulding(
         world.mesh, "coping", Material::dressed_stone, frame, {g.points[2], g.points[3], g.points[4]}, false,

@@ -9,11 +9,21 @@ namespace {
 
 using Ring = std::vector<std::uint32_t>;
 
+// Faces may lie in one plane: the surface's middle tells which it belongs to.
+bool covers(const Proxy& proxy, const ProxyFace& face, const Vec3& middle) {
+  Vec3 low = Vec3::Constant(1e9), high = -low;
+  for (std::uint32_t v : face.ring) {
+    low = low.cwiseMin(proxy.vertices[v].position);
+    high = high.cwiseMax(proxy.vertices[v].position);
+  }
+  return (middle - low).minCoeff() > -0.5 && (high - middle).minCoeff() > -0.5;
+}
+
 void name_faces(World& world) {
   for (Surface& surface : world.mesh.surfaces)
     for (const ProxyFace& face : world.proxy.faces)
       if (surface.plane_id > 0 && (surface.normal - face.normal).norm() < 1e-6 &&
-          std::abs(surface.offset_m - face.offset_m) < 1e-6)
+          std::abs(surface.offset_m - face.offset_m) < 1e-6 && covers(world.proxy, face, surface.centre))
         surface.proxy_face = face.name;
 }
 
@@ -56,7 +66,8 @@ void add_church_proxy(World& world, const Plan& plan) {
       const Vec2& p = outline.points[k];
       if (outline.curve[k] > 0 && k % 6 != 4) continue;  // eight chords of the arch
       // What can be told in a scan: the aisles' corners, the ends of the nave ceiling's edges.
-      const bool corner = std::abs(std::abs(p.x()) - w) < 1e-9 || std::abs(p.y() - plan.vault_springing) < 1e-9;
+      const bool corner =
+          std::abs(std::abs(p.x()) - w) < 1e-9 || std::abs(p.y() - plan.vault_springing) < 1e-9;
       const double up = p.y() < 1 ? 1 : -1;
       ring.push_back(
           add(p.x(), y, p.y(), corner ? Vec3(p.x() < 0 ? 1 : -1, towards, up) : Vec3(Vec3::Zero())));

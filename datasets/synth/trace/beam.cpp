@@ -14,7 +14,7 @@ constexpr double kMixedJumpM = 0.01;  // sub-rays farther than this from the cen
 constexpr int kSubRays = 8;
 // Of the beams that meet a pane: measured on its dust, mirrored into the room, gone through; the rest is
 // lost.
-constexpr double kOnGlass = 0.30, kMirrored = 0.20, kThrough = 0.25;
+constexpr double kOnGlass = 0.30, kMirrored = 0.08, kThrough = 0.20;
 constexpr double kFaintest = 0.012;  // signal at which six of ten beams are lost
 
 double fading(double range_m) {

@@ -32,8 +32,8 @@ void check_free_space(const fs::path& folder, double bytes) {
   if (problem || static_cast<double>(space.available) >= bytes) return;
   throw std::system_error(
       ENOSPC, std::generic_category(),
-      fmt::format("{}: the scene needs about {:.1f} GB, its disk has {:.1f} GB free", folder.string(),
-                  bytes / 1e9, static_cast<double>(space.available) / 1e9));
+      fmt::format("{}: what is to be made needs about {:.0f} MB, its disk has {:.0f} MB free",
+                  folder.string(), bytes / 1e6, static_cast<double>(space.available) / 1e6));
 }
 
 OutputFile::OutputFile(const fs::path& path)
