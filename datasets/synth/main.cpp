@@ -21,7 +21,7 @@ const std::map<std::string, synth::Preset> kRoomPresets = {
     {"tiny", {"tiny", 500, 220, 320, 240, 320, 180, 4}},
     {"demo", {"demo", 1800, 750, 1600, 1200, 1280, 720, 4}}};
 const std::map<std::string, synth::Preset> kChurchPresets = {
-    {"tiny", {"tiny", 480, 200, 240, 180, 240, 136, 2, 0.6, 32}},
+    {"tiny", {"tiny", 480, 200, 240, 180, 240, 136, 2, 0.8, 24}},
     {"demo", {"demo", 1700, 700, 1440, 1080, 1120, 630, 3, 0.3, 96}},
     {"full", {"full", 6700, 3000, 4032, 3024, 1920, 1080, 4, 0.2, 160}}};
 

@@ -10,7 +10,7 @@ namespace synth {
 std::array<double, 3> seen_shares(const World& world, const Tracer& tracer, const Surface& surface) {
   const Vec3 half = surface.centre - surface.origin;
   const double width = 2 * half.dot(surface.u_axis), height = 2 * half.dot(surface.v_axis);
-  const double step_m = std::max(0.05, std::sqrt(width * height) / 200);
+  const double step_m = std::max(0.05, std::sqrt(width * height) / 120);
   const auto rows = static_cast<std::size_t>(std::max(0.0, std::ceil(height / step_m - 0.5)));
   const auto on_the_surface = [&](const Vec3& point) {
     const auto hit = tracer.nearest(point + 1e-3 * surface.normal, -surface.normal);
