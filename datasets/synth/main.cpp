@@ -1,3 +1,15 @@
+// hybrid-synth: scenes whose truth is known to the bit. A World (world/) is built from a seed by room/ or
+// church/ out of closed solids with true planes (geometry/), painted by functions of place alone (surface/),
+// scanned and photographed with Embree (trace/) and written as a user's files plus truth (write/). Nothing
+// here includes host/.
+//
+//   hybrid-synth room    --out DIR --seed 1 --preset tiny|demo
+//   hybrid-synth church  --out DIR --seed 1 --preset tiny|demo|full [--megapixels M] [--proxy-error 0.02]
+//   hybrid-synth archive N --out DIR --seed 1        scene-0000 ...: small churches, seeds one apart
+//
+// DIR holds scene.toml (written last), proxy.obj, scans/, photographs/, cameras/ (COLMAP), detail.ply (the
+// true mesh), truth.json and truth/. The church's scans: `front` outside and `nave` as PLY without a grid,
+// `chancel` as PTX with one; truth/<scan>.exr has kinds 0 planar, 1 curved, 2 mixed, 3 ghost behind glass.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 

@@ -37,7 +37,7 @@ Plan draw_plan(std::uint64_t seed) {
 }
 
 double Plan::crown() const {
-  return vaulted ? vault_springing + nave_half() : vault_springing + 0.75 * nave_half();
+  return vaulted ? vault_springing + nave_half() : vault_springing + 1.1 * nave_half();
 }
 
 Outline Plan::cross_section() const {
