@@ -1,5 +1,6 @@
 // What goes wrong with hybrid-synth: the exit codes of the house, one clear message, nothing half-written.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "bad_output_check.hpp"
 #include "io/output.hpp"
@@ -16,7 +17,7 @@ struct SynthCase {
 };
 
 std::vector<SynthCase> synth_cases() {
-  const std::string room = "room --out OUT --preset tiny ";
+  const std::string room = "room --out OUT --preset tiny ", church = "church --out OUT --preset tiny ";
   return {
       {"nothing", "", 2, {"subcommand"}},
       {"unknown_scene", "castle --out OUT", 2, {"castle"}},
@@ -30,6 +31,19 @@ std::vector<SynthCase> synth_cases() {
       {"proxy_error_not_finite", room + "--proxy-error-m nan", 2, {"--proxy-error-m", "nan"}},
       {"threads_negative", room + "--threads -1", 2, {"--threads", "-1"}},
       {"unknown_option", room + "--fast", 2, {"--fast"}},
+      {"room_has_no_full_preset", "room --out OUT --preset full", 2, {"--preset", "full"}},
+      {"church_unknown_preset", "church --out OUT --preset huge", 2, {"--preset", "huge", "demo"}},
+      {"church_noise_growth", church + "--noise-per-m 1", 2, {"--noise-per-m", "1"}},
+      {"church_proxy_error_negative", church + "--proxy-error -0.01", 2, {"--proxy-error", "-0.01"}},
+      {"church_camera_error_text", church + "--camera-error much", 2, {"--camera-error", "much"}},
+      {"church_too_many_megapixels", church + "--megapixels 4000", 2, {"--megapixels", "4000"}},
+      {"church_variation_not_finite", church + "--photograph-variation inf", 2, {"--photograph-variation"}},
+      {"archive_without_count", "archive --out OUT", 2, {"scenes"}},
+      {"archive_of_none", "archive 0 --out OUT", 2, {"scenes", "0"}},
+      {"archive_over_the_disk",
+       "archive 100000 --preset full --out OUT",
+       75,
+       {"needs about", "free", "No space"}},
   };
 }
 
@@ -63,6 +77,19 @@ TEST(BadSynth, an_output_folder_that_cannot_be) {
     expect_failure(outcome, 1, {(scratch / out).string(), "Give another --out"});
   }
   EXPECT_EQ(io::read_text(scratch / "file"), "mine");
+}
+
+TEST(BadSynth, a_full_disk) {
+  const Scratch disk;
+  const std::string folder = disk.path().string();
+  const auto outcome = run("unshare " + std::string(geteuid() == 0 ? "-m" : "-rm") +
+                           " sh -c 'mount -t tmpfs -o size=200k none " + folder +
+                           " || exit 99; timeout 60 hybrid-synth room --preset tiny --quiet --out " + folder +
+                           "/out; code=$?; find " + folder + " -name \".*\"; exit $code'");
+  if (outcome.exit_code == 99 || outcome.exit_code == 1) GTEST_SKIP() << "this machine does not allow mounts";
+  expect_failure(outcome, 75,
+                 {folder + "/out", "needs about", "No space left on device; free space and run again"});
+  EXPECT_EQ(outcome.out, "");
 }
 
 }  // namespace hybrid::e2e

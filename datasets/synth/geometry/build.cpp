@@ -5,7 +5,13 @@
 namespace synth {
 
 std::uint32_t add_vertex(Mesh& mesh, const Vec3& p) {
+  return add_vertex(mesh, p, Vec3::Zero(), Eigen::Vector2d::Zero());
+}
+
+std::uint32_t add_vertex(Mesh& mesh, const Vec3& p, const Vec3& normal, const Eigen::Vector2d& coordinates) {
   mesh.vertices.push_back(p.cast<float>());
+  mesh.normals.push_back(normal.cast<float>());
+  mesh.coordinates.push_back(coordinates.cast<float>());
   return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
 }
 
@@ -24,9 +30,17 @@ std::uint32_t add_plane(Mesh& mesh, const std::string& name, Material material, 
   surface.v_axis = v_axis;
   surface.normal = u_axis.cross(v_axis);
   surface.offset_m = surface.normal.dot(origin);
-  const auto planes = std::count_if(mesh.surfaces.begin(), mesh.surfaces.end(),
-                                    [](const Surface& s) { return s.plane_id > 0; });
-  surface.plane_id = static_cast<int>(planes) + 1;
+  for (const Surface& s : mesh.surfaces) surface.plane_id = std::max(surface.plane_id, s.plane_id);
+  ++surface.plane_id;
+  mesh.surfaces.push_back(surface);
+  return static_cast<std::uint32_t>(mesh.surfaces.size() - 1);
+}
+
+std::uint32_t add_free_surface(Mesh& mesh, const std::string& name, Material material) {
+  Surface surface;
+  surface.name = name;
+  surface.material = material;
+  surface.shape = Shape::free;
   mesh.surfaces.push_back(surface);
   return static_cast<std::uint32_t>(mesh.surfaces.size() - 1);
 }

@@ -8,10 +8,20 @@
 #include <tuple>
 
 namespace synth {
+namespace {
+
+using Place = std::tuple<float, float, float>;
+
+Place place_of(const Eigen::Vector3f& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+}  // namespace
 
 Vec3 Surface::smooth_normal(const Vec3& point) const {
   switch (shape) {
     case Shape::plane:
+    case Shape::free:
       return normal;
     case Shape::cylinder:
       return Vec3(point.x() - origin.x(), point.y() - origin.y(), 0).normalized();
@@ -21,32 +31,44 @@ Vec3 Surface::smooth_normal(const Vec3& point) const {
   return normal;
 }
 
-void weld_and_check_closed(Mesh& mesh) {
-  std::map<std::tuple<float, float, float>, std::uint32_t> places;
-  std::vector<Eigen::Vector3f> welded;
+void weld(Mesh& mesh) {
+  std::map<Place, std::uint32_t> places;
+  Mesh welded;
   std::vector<std::uint32_t> target;
-  for (const Eigen::Vector3f& v : mesh.vertices) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto [place, is_new] =
-        places.try_emplace({v.x(), v.y(), v.z()}, static_cast<std::uint32_t>(welded.size()));
-    if (is_new) welded.push_back(v);
+        places.try_emplace(place_of(mesh.vertices[i]), static_cast<std::uint32_t>(welded.vertices.size()));
     target.push_back(place->second);
+    if (!is_new) continue;
+    welded.vertices.push_back(mesh.vertices[i]);
+    welded.normals.push_back(mesh.normals[i]);
+    welded.coordinates.push_back(mesh.coordinates[i]);
   }
-  mesh.vertices = std::move(welded);
-
-  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (auto& triangle : mesh.triangles) {
+  mesh.vertices = std::move(welded.vertices);
+  mesh.normals = std::move(welded.normals);
+  mesh.coordinates = std::move(welded.coordinates);
+  for (auto& triangle : mesh.triangles)
     for (auto& corner : triangle) corner = target[corner];
-    for (int k = 0; k < 3; ++k) {
-      if (!edges.emplace(triangle[k], triangle[(k + 1) % 3]).second)
-        throw std::logic_error("synthetic mesh: two faces run along one edge the same way");
+}
+
+void check_closed(const Mesh& mesh, std::size_t first_triangle) {
+  std::set<std::pair<Place, Place>> edges;
+  for (std::size_t i = first_triangle; i < mesh.triangles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Place from = place_of(mesh.vertices[mesh.triangles[i][k]]),
+                  to = place_of(mesh.vertices[mesh.triangles[i][(k + 1) % 3]]);
+      if (!edges.emplace(from, to).second)
+        throw std::logic_error(fmt::format("synthetic mesh: two faces of {} run along one edge the same way",
+                                           mesh.surfaces[mesh.surface_of_triangle[i]].name));
     }
   }
   for (const auto& [from, to] : edges) {
     if (edges.contains({to, from})) continue;
-    const Eigen::Vector3f& a = mesh.vertices[from];
-    const Eigen::Vector3f& b = mesh.vertices[to];
-    throw std::logic_error(fmt::format("synthetic mesh is open along ({}, {}, {}) - ({}, {}, {})", a.x(),
-                                       a.y(), a.z(), b.x(), b.y(), b.z()));
+    const auto& [ax, ay, az] = from;
+    const auto& [bx, by, bz] = to;
+    throw std::logic_error(fmt::format("synthetic mesh: {} is open along ({}, {}, {}) - ({}, {}, {})",
+                                       mesh.surfaces[mesh.surface_of_triangle[first_triangle]].name, ax, ay,
+                                       az, bx, by, bz));
   }
 }
 

@@ -26,10 +26,41 @@ enum class Material {
   crate,
   cardboard,
   stone,
-  glaze
+  glaze,
+  ashlar,
+  rubble,
+  dressed_stone,
+  marble,
+  limewash,
+  vault_plaster,
+  timber,
+  pew_wood,
+  oak_door,
+  flagstones,
+  chancel_tiles,
+  cobbles,
+  lawn,
+  slate,
+  carpet,
+  linen,
+  iron,
+  brass,
+  rubber,
+  red_paint,
+  coat,
+  skin,
+  foliage,
+  notice_board,
+  stained_glass,  // a pane's side towards the inside
+  outer_glass
 };
 
-enum class Shape { plane, cylinder, ellipsoid };
+inline bool is_glass(Material m) {
+  return m == Material::stained_glass || m == Material::outer_glass;
+}
+
+// free: no equation; normals and texture coordinates come from the vertices.
+enum class Shape { plane, cylinder, ellipsoid, free };
 
 // A patch of one material. Planes: normal . x = offset_m, normal towards the free side; texture coordinates
 // are metres along u_axis (to the right, seen from the free side) and v_axis (up) from `origin`. Cylinders:
@@ -54,10 +85,16 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from the free side
   std::vector<std::uint32_t> surface_of_triangle;
   std::vector<Surface> surfaces;
+  // Parallel to `vertices`, of use on free surfaces only: unit normals, texture coordinates in metres.
+  std::vector<Eigen::Vector3f> normals;
+  std::vector<Eigen::Vector2f> coordinates;
 };
 
-// Merges vertices at the same place and throws unless every edge is met by exactly one edge the other way
-// round: closed and consistently oriented.
-void weld_and_check_closed(Mesh& mesh);
+// Merges vertices at the same place. What smooth shading needs apart is lost.
+void weld(Mesh& mesh);
+
+// Throws unless every edge of the triangles from `first` on is met by exactly one edge the other way round:
+// closed and consistently oriented. Vertices at the same place count as one.
+void check_closed(const Mesh& mesh, std::size_t first_triangle);
 
 }  // namespace synth

@@ -40,7 +40,19 @@ class Random {
 
 // One number per use, so that no two uses share a stream.
 namespace purpose {
-enum : std::uint64_t { layout = 1, proxy, photograph_pose, scan_pose, scan_column, landmarks, pixel, sensor };
+enum : std::uint64_t {
+  layout = 1,
+  proxy,
+  photograph_pose,
+  scan_pose,
+  scan_column,
+  landmarks,
+  pixel,
+  sensor,
+  optics,
+  develop,
+  camera_error
+};
 }
 
 }  // namespace synth

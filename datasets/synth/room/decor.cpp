@@ -2,15 +2,11 @@
 
 namespace synth {
 
-void hang_decor(Room& room) {
-  room.decor_of_surface.assign(room.mesh.surfaces.size(), {});
-  const auto hang = [&](const std::string& name, const Decor& decor) {
-    for (std::size_t i = 0; i < room.mesh.surfaces.size(); ++i)
-      if (room.mesh.surfaces[i].name == name) room.decor_of_surface[i].push_back(decor);
-  };
+void hang_decor(World& room, const std::vector<Recess>& recesses) {
+  const auto hang = [&](const std::string& name, const Decor& decor) { synth::hang(room, name, decor); };
   const double L = room.size.x(), W = room.size.y();
-  const Recess& door = room.recesses[0];
-  const Recess& north = room.recesses[1];
+  const Recess& door = recesses[0];
+  const Recess& north = recesses[1];
   const double door_middle = (door.low_m + door.high_m) / 2;
   // Texture coordinates start at the wall's left end as seen from the room: x on the north wall, y on the
   // west, W - y on the east, L - x on the south.

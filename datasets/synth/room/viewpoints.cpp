@@ -10,13 +10,11 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-Vec3 at(const Room& room, double x_share, double y_share, double z_m) {
+Vec3 at(const World& room, double x_share, double y_share, double z_m) {
   return {x_share * room.size.x(), y_share * room.size.y(), z_m};
 }
 
-}  // namespace
-
-std::vector<Camera> photograph_cameras(const Room& room, const RoomOptions& options) {
+std::vector<Camera> photograph_cameras(const World& room, const Options& options) {
   struct Stand {
     double x, y, z, to_x, to_y, to_z;  // x, y: shares of the room
   };
@@ -45,10 +43,10 @@ std::vector<Camera> photograph_cameras(const Room& room, const RoomOptions& opti
   return cameras;
 }
 
-std::vector<ScannerPose> scanner_poses(const Room& room, std::uint64_t seed) {
+std::vector<ScannerPose> scanner_poses(const World& room, std::uint64_t seed) {
   const auto pose = [&](const std::string& id, std::uint64_t index, double x, double y) {
     Random random(seed, purpose::scan_pose, index);
-    ScannerPose result{id, Eigen::Isometry3d::Identity()};
+    ScannerPose result{id, Eigen::Isometry3d::Identity(), false};
     result.world_from_scan.translate(at(room, x, y, 1.5) +
                                      0.1 * random.normal3().cwiseProduct(Vec3(1, 1, 0.2)));
     const double tilt_x = kDegree * random.normal(), tilt_y = kDegree * random.normal();
@@ -61,30 +59,40 @@ std::vector<ScannerPose> scanner_poses(const Room& room, std::uint64_t seed) {
   return {pose("west", 0, 0.25, 0.55), pose("east", 1, 0.78, 0.46)};
 }
 
-std::vector<View> views(const Room& room, const std::vector<Camera>& photographs) {
+std::vector<View> views(const World& room, const std::vector<Camera>& photographs) {
   const Vec3 eye = at(room, 0.12, 0.24, 1.65), target = at(room, 0.62, 0.78, 1.60);
   std::vector<View> result = {{"proxy", "proxy", "", false, true, eye, target, {}},
                               {"proxy-textured", "proxy", "", true, false, eye, target, {}},
                               {"points", "scan", "", false, false, eye, target, {}},
                               {"both", "both", "", false, false, eye, target, {}},
-                              {"both-textured", "both", "", true, false, eye, target, {}}};
+                              {"both-textured", "both", "", true, false, eye, target, {}, true}};
   result.push_back(
-      {"novel-2", "both", "", true, false, at(room, 0.91, 0.53, 1.75), at(room, 0.2, 0.40, 1.45), {}});
+      {"novel-2", "both", "", true, false, at(room, 0.91, 0.53, 1.75), at(room, 0.2, 0.40, 1.45), {}, true});
   const std::string& left_out = photographs[2].name;
   result.push_back({"leave-one-out", "both", left_out, true, false, {}, {}, {left_out}});
   return result;
 }
 
-std::vector<Vec3> proxy_vertices(const Room& room, const RoomOptions& options) {
-  // Whole faces move, not single corners: the polygons stay planar, as a block modeller's are.
-  Random random(options.seed, purpose::proxy);
-  Vec3 low = Vec3::Zero(), high = room.size;
-  low += options.proxy_error_m * random.normal3();
-  high += options.proxy_error_m * random.normal3();
-  std::vector<Vec3> vertices;
-  for (int k = 0; k < 8; ++k)
-    vertices.push_back({k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z() : low.z()});
-  return vertices;
+}  // namespace
+
+void place_viewpoints(World& room, const Options& options) {
+  room.photographs = photograph_cameras(room, options);
+  room.scanners = scanner_poses(room, options.seed);
+  room.views = views(room, room.photographs);
+}
+
+void add_box_proxy(World& room) {
+  // Vertex indices are the bits x, y, z (bit set = far side); faces towards the inside.
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 corner(k & 1 ? room.size.x() : 0, k & 2 ? room.size.y() : 0, k & 4 ? room.size.z() : 0);
+    room.proxy.add_vertex(corner, (room.size / 2 - corner).cwiseSign());
+  }
+  room.proxy.add_face("floor", {0, 1, 3, 2});
+  room.proxy.add_face("ceiling", {4, 6, 7, 5});
+  room.proxy.add_face("wall-north", {2, 3, 7, 6});
+  room.proxy.add_face("wall-east", {3, 1, 5, 7});
+  room.proxy.add_face("wall-south", {1, 0, 4, 5});
+  room.proxy.add_face("wall-west", {0, 2, 6, 4});
 }
 
 }  // namespace synth

@@ -11,11 +11,16 @@
 namespace synth {
 namespace {
 
-Spot spot_on(const Surface& surface, std::uint32_t index, const Vec3& point, double footprint_m) {
-  const Vec3 from = point - surface.origin;
+constexpr double kPaneRadiance = 0.28;  // stained glass towards the inside: bright, yet not burnt out
+
+Spot spot_on(const Surface& surface, const Hit& hit, double footprint_m) {
+  const Vec3 from = hit.point - surface.origin;
   Spot spot{from.dot(surface.u_axis), from.dot(surface.v_axis), std::max(footprint_m, 1e-5),
-            mix(index) >> 20};
-  if (surface.shape != Shape::plane) {
+            mix(hit.surface) >> 20};
+  if (surface.shape == Shape::free) {
+    spot.u = hit.coordinates.x();
+    spot.v = hit.coordinates.y();
+  } else if (surface.shape != Shape::plane) {
     const double angle = std::atan2(from.y(), from.x());
     spot.u = angle * surface.radii.x();
     spot.v = from.z();
@@ -23,10 +28,10 @@ Spot spot_on(const Surface& surface, std::uint32_t index, const Vec3& point, dou
   return spot;
 }
 
-double lamp_cover(const Room& room, const Vec3& point, double footprint) {
+double lamp_cover(const World& room, const Vec3& point, double footprint) {
   double share = 0;
   for (const AreaLight& light : room.lights) {
-    if (light.centre.z() < room.size.z() - 0.02) continue;
+    if (!light.lamp) continue;
     const Vec3 from = point - light.centre;
     share += cover(from.x(), -light.half_v.x(), light.half_v.x(), footprint) *
              cover(from.y(), -light.half_u.y(), light.half_u.y(), footprint);
@@ -47,12 +52,12 @@ Rgb stone_around(const Spot& s, double turn_m) {
   return t > 0 ? blend(here, stone({s.u - turn_m, s.v, s.footprint, s.key}), t) : here;
 }
 
-Rgb floor_albedo(const Room& room, const Spot& s, const Vec3& point) {
+Rgb floor_albedo(const World& room, const Spot& s, const Vec3& point) {
   const Eigen::Array2d on_rug = point.head<2>().array() - room.rug_low, size = room.rug_high - room.rug_low;
   return rug({on_rug.x(), on_rug.y(), s.footprint, s.key}, size.x(), size.y(), planks(s));
 }
 
-Rgb base_albedo(const Room& room, const Surface& surface, const Spot& s, const Vec3& point) {
+Rgb base_albedo(const World& room, const Surface& surface, const Spot& s, const Vec3& point) {
   static const Rgb oak = srgb(0x7b4f2c), pine = srgb(0xc79f62), dark_pine = srgb(0xa67a40),
                    walnut = srgb(0x4f3020);
   const Eigen::Array2d size = extent(surface);
@@ -96,21 +101,43 @@ Rgb base_albedo(const Room& room, const Surface& surface, const Spot& s, const V
       return stone_around(s, turn_m);
     case Material::glaze:
       return glaze(s, turn_m);
+    default:
+      return church_albedo(surface, s, size);
   }
-  return Rgb::Constant(0.5);
+}
+
+double gloss_of(Material material) {
+  switch (material) {
+    case Material::brass:
+      return 0.5;
+    case Material::outer_glass:
+      return 0.25;
+    case Material::marble:
+      return 0.08;
+    case Material::chancel_tiles:
+    case Material::red_paint:
+      return 0.05;
+    default:
+      return 0;
+  }
 }
 
 }  // namespace
 
-Finish finish(const Room& room, std::uint32_t index, const Vec3& point, double footprint_m) {
-  const Surface& surface = room.mesh.surfaces[index];
-  const Spot spot = spot_on(surface, index, point, footprint_m);
-  Finish result{base_albedo(room, surface, spot, point), Rgb::Zero()};
-  for (const Decor& decor : room.decor_of_surface[index]) result.albedo = paint(decor, spot, result.albedo);
+Finish finish(const World& world, const Hit& hit, double footprint_m) {
+  const Surface& surface = world.mesh.surfaces[hit.surface];
+  const Spot spot = spot_on(surface, hit, footprint_m);
+  Finish result{base_albedo(world, surface, spot, hit.point), Rgb::Zero(), gloss_of(surface.material)};
+  for (const Decor& decor : world.decor_of_surface[hit.surface])
+    result.albedo = paint(decor, spot, result.albedo);
   result.albedo = result.albedo.max(0.01).min(0.9);
   if (surface.material == Material::daylight) result.emission = 0.75 * result.albedo;
+  if (surface.material == Material::stained_glass) {
+    result.emission = kPaneRadiance * result.albedo;
+    result.albedo = Rgb::Constant(0.03);
+  }
   if (surface.material == Material::ceiling_tiles)
-    result.emission = Rgb(1.0, 0.96, 0.88) * lamp_cover(room, point, spot.footprint);
+    result.emission = Rgb(1.0, 0.96, 0.88) * lamp_cover(world, hit.point, spot.footprint);
   return result;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 #include <Eigen/Core>
-
-#include "room/room.hpp"
+#include <cstdint>
 
 namespace synth {
 

@@ -6,6 +6,7 @@
 
 #include "surface/lettering.hpp"
 #include "surface/noise.hpp"
+#include "surface/notices.hpp"
 
 namespace synth {
 namespace {
@@ -106,6 +107,12 @@ Rgb inner(const Decor& d, double u, double v, double w) {
       return blocks(d, u, v, w);
     case Picture::sign:
       return sign(d, u, v, w);
+    case Picture::notice:
+      return notice(d, u, v, w);
+    case Picture::plaque:
+      return plaque(d, u, v, w);
+    case Picture::numbers:
+      return numbers(d, u, v, w);
   }
   return Rgb::Zero();
 }

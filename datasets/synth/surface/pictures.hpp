@@ -1,5 +1,6 @@
 #pragma once
 #include "surface/patterns.hpp"
+#include "world/world.hpp"
 
 namespace synth {
 

@@ -14,6 +14,7 @@ struct Camera {
   double focal_px = 0, centre_x_px = 0, centre_y_px = 0, k1 = 0, k2 = 0;
   Eigen::Matrix3d camera_from_world_rotation = Eigen::Matrix3d::Identity();
   Vec3 eye = Vec3::Zero();  // world
+  double exposure = 1;      // factor on what reaches the lens
 
   Vec3 ray_direction(double x_px, double y_px) const;                        // unit, world frame
   std::optional<Eigen::Vector2d> project(const Vec3& point_in_world) const;  // nothing: behind or outside

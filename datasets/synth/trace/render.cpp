@@ -1,24 +1,28 @@
-// Lambertian surfaces, rectangular lights with shadows, a constant ambient term that stands for the bounces:
-// looks the same from everywhere, as projecting photographs onto geometry assumes.
+// Lambertian surfaces lit by rectangular lights and a constant ambient term that stands for the bounces, or
+// by the sun and gathered indirect light: look the same from everywhere, as projecting photographs onto
+// geometry assumes. Glossy ones add one mirrored ray.
 #include "trace/render.hpp"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/random.hpp"
 #include "surface/material.hpp"
 #include "trace/irradiance.hpp"
+#include "trace/sky.hpp"
 
 namespace synth {
 namespace {
 
-constexpr double kExposure = 1.0;
+constexpr double kSunRadiusRad = 0.0047;
 
 struct Shader {
-  const Room& room;
+  const World& world;
   const Tracer& tracer;
+  const IndirectLight* indirect;
   int light_samples;
 
   static Rgb ambient(const Vec3& normal) {
@@ -30,7 +34,7 @@ struct Shader {
   Rgb direct(const Hit& hit, Random& random, int stratum, int strata) const {
     Rgb sum = Rgb::Zero();
     const int total = strata * light_samples;
-    for (const AreaLight& light : room.lights) {
+    for (const AreaLight& light : world.lights) {
       const Vec3 &u = light.half_u, &v = light.half_v, &c = light.centre;
       const double turn_u = random.uniform(), turn_v = random.uniform();
       const double open = form_factor(hit.point, hit.normal, {c - u - v, c + u - v, c + u + v, c - u + v});
@@ -54,29 +58,49 @@ struct Shader {
     return sum;
   }
 
+  Rgb sunlight(const Hit& hit, Random& random) const {
+    const Vec3& middle = world.sun->towards;
+    const Vec3 side = middle.cross(Vec3::UnitZ()).normalized(), up = side.cross(middle);
+    const double radius = kSunRadiusRad * std::sqrt(random.uniform()),
+                 angle = 2 * std::numbers::pi * random.uniform();
+    const Vec3 towards = middle + radius * (std::cos(angle) * side + std::sin(angle) * up);
+    return indirect->sunlight(hit.point, hit.normal, towards.normalized());
+  }
+
+  Rgb mirrored(const Hit& hit, const Vec3& ray) const {
+    const Vec3 onwards = (ray - 2 * hit.normal.dot(ray) * hit.normal).normalized();
+    const auto met = tracer.nearest(hit.point + 1e-3 * hit.normal, onwards);
+    if (!met) return indirect ? sky(onwards, true) : Rgb::Zero();
+    const Finish look = finish(world, *met, 0.02);
+    const Rgb light =
+        indirect ? Rgb(indirect->at(*met) + indirect->sunlight(met->point, met->normal, world.sun->towards))
+                 : ambient(met->normal);
+    return look.albedo * light + look.emission;
+  }
+
   Rgb radiance(const Vec3& eye, const Vec3& ray, double pixel_angle, Random& random, int stratum,
                int strata) const {
     const std::optional<Hit> hit = tracer.nearest(eye, ray);
-    if (!hit) return Rgb::Zero();
+    if (!hit) return indirect ? sky(ray, true) : Rgb::Zero();
     // Geometric mean of the pixel's two extents on the slanted surface: blurs neither too much nor too
     // little.
     const double slant = std::max(0.05, std::abs(hit->normal.dot(ray)));
     const double footprint = pixel_angle * hit->distance_m / std::sqrt(slant);
-    const Finish look = finish(room, hit->surface, hit->point, footprint);
-    return look.albedo * (direct(*hit, random, stratum, strata) + ambient(hit->normal)) + look.emission;
+    const Finish look = finish(world, *hit, footprint);
+    const Rgb light = indirect ? Rgb(sunlight(*hit, random) + indirect->at(*hit)) : ambient(hit->normal);
+    const Rgb matt = look.albedo * (direct(*hit, random, stratum, strata) + light) + look.emission;
+    if (look.gloss == 0) return matt;
+    const double share = look.gloss + (1 - look.gloss) * std::pow(1 - slant, 5.0);  // Schlick
+    return matt + (mirrored(*hit, ray) - matt) * share;
   }
 };
 
-std::uint8_t encode(double linear) {
-  const double c = std::clamp(linear, 0.0, 1.0);
-  const double s = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::lround(255 * s));
-}
-
 }  // namespace
 
-Picture8 render(const Room& room, const Tracer& tracer, const Camera& camera, const RenderOptions& options) {
-  const Shader shader{room, tracer, options.light_samples};
+Picture8 render(const World& world, const Tracer& tracer, const IndirectLight* indirect, const Camera& camera,
+                const RenderOptions& options) {
+  const Shader shader{world, tracer, indirect, options.light_samples};
+  const Development& develop = options.development;
   const int side = options.samples_per_pixel_side, strata = side * side;
   Picture8 picture{camera.width_px, camera.height_px, {}};
   picture.rgb.resize(3 * static_cast<std::size_t>(camera.width_px) *
@@ -92,8 +116,9 @@ Picture8 render(const Room& room, const Tracer& tracer, const Camera& camera, co
         sum += shader.radiance(camera.eye, camera.ray_direction(x, y), 1 / camera.focal_px / side, random, s,
                                strata);
       }
-      Rgb colour = sum * (kExposure / strata);
-      if (options.sensor_noise) {
+      Rgb colour = sum * (camera.exposure / strata) * develop.gain *
+                   develop.corner_share(camera, column + 0.5, row + 0.5);
+      if (develop.noise) {
         Random sensor(options.seed, purpose::sensor + 100 * (options.picture_index + 1), pixel);
         // Read noise plus photon noise, about 1.5 grey levels in the middle greys.
         for (double& c : colour) c += std::sqrt(4e-7 + 2.5e-5 * std::max(0.0, c)) * 1.5 * sensor.normal();

@@ -18,21 +18,9 @@ void append(std::string& bytes, const T& value) {
 
 }  // namespace
 
-void write_scan_ply(const std::filesystem::path& path, const Scan& scan) {
-  std::string bytes = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment scan frame, metres; column by column, rising in each\n"
-      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
-      "end_header\n",
-      scan.samples.size());
-  bytes.reserve(bytes.size() + 16 * scan.samples.size());
-  for (const Sample& sample : scan.samples) {
-    for (float coordinate : sample.point_in_scan) append(bytes, coordinate);
-    append(bytes, sample.intensity);
-  }
-  write_bytes(path, bytes);
-}
-
-void write_detail_ply(const std::filesystem::path& path, const Mesh& mesh) {
+void write_detail_ply(const std::filesystem::path& path, const Mesh& apart) {
+  Mesh mesh = apart;
+  weld(mesh);
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment world frame, metres; plane 0 = curved\nelement vertex "
       "{}\n"
@@ -50,17 +38,14 @@ void write_detail_ply(const std::filesystem::path& path, const Mesh& mesh) {
   write_bytes(path, bytes);
 }
 
-void write_proxy_obj(const std::filesystem::path& path, const std::vector<Vec3>& vertices) {
-  std::string text = "# The room as a person would block it out: metres, Z up, faces towards the inside\n";
-  for (const Vec3& v : vertices) text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
-  // Vertex numbers are 1 + the bits x, y, z; counter-clockwise seen from inside.
-  text +=
-      "g floor\nf 1 2 4 3\n"
-      "g ceiling\nf 5 7 8 6\n"
-      "g wall-north\nf 3 4 8 7\n"
-      "g wall-east\nf 4 2 6 8\n"
-      "g wall-south\nf 2 1 5 6\n"
-      "g wall-west\nf 1 3 7 5\n";
+void write_proxy_obj(const std::filesystem::path& path, const Proxy& proxy) {
+  std::string text = "# As a person would block it out: metres, Z up, faces towards the free side\n";
+  for (const Vec3& v : proxy.moved) text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+  for (const ProxyFace& face : proxy.faces) {
+    text += fmt::format("g {}\nf", face.name);
+    for (std::uint32_t v : face.ring) text += fmt::format(" {}", v + 1);
+    text += "\n";
+  }
   write_bytes(path, text);
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "write/files.hpp"
+#include "write/scan_stream.hpp"
 
 namespace synth {
 namespace {
@@ -37,16 +38,15 @@ std::string view_table(const View& view, const Preset& preset) {
 
 }  // namespace
 
-void write_scene_toml(const std::filesystem::path& path, const RoomOptions& options,
-                      const std::vector<ScannerPose>& scans,
-                      const std::vector<std::vector<Landmark>>& landmarks_of_scan,
-                      const std::vector<View>& views) {
+void write_scene_toml(const std::filesystem::path& path, const World& world, const Options& options,
+                      const std::vector<std::vector<Landmark>>& landmarks_of_scan) {
   std::string text = fmt::format(
-      "# Synthetic room, seed {}, preset {}.\n\n[scene]\nname = \"room-synthetic\"\nlevelled = false\n"
+      "# Synthetic {0}, seed {1}, preset {2}.\n\n[scene]\nname = \"{0}-synthetic\"\nlevelled = false\n"
       "truth = \"truth.json\"  # for scoring only\n",
-      options.seed, options.preset.name);
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    text += fmt::format("\n[[scan]]\nid = \"{0}\"\nfile = \"scans/{0}.ply\"\nlandmarks = [\n", scans[i].id);
+      world.kind, options.seed, options.preset.name);
+  for (std::size_t i = 0; i < world.scanners.size(); ++i) {
+    text += fmt::format("\n[[scan]]\nid = \"{}\"\nfile = \"scans/{}\"\nlandmarks = [\n", world.scanners[i].id,
+                        scan_file_name(world.scanners[i]));
     for (const Landmark& l : landmarks_of_scan[i])
       text +=
           fmt::format("  {{ scan = {}, model = {} }},\n", array(l.point_in_scan, 3), exact(l.model_vertex));
@@ -55,7 +55,7 @@ void write_scene_toml(const std::filesystem::path& path, const RoomOptions& opti
   text +=
       "\n[model]\nfile = \"proxy.obj\"\nunit = \"m\"\nup = \"z\"\n"
       "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
-  for (const View& view : views) text += view_table(view, options.preset);
+  for (const View& view : world.views) text += view_table(view, options.preset);
   write_bytes(path, text);
 }
 

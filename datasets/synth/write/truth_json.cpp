@@ -2,9 +2,11 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <set>
 
-#include "room/coverage.hpp"
+#include "world/coverage.hpp"
 #include "write/files.hpp"
+#include "write/scan_stream.hpp"
 
 namespace synth {
 namespace {
@@ -33,61 +35,80 @@ Json camera_entry(const Camera& camera) {
           {"world_from_camera", row_major(world_from_camera)}};
 }
 
-Json scan_entry(const Scan& scan) {
-  std::array<std::size_t, 3> kinds{};
-  for (const Sample& sample : scan.samples) ++kinds[static_cast<std::size_t>(sample.kind)];
-  return {{"id", scan.pose.id},
-          {"file", "scans/" + scan.pose.id + ".ply"},
-          {"world_from_scan", row_major(scan.pose.world_from_scan.matrix())},
-          {"truth_image", "truth/" + scan.pose.id + ".exr"},
-          {"samples", scan.samples.size()},
-          {"columns", scan.samples_of_column.size()},
-          {"planar", kinds[0]},
-          {"curved", kinds[1]},
-          {"mixed", kinds[2]}};
+Json scan_entry(const ScanCounts& scan) {
+  Json entry = {{"id", scan.pose.id},
+                {"file", "scans/" + scan_file_name(scan.pose)},
+                {"world_from_scan", row_major(scan.pose.world_from_scan.matrix())},
+                {"truth_image", "truth/" + scan.pose.id + ".exr"},
+                {"samples", scan.samples},
+                {"columns", scan.columns},
+                {"planar", scan.returns_of_kind[0]},
+                {"curved", scan.returns_of_kind[1]},
+                {"mixed", scan.returns_of_kind[2]}};
+  if (scan.pose.grid) entry["returns"] = scan.returns;  // `samples` counts the grid's places
+  if (scan.returns_of_kind[3] > 0) entry["ghost"] = scan.returns_of_kind[3];
+  return entry;
+}
+
+Json options_entry(const World& world, const Options& options) {
+  Json truth = {{"seed", options.seed},
+                {"preset", options.preset.name},
+                {"noise_m", options.scanner.noise_m},
+                {"dropout_share", options.scanner.dropout_share},
+                {"proxy_error_m", options.proxy_error_m},
+                {world.kind + "_size_m", numbers(world.size)}};
+  if (world.kind == "room") return truth;
+  truth["noise_per_m"] = options.scanner.noise_per_m;
+  truth["incidence_gain"] = options.scanner.incidence_gain;
+  truth["camera_error_px"] = options.camera_error;
+  truth["photograph_variation"] = options.photograph_variation;
+  return truth;
+}
+
+const ProxyFace* face_named(const World& world, const std::string& name) {
+  for (const ProxyFace& face : world.proxy.faces)
+    if (face.name == name) return &face;
+  return nullptr;
 }
 
 }  // namespace
 
-void write_truth_json(const std::filesystem::path& path, const Room& room, const Tracer& tracer,
-                      const RoomOptions& options, const std::vector<Scan>& scans,
-                      const std::vector<Camera>& photographs, const std::vector<Camera>& held_out_views) {
-  Json truth = {{"seed", options.seed},
-                {"preset", options.preset.name},
-                {"noise_m", options.noise_m},
-                {"dropout_share", options.dropout_share},
-                {"proxy_error_m", options.proxy_error_m},
-                {"room_size_m", numbers(room.size)}};
+void write_truth_json(const std::filesystem::path& path, const World& world, const Tracer& tracer,
+                      const Options& options, const std::vector<ScanCounts>& scans,
+                      const std::vector<Camera>& held_out_views) {
+  Json truth = options_entry(world, options);
   for (const char* list : {"scans", "planes", "cameras", "views", "clutter", "openings"})
     truth[list] = Json::array();
-  for (const Scan& scan : scans) truth["scans"].push_back(scan_entry(scan));
-  for (const Surface& surface : room.mesh.surfaces) {
-    if (surface.plane_id == 0) continue;
+  for (const ScanCounts& scan : scans) truth["scans"].push_back(scan_entry(scan));
+  std::set<int> told;  // surfaces may share a plane
+  for (const Surface& surface : world.mesh.surfaces) {
+    if (surface.plane_id == 0 || !told.insert(surface.plane_id).second) continue;
     Json plane = {{"id", surface.plane_id},
                   {"name", surface.name},
                   {"normal", numbers(surface.normal)},
                   {"offset_m", surface.offset_m},
                   {"proxy_face", surface.proxy_face.empty() ? Json() : Json(surface.proxy_face)}};
     if (!surface.proxy_face.empty()) {
-      const std::array<double, 3> seen = seen_shares(room, tracer, surface, photographs);
+      const std::array<double, 3> seen = seen_shares(world, tracer, surface);
       plane["seen_by_photographs"] = {{"none", seen[0]}, {"one", seen[1]}, {"more", seen[2]}};
+      if (options.proxy_error_m > 0) plane["face_error_m"] = face_named(world, surface.proxy_face)->error_m;
     }
     truth["planes"].push_back(plane);
   }
-  for (const Camera& camera : photographs) truth["cameras"].push_back(camera_entry(camera));
+  for (const Camera& camera : world.photographs) truth["cameras"].push_back(camera_entry(camera));
   for (const Camera& camera : held_out_views) {
     Json entry = camera_entry(camera);
     entry["image"] = "truth/views/" + camera.name + ".png";
     truth["views"].push_back(entry);
   }
-  for (const Clutter& c : room.clutter)
+  for (const Clutter& c : world.clutter)
     truth["clutter"].push_back(
         {{"name", c.name}, {"kind", c.kind}, {"low", numbers(c.low)}, {"high", numbers(c.high)}});
-  for (const Recess& recess : room.recesses) {
+  for (const Opening& opening : world.openings) {
     Json ring = Json::array();
-    for (const Vec3& corner : recess.ring(room.size)) ring.push_back(numbers(corner));
+    for (const Vec3& corner : opening.ring) ring.push_back(numbers(corner));
     truth["openings"].push_back(
-        {{"name", recess.name}, {"face", recess.wall}, {"depth_m", recess.depth_m}, {"ring", ring}});
+        {{"name", opening.name}, {"face", opening.face}, {"depth_m", opening.depth_m}, {"ring", ring}});
   }
   write_bytes(path, truth.dump(1) + "\n");
 }

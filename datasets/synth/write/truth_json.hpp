@@ -6,8 +6,7 @@
 
 namespace synth {
 
-void write_truth_json(const std::filesystem::path&, const Room&, const Tracer&, const RoomOptions&,
-                      const std::vector<Scan>&, const std::vector<Camera>& photographs,
-                      const std::vector<Camera>& held_out_views);
+void write_truth_json(const std::filesystem::path&, const World&, const Tracer&, const Options&,
+                      const std::vector<ScanCounts>&, const std::vector<Camera>& held_out_views);
 
 }  // namespace synth

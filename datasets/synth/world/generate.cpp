@@ -1,0 +1,139 @@
+#include "world/generate.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "geometry/random.hpp"
+#include "trace/render.hpp"
+#include "trace/scanner.hpp"
+#include "world/landmarks.hpp"
+#include "write/colmap.hpp"
+#include "write/files.hpp"
+#include "write/images.hpp"
+#include "write/meshes.hpp"
+#include "write/scan_stream.hpp"
+#include "write/scene_toml.hpp"
+#include "write/truth_json.hpp"
+
+namespace synth {
+namespace {
+
+constexpr std::uint64_t kHeldOutPictures = 50;  // their indices start here
+
+std::vector<Camera> held_out_cameras(const World& world, const Preset& preset) {
+  std::vector<Camera> cameras;
+  for (const View& view : world.views) {
+    if (!view.held_out) continue;
+    cameras.push_back(
+        pinhole(view.name, preset.view_width_px, preset.view_height_px, kViewFovDeg, view.eye, view.target));
+    cameras.back().exposure = view.exposure;
+  }
+  return cameras;
+}
+
+// What a photogrammetrist hands over: directions off by camera_error pixels.
+std::vector<Camera> erring(std::vector<Camera> cameras, const Options& options) {
+  if (options.camera_error == 0) return cameras;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    Random random(options.seed, purpose::camera_error, i);
+    const Vec3 turn = options.camera_error / cameras[i].focal_px * random.normal3();
+    cameras[i].camera_from_world_rotation =
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()) * cameras[i].camera_from_world_rotation;
+    // A metre across the scene in sight at ten metres is as much as focal / 10 pixels.
+    cameras[i].eye += 10 * options.camera_error / cameras[i].focal_px * 0.3 * random.normal3();
+  }
+  return cameras;
+}
+
+std::vector<ScanCounts> write_scans(const std::filesystem::path& out, const World& world,
+                                    const Tracer& tracer, const Options& options) {
+  std::vector<ScanCounts> scans;
+  for (std::size_t i = 0; i < world.scanners.size(); ++i) {
+    const ScannerPose& pose = world.scanners[i];
+    const auto file = open_scan_file(out / "scans" / scan_file_name(pose), pose, options.preset);
+    TruthFile truth(out / "truth" / (pose.id + ".exr"));
+    scans.push_back(simulate_scan(world, tracer, pose, options, i, [&](const std::vector<Sample>& column) {
+      file->add(column);
+      truth.add(column);
+    }));
+    file->finish();
+    truth.finish();
+  }
+  return scans;
+}
+
+Summary summarise(const std::string& folder, const Options& options, const World& world,
+                  const std::vector<ScanCounts>& scans) {
+  nlohmann::ordered_json json = {{"scene", folder + "/scene.toml"},
+                                 {"truth", folder + "/truth.json"},
+                                 {"seed", options.seed},
+                                 {"preset", options.preset.name},
+                                 {"triangles", world.mesh.triangles.size()},
+                                 {"photographs", world.photographs.size()},
+                                 {"scans", nlohmann::ordered_json::array()}};
+  std::string text =
+      fmt::format("{} {:.2f} x {:.2f} x {:.2f} m, {} triangles, {} photographs\n", world.kind, world.size.x(),
+                  world.size.y(), world.size.z(), world.mesh.triangles.size(), world.photographs.size());
+  for (const ScanCounts& scan : scans) {
+    const auto& kinds = scan.returns_of_kind;
+    json["scans"].push_back({{"id", scan.pose.id}, {"samples", scan.returns}});
+    text += fmt::format("scan {}: {} samples in {} columns of {} to {}; {} planar, {} curved, {} mixed",
+                        scan.pose.id, scan.returns, scan.columns, scan.shortest_column, scan.longest_column,
+                        kinds[0], kinds[1], kinds[2]);
+    text += kinds[3] > 0 ? fmt::format(", {} ghosts\n", kinds[3]) : "\n";
+  }
+  text += fmt::format("scene: {}/scene.toml\n", folder);
+  return {json.dump(1) + "\n", text};
+}
+
+}  // namespace
+
+double estimate_bytes(const World& world, const Options& options) {
+  const Preset& p = options.preset;
+  double bytes = 64.0 * static_cast<double>(world.mesh.triangles.size()) + 1e6;
+  for (const ScannerPose& pose : world.scanners)  // points, truth, and the truth on its way
+    bytes += static_cast<double>(p.scan_columns) * p.scan_rows * ((pose.grid ? 33 : 16) + 5 + 12);
+  bytes +=
+      0.8 * p.photograph_width_px * p.photograph_height_px * static_cast<double>(world.photographs.size());
+  return bytes + 3.0 * p.view_width_px * p.view_height_px * static_cast<double>(world.views.size());
+}
+
+Summary generate(const World& world, const Options& options, const std::string& folder) {
+  const std::filesystem::path out(folder);
+  check_free_space(out, estimate_bytes(world, options));
+  for (const char* sub : {"scans", "photographs", "cameras", "truth/views"}) make_folder(out / sub);
+
+  const Tracer tracer(world.mesh);
+  const std::vector<Camera> held_out = held_out_cameras(world, options.preset);
+  write_detail_ply(out / "detail.ply", world.mesh);
+  write_proxy_obj(out / "proxy.obj", world.proxy);
+  write_colmap(out / "cameras", erring(world.photographs, options));
+
+  std::vector<std::vector<Landmark>> landmarks;
+  for (std::size_t i = 0; i < world.scanners.size(); ++i)
+    landmarks.push_back(pick_landmarks(world, tracer, world.scanners[i], options.seed, i));
+  const std::vector<ScanCounts> scans = write_scans(out, world, tracer, options);
+
+  std::optional<IndirectLight> indirect;
+  if (world.sun) indirect.emplace(world, tracer, options.preset.light_step_m, options.preset.light_rays);
+  const auto picture = [&](const Camera& camera, const RenderOptions& how) {
+    return render(world, tracer, indirect ? &*indirect : nullptr, camera, how);
+  };
+  for (std::size_t i = 0; i < world.photographs.size(); ++i)
+    write_jpeg_or_png(out / "photographs" / world.photographs[i].name,
+                      picture(world.photographs[i], {options.seed, i, 2, 2, development(options, i)}));
+  Development clean;
+  clean.noise = false;
+  for (std::size_t i = 0; i < held_out.size(); ++i)
+    write_jpeg_or_png(out / "truth" / "views" / (held_out[i].name + ".png"),
+                      picture(held_out[i], {options.seed, kHeldOutPictures + i,
+                                            options.preset.truth_view_samples_per_side, 2, clean}));
+  write_truth_json(out / "truth.json", world, tracer, options, scans, held_out);
+  // Last: a folder with a scene file is a whole one.
+  write_scene_toml(out / "scene.toml", world, options, landmarks);
+  return summarise(folder, options, world, scans);
+}
+
+}  // namespace synth

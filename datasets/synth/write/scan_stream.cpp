@@ -1,0 +1,88 @@
+#include "write/scan_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <iterator>
+
+#include "write/files.hpp"
+
+namespace synth {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "PLY is written in the machine's byte order");
+
+class PlyFile : public ScanFile {
+ public:
+  explicit PlyFile(const std::filesystem::path& path) : file_(path) { file_.write(header(0)); }
+
+  void add(const std::vector<Sample>& column) override {
+    std::vector<float> numbers;
+    for (const Sample& s : column)
+      numbers.insert(numbers.end(),
+                     {s.point_in_scan.x(), s.point_in_scan.y(), s.point_in_scan.z(), s.intensity});
+    file_.write(numbers.data(), sizeof(float) * numbers.size());
+    samples_ += column.size();
+  }
+
+  void finish() override {
+    file_.seek(0);
+    file_.write(header(samples_));
+    file_.commit();
+  }
+
+ private:
+  // As long whatever the number of samples: it is known last and written first.
+  static std::string header(std::size_t samples) {
+    const std::string count = std::to_string(samples);
+    return fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment scan frame, metres; column by column, rising in "
+        "each{}\n"
+        "element vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
+        "end_header\n",
+        std::string(16 - count.size(), ' '), count);
+  }
+
+  OutputFile file_;
+  std::size_t samples_ = 0;
+};
+
+class PtxFile : public ScanFile {
+ public:
+  PtxFile(const std::filesystem::path& path, const Preset& preset) : file_(path) {
+    file_.write(fmt::format("{}\n{}\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
+                            preset.scan_columns, preset.scan_rows));
+  }
+
+  void add(const std::vector<Sample>& column) override {
+    std::string lines;
+    for (const Sample& s : column) {
+      const Eigen::Vector3f& p = s.point_in_scan;
+      if (s.returned())
+        fmt::format_to(std::back_inserter(lines), "{:.5f} {:.5f} {:.5f} {:.4f}\n", p.x(), p.y(), p.z(),
+                       s.intensity);
+      else
+        lines += "0 0 0 0\n";
+    }
+    file_.write(lines);
+  }
+
+  void finish() override { file_.commit(); }
+
+ private:
+  OutputFile file_;
+};
+
+}  // namespace
+
+std::string scan_file_name(const ScannerPose& pose) {
+  return pose.id + (pose.grid ? ".ptx" : ".ply");
+}
+
+std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path, const ScannerPose& pose,
+                                         const Preset& preset) {
+  if (pose.grid) return std::make_unique<PtxFile>(path, preset);
+  return std::make_unique<PlyFile>(path);
+}
+
+}  // namespace synth

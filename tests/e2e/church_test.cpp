@@ -1,0 +1,146 @@
+// The synthetic church: its truth is true. One scene with faulty proxy and cameras, made once on one thread
+// and once on two.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "io/obj.hpp"
+#include "io/output.hpp"
+#include "io/read_scan.hpp"
+#include "io/truth.hpp"
+#include "program.hpp"
+
+namespace hybrid::e2e {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr double kProxyError = 0.02;
+
+class Church : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scratch_ = new Scratch;
+    for (const char* threads : {"1", "2"}) {
+      const auto outcome =
+          run("hybrid-synth church --preset tiny --seed 3 --megapixels 0.06 --quiet --proxy-error 0.02 "
+              "--camera-error 0.5 --threads " +
+              std::string(threads) + " --out " + (*scratch_ / threads).string());
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    truth_ = nlohmann::json::parse(io::read_text(folder() / "truth.json"));
+  }
+  static void TearDownTestSuite() {
+    delete scratch_;
+    scratch_ = nullptr;
+  }
+  static fs::path folder() { return *scratch_ / "1"; }
+
+  static Vec3 vector(const nlohmann::json& list) {
+    return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
+  }
+  static const nlohmann::json& plane_of(const std::string& face) {
+    for (const auto& plane : truth_["planes"])
+      if (plane["proxy_face"] == face) return plane;
+    throw std::runtime_error("no plane has the face " + face);
+  }
+  static double height(const nlohmann::json& plane, const Vec3& point) {
+    return vector(plane["normal"]).dot(point) - plane["offset_m"].get<double>();
+  }
+
+  static inline Scratch* scratch_ = nullptr;
+  static inline nlohmann::json truth_;
+};
+
+}  // namespace
+
+TEST_F(Church, is_the_same_on_one_thread_and_two) {
+  EXPECT_EQ(content_list(*scratch_ / "1"), content_list(*scratch_ / "2"));
+}
+
+TEST_F(Church, planar_samples_lie_on_their_plane_within_the_noise) {
+  std::map<std::uint32_t, nlohmann::json> planes;
+  for (const auto& plane : truth_["planes"]) planes[plane["id"]] = plane;
+  const auto scans = io::read_truth(folder() / "truth.json").scans;
+  ASSERT_EQ(scans.size(), 3u);
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const auto scan = io::read_scans(folder() / truth_["scans"][s]["file"].get<std::string>()).at(0);
+    ASSERT_EQ(scan.points.size(), scans[s].plane.size());
+    std::array<std::size_t, 4> kinds{};
+    double squares = 0;
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+      const Vec3 point = scan.point(i);
+      if (!point.allFinite()) continue;
+      ++kinds.at(scans[s].kind[i]);
+      if (scans[s].kind[i] != 0) {
+        ASSERT_EQ(scans[s].plane[i], 0u) << i;
+        continue;
+      }
+      // The generator's model with its defaults, the spread at grazing angles at its largest.
+      const double range = point.norm(), sigma = 0.0015 + 0.0001 * range + 0.03 * 8 * (0.003 + 0.001 * range);
+      const double off = height(planes.at(scans[s].plane[i]), scans[s].world_from_scan * point);
+      ASSERT_LT(std::abs(off), 6 * sigma) << scans[s].id << " sample " << i;
+      squares += off * off;
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(kinds[0])), 0.004) << scans[s].id;
+    for (std::size_t kind = 0; kind < 4; ++kind)
+      EXPECT_GT(kinds[kind], 0u) << scans[s].id << " kind " << kind;
+  }
+}
+
+TEST_F(Church, proxy_faces_err_as_stated) {
+  const auto model = io::read_obj(folder() / "proxy.obj");
+  double largest = 0;
+  for (const auto& face : model.faces) {
+    const auto& plane = plane_of(face.name);
+    const double error = plane["face_error_m"];
+    largest = std::max(largest, std::abs(error));
+    EXPECT_LE(std::abs(error), 2 * kProxyError) << face.name;
+    for (std::uint32_t v : face.outer)
+      EXPECT_NEAR(height(plane, model.vertices[v]), error, 1e-6) << face.name;
+    EXPECT_GT(face_plane(model, face).normal.dot(vector(plane["normal"])), 0.9999) << face.name;
+  }
+  EXPECT_GT(largest, kProxyError / 4);
+}
+
+TEST_F(Church, openings_lie_on_faces) {
+  ASSERT_GE(truth_["openings"].size(), 10u);
+  for (const auto& opening : truth_["openings"]) {
+    EXPECT_GT(opening["depth_m"], 0.1);
+    EXPECT_LT(opening["depth_m"], 0.65);
+    const auto& plane = plane_of(opening["face"]);
+    Vec3 area = Vec3::Zero();
+    const auto& ring = opening["ring"];
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      EXPECT_NEAR(height(plane, vector(ring[k])), 0, 1e-6) << opening["name"];
+      area += vector(ring[k]).cross(vector(ring[(k + 1) % ring.size()])) / 2;
+    }
+    EXPECT_GT(area.dot(vector(plane["normal"])), 0.3) << opening["name"];  // square metres, counter-clockwise
+  }
+}
+
+TEST_F(Church, erring_cameras_differ_from_the_truth) {
+  const auto written = io::read_text(folder() / "cameras" / "images.txt");
+  EXPECT_EQ(truth_["cameras"].size(), 10u);
+  for (const auto& camera : truth_["cameras"])
+    EXPECT_NE(written.find(camera["name"].get<std::string>()), std::string::npos);
+  EXPECT_EQ(truth_["camera_error_px"], 0.5);
+}
+
+TEST(Archive, holds_as_many_scenes_as_asked) {
+  const Scratch scratch;
+  const auto outcome =
+      run("hybrid-synth archive 2 --seed 7 --megapixels 0.05 --quiet --out " + (scratch / "a").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(scratch / "a")) names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"scene-0000", "scene-0001"}));
+  EXPECT_NE(io::read_text(scratch / "a/scene-0000/proxy.obj"),
+            io::read_text(scratch / "a/scene-0001/proxy.obj"));
+  EXPECT_NE(io::read_text(scratch / "a/scene-0001/scene.toml").find("seed 8"), std::string::npos);
+}
+
+}  // namespace hybrid::e2e
