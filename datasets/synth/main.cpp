@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
 
   synth::RoomOptions options;
   std::string folder, preset = "demo";
-  int threads = 0;
+  int threads = 0, scan_columns = 0, scan_rows = 0;
   bool json = false, quiet = false;
   room->add_option("--out", folder, "Folder for the scene; made when it is not there")->required();
   room->add_option("--seed", options.seed, "Same seed, same bytes")->check(kSeed)->capture_default_str();
@@ -68,6 +68,11 @@ int main(int argc, char** argv) {
                    "Moves each face of the proxy along its normal, standard deviation; the corners follow")
       ->check(within(0.0, 0.5))
       ->capture_default_str();
+  room->add_option("--scan-columns", scan_columns,
+                   "Columns per scan, 0: the preset's; bench/compare.sh sets it")
+      ->check(CLI::Range(0, 100000));
+  room->add_option("--scan-rows", scan_rows, "Samples per column, 0: the preset's")
+      ->check(CLI::Range(0, 100000));
   room->add_option("--threads", threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
   room->add_flag("--json", json, "Summary as JSON on stdout");
   room->add_flag("--quiet", quiet, "No summary on stderr");
@@ -86,6 +91,8 @@ int main(int argc, char** argv) {
     if (threads > 0)
       limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     options.preset = kPresets.at(preset);
+    if (scan_columns > 0) options.preset.scan_columns = scan_columns;
+    if (scan_rows > 0) options.preset.scan_rows = scan_rows;
     const synth::Summary summary = synth::generate_room(options, folder);
     if (!quiet) fmt::print(stderr, "{}", summary.text);
     if (json) fmt::print("{}", summary.json);
