@@ -1,0 +1,1 @@
+namespace hybrid::compare { int stub(); int stub() { return 1; } }
