@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "core/suggest.hpp"
+
 namespace hybrid::batch {
 namespace {
 
@@ -65,18 +67,30 @@ struct Section {
   std::string name;
   const io::SceneOptions io::SceneFile::*written;
   bool (*apply_key)(StageOptions&, const std::string& key, const OptionValue&);
-  std::string known;  // its keys, for the error that rejects another
+  std::vector<std::string_view> known;  // its keys, for the error that rejects another
 };
+
+// Tables may share an option: each name once, in the order given.
+std::vector<std::string_view> names_of(const std::vector<std::vector<std::string_view>>& lists) {
+  std::vector<std::string_view> names;
+  for (const auto& list : lists)
+    for (const std::string_view name : list)
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  return names;
+}
 
 const std::vector<Section>& sections() {
   static const std::vector<Section> all = {
       {"planes", &io::SceneFile::planes, apply_planes,
-       option_names(stages::resample_option_table()) + ", " +
-           option_names(stages::square_plane_option_table()) + ", " +
-           option_names(stages::supercluster_option_table())},
+       names_of({{"square"},
+                 option_names(stages::resample_option_table()),
+                 option_names(stages::square_plane_option_table()),
+                 option_names(stages::supercluster_option_table())})},
       {"register", &io::SceneFile::registration, apply_register,
-       "scale, " + option_names(landmark_rows()) + ", " + option_names(register_rows()) + ", " +
-           option_names(stages::icp_option_table())},
+       names_of({{"scale"},
+                 option_names(landmark_rows()),
+                 option_names(register_rows()),
+                 option_names(stages::icp_option_table())})},
       {"render", &io::SceneFile::render, apply_render, option_names(stages::render_option_table())},
   };
   return all;
@@ -84,8 +98,7 @@ const std::vector<Section>& sections() {
 
 void apply_key(StageOptions& options, const Section& section, const std::string& key,
                const OptionValue& value) {
-  if (!section.apply_key(options, key, value))
-    fail_input("unknown key '{}'; known keys: {}", key, section.known);
+  if (!section.apply_key(options, key, value)) fail_input("{}", unknown_name("key", key, section.known));
 }
 
 // A value as it stands on the command line: true, false, a number, else text, with or without quotes.

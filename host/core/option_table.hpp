@@ -50,11 +50,11 @@ const OptionRow<T>* find_option(const std::vector<OptionRow<T>>& table, std::str
   return nullptr;
 }
 
-// "a, b, c": for the error that rejects an unknown key.
+// In the order of the table: for the error that rejects an unknown key.
 template <typename T>
-std::string option_names(const std::vector<OptionRow<T>>& table) {
-  std::string names;
-  for (const auto& row : table) names += (names.empty() ? "" : ", ") + std::string(row.name);
+std::vector<std::string_view> option_names(const std::vector<OptionRow<T>>& table) {
+  std::vector<std::string_view> names;
+  for (const auto& row : table) names.push_back(row.name);
   return names;
 }
 

@@ -81,7 +81,7 @@ TEST(option_table, a_refused_value_changes_nothing) {
 }
 
 TEST(option_table, names) {
-  EXPECT_EQ(option_names(table()), "threshold, count, merge, fit");
+  EXPECT_EQ(option_names(table()), (std::vector<std::string_view>{"threshold", "count", "merge", "fit"}));
   EXPECT_EQ(find_option(table(), "squares"), nullptr);
 }
 

@@ -19,6 +19,10 @@ struct Usage {
   std::vector<std::string> message;
 };
 
+void PrintTo(const Usage& row, std::ostream* out) {
+  *out << row.name;
+}
+
 class WrongOption : public ::testing::TestWithParam<Usage> {};
 
 // SCENE stands for the mini scene, OUT for a folder that must not come into being.

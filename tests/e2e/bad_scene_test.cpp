@@ -95,7 +95,10 @@ std::vector<SceneCase> scene_cases() {
        4,
        {"scene.toml:3: [scene]: unknown key \"leveled\"", "did you mean \"levelled\"?"}},
       {"unknown_table", instead("[model]", "[modell]"), 4, {"scene.toml:11: ", "did you mean \"model\"?"}},
-      {"unknown_option", appended("[planes]\nsqare = 5\n"), 4, {"scene.toml:29: [planes]", "sqare"}},
+      {"unknown_option",
+       appended("[planes]\nsqare = 5\n"),
+       4,
+       {"scene.toml:29: [planes]", "unknown key \"sqare\"", "did you mean \"square\"?"}},
       {"wrong_type",
        instead("levelled = true", "levelled = 1"),
        4,
@@ -237,6 +240,10 @@ std::vector<SceneCase> scene_cases() {
       {"default_variable", instead("\"s.ply\"", "\"${HYBRID_TEST_UNSET:-.}/s.ply\""), 0, {}},
       {"names_of_all_kinds", instead("id = \"s\"", "id = \"S \xc3\xbc #1 100% <&>\""), 0, {}},
   };
+}
+
+void PrintTo(const SceneCase& row, std::ostream* out) {
+  *out << row.name;
 }
 
 class BadScene : public ::testing::TestWithParam<SceneCase> {};

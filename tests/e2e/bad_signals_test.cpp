@@ -23,6 +23,10 @@ struct Interrupt {
   Moment moment;
 };
 
+void PrintTo(const Interrupt& row, std::ostream* out) {
+  *out << row.name;
+}
+
 class Interrupted : public ::testing::TestWithParam<Interrupt> {};
 
 std::vector<Interrupt> interrupts() {

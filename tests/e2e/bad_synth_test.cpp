@@ -33,6 +33,10 @@ std::vector<SynthCase> synth_cases() {
   };
 }
 
+void PrintTo(const SynthCase& row, std::ostream* out) {
+  *out << row.name;
+}
+
 class BadSynth : public ::testing::TestWithParam<SynthCase> {};
 
 }  // namespace

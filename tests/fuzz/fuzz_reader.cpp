@@ -22,6 +22,11 @@ struct Target {
   const ReaderRow* row = nullptr;
   fs::path folder;
   std::unique_ptr<FileInMemory> file;
+
+  ~Target() {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
 };
 
 Target& target() {
@@ -46,6 +51,7 @@ extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
   Target& t = target();
   t.row = &chosen_reader();
   t.folder = fs::temp_directory_path() / fmt::format("hybrid fuzz {} {}", t.row->name, getpid());
+  fs::create_directories(t.folder);
   const std::string good = t.row->good(t.folder);
   static std::string seeds = (t.folder / "seeds").string();
   hybrid::testing::write_file_beside(fs::path(seeds) / "sample", good);

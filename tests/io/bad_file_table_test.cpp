@@ -114,7 +114,7 @@ void pipe_or_device(const Case& c) {
   c.write("");
   fs::remove(c.file);
   ASSERT_EQ(mkfifo(c.file.c_str(), 0600), 0);
-  EXPECT_TRUE(holds(c.expect_error(c.file), "expected a regular file"));
+  EXPECT_TRUE(holds(c.expect_error(c.file), "regular file"));
 }
 
 // In a process of its own, which gives up the super-user's right to read everything.

@@ -86,6 +86,10 @@ std::vector<Writer> writers() {
   };
 }
 
+void PrintTo(const Writer& row, std::ostream* out) {
+  *out << row.name;
+}
+
 class FullDisk : public ::testing::TestWithParam<Writer> {};
 
 }  // namespace
