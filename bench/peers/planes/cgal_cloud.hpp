@@ -20,7 +20,8 @@ using CgalCloud = std::vector<CgalPoint>;
 using CgalPointMap = CGAL::First_of_pair_property_map<CgalPoint>;
 using CgalNormalMap = CGAL::Second_of_pair_property_map<CgalPoint>;
 
-// The points of the given nodes, in their order, with normals from their 12 nearest neighbours, towards the scanner.
+// The points of the given nodes, in their order, with normals from their 12 nearest neighbours, towards the
+// scanner.
 inline CgalCloud cgal_cloud(const RangeScan& scan, const std::vector<std::uint32_t>& nodes) {
   CgalCloud cloud;
   cloud.reserve(nodes.size());

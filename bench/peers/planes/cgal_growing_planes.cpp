@@ -10,7 +10,8 @@ int main(int argc, char** argv) {
   using Neighbours = growing::Point_set::K_neighbor_query<CgalKernel, CgalCloud, CgalPointMap>;
   using Region =
       growing::Point_set::Least_squares_plane_fit_region<CgalKernel, CgalCloud, CgalPointMap, CgalNormalMap>;
-  using Sorting = growing::Point_set::Least_squares_plane_fit_sorting<CgalKernel, CgalCloud, Neighbours, CgalPointMap>;
+  using Sorting =
+      growing::Point_set::Least_squares_plane_fit_sorting<CgalKernel, CgalCloud, Neighbours, CgalPointMap>;
   using Growing = growing::Region_growing<CgalCloud, Neighbours, Region, Sorting::Seed_map>;
   return planes_main(
       argc, argv, "CGAL " CGAL_VERSION_STR, {"sorted", "plain"},
@@ -37,7 +38,8 @@ int main(int argc, char** argv) {
         for (std::size_t plane = 0; plane < regions.size(); ++plane)
           for (std::size_t i : regions[plane]) labels[nodes[i]] = static_cast<std::uint32_t>(plane) + 1;
         report.settings = "12 neighbours, 20 degrees" +
-                          std::string(options.variant == "sorted" ? ", seeds sorted" : "") + ", growing on 1 thread";
+                          std::string(options.variant == "sorted" ? ", seeds sorted" : "") +
+                          ", growing on 1 thread";
         return labels;
       });
 }

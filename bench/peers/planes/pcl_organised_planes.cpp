@@ -1,5 +1,7 @@
-// PCL's own chain for organised clouds: normals from integral images, then OrganizedMultiPlaneSegmentation with
-// refinement. Variants: how normals are found, and whether the scan's holes are filled first (`-holes`: not).
+// PCL's own chain for organised clouds: normals from integral images, then OrganizedMultiPlaneSegmentation
+// with refinement. Variants: how normals are found, and whether the scan's holes are filled first (`-holes`:
+// not).
+#include <pcl/console/print.h>
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/pcl_config.h>
 #include <pcl/point_types.h>
@@ -26,7 +28,8 @@ Cloud::Ptr cloud_of(const RangeScan& scan) {
 Normals::Ptr normals_of(const Cloud::Ptr& cloud, bool gradient, float smoothing_px) {
   using Estimation = pcl::IntegralImageNormalEstimation<Point, pcl::Normal>;
   Estimation estimation;
-  estimation.setNormalEstimationMethod(gradient ? Estimation::AVERAGE_3D_GRADIENT : Estimation::COVARIANCE_MATRIX);
+  estimation.setNormalEstimationMethod(gradient ? Estimation::AVERAGE_3D_GRADIENT
+                                                : Estimation::COVARIANCE_MATRIX);
   estimation.setMaxDepthChangeFactor(0.02f);
   estimation.setNormalSmoothingSize(smoothing_px);
   estimation.setInputCloud(cloud);
@@ -49,7 +52,8 @@ std::vector<std::uint32_t> segment(const Cloud::Ptr& cloud, const Normals::Ptr& 
   segmentation.segmentAndRefine(regions, planes, inliers, plane_labels, label_indices, boundaries);
   std::vector<std::uint32_t> labels(cloud->size(), 0);
   for (std::size_t plane = 0; plane < inliers.size(); ++plane)
-    for (int i : inliers[plane].indices) labels[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(plane) + 1;
+    for (int i : inliers[plane].indices)
+      labels[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(plane) + 1;
   return labels;
 }
 
@@ -58,6 +62,7 @@ std::vector<std::uint32_t> segment(const Cloud::Ptr& cloud, const Normals::Ptr& 
 
 int main(int argc, char** argv) {
   using namespace hybrid::peers;
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   return planes_main(argc, argv, "PCL " PCL_VERSION_PRETTY,
                      {"covariance", "gradient", "covariance-holes", "gradient-holes"},
                      [](const RangeScan& scan, const PlanesOptions& options, Report& report) {

@@ -1,4 +1,5 @@
 // The paper's method as a PCL user writes it: SACSegmentation per square, squares grown into planes.
+#include <pcl/console/print.h>
 #include <pcl/pcl_config.h>
 #include <pcl/point_types.h>
 #include <pcl/segmentation/sac_segmentation.h>
@@ -45,9 +46,10 @@ std::vector<SquareFit> fit_squares(const RangeScan& scan, const SquareExtent& ex
     for (int row = 0; row < extent.rows; ++row)
       for (int col = 0; col < extent.cols; ++col) {
         square_nodes(scan, extent, row, col, nodes);
-        if (nodes.size() < 3 || 10 * nodes.size() < 7u * static_cast<unsigned>(extent.side * extent.side)) continue;
-        fits[static_cast<std::size_t>(row) * static_cast<std::size_t>(extent.cols) + static_cast<std::size_t>(col)] =
-            fit_square(scan, nodes, segmentation);
+        if (nodes.size() < 3 || 10 * nodes.size() < 7u * static_cast<unsigned>(extent.side * extent.side))
+          continue;
+        fits[static_cast<std::size_t>(row) * static_cast<std::size_t>(extent.cols) +
+             static_cast<std::size_t>(col)] = fit_square(scan, nodes, segmentation);
       }
   }
   return fits;
@@ -58,6 +60,7 @@ std::vector<SquareFit> fit_squares(const RangeScan& scan, const SquareExtent& ex
 
 int main(int argc, char** argv) {
   using namespace hybrid::peers;
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   return planes_main(argc, argv, "PCL " PCL_VERSION_PRETTY, {"32"},
                      [](const RangeScan& scan, const PlanesOptions& options, Report& report) {
                        const SquareExtent extent(scan, options.square);

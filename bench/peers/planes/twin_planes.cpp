@@ -1,5 +1,5 @@
-// The baseline any engineer would write: RANSAC per square in plain C++ with OpenMP, no intrinsics, squares grown
-// into planes. Same squares, same number of test planes as ours; --variant 8, 16 or 32 test planes.
+// The baseline any engineer would write: RANSAC per square in plain C++ with OpenMP, no intrinsics, squares
+// grown into planes. Same squares, same number of test planes as ours; --variant 8, 16 or 32 test planes.
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <random>
@@ -16,7 +16,8 @@ struct Points {
 };
 
 // Cost of a plane: distances cut off at the tolerance (MSAC), and how many points lie within it.
-float cost_of(const Points& points, const Eigen::Vector3f& normal, float offset, float tolerance, int& inliers) {
+float cost_of(const Points& points, const Eigen::Vector3f& normal, float offset, float tolerance,
+              int& inliers) {
   float cost = 0;
   int within = 0;
   for (int i = 0; i < points.count; ++i) {
@@ -95,7 +96,8 @@ std::vector<SquareFit> fit_squares(const RangeScan& scan, const SquareExtent& ex
         points.y[i] = scan.y[nodes[i]];
         points.z[i] = scan.z[nodes[i]];
       }
-      fits[static_cast<std::size_t>(row) * static_cast<std::size_t>(extent.cols) + static_cast<std::size_t>(col)] =
+      fits[static_cast<std::size_t>(row) * static_cast<std::size_t>(extent.cols) +
+           static_cast<std::size_t>(col)] =
           fit_square(points, test_planes, tolerance, (8 * points.count + 9) / 10, random);
     }
   }

@@ -71,7 +71,8 @@ void square_nodes(const RangeScan& scan, const SquareExtent& extent, int row, in
             last_col = std::min((col + 1) * extent.side, scan.cols);
   for (int r = row * extent.side; r < last_row; ++r)
     for (int c = col * extent.side; c < last_col; ++c) {
-      const auto i = static_cast<std::size_t>(r) * static_cast<std::size_t>(scan.cols) + static_cast<std::size_t>(c);
+      const auto i =
+          static_cast<std::size_t>(r) * static_cast<std::size_t>(scan.cols) + static_cast<std::size_t>(c);
       if (scan.mask[i] != 0) nodes.push_back(static_cast<std::uint32_t>(i));
     }
 }
@@ -92,7 +93,8 @@ std::vector<std::uint32_t> grow_squares(const RangeScan& scan, const SquareExten
       for (const auto& [dr, dc] : around) {
         const int r = row + dr, c = col + dc;
         if (r < 0 || c < 0 || r >= extent.rows || c >= extent.cols) continue;
-        const auto i = static_cast<std::size_t>(r) * static_cast<std::size_t>(extent.cols) + static_cast<std::size_t>(c);
+        const auto i =
+            static_cast<std::size_t>(r) * static_cast<std::size_t>(extent.cols) + static_cast<std::size_t>(c);
         const Group* group = &groups[root[i]];
         if (group->label != 0 && std::find(candidates.begin(), candidates.end(), group) == candidates.end())
           candidates.push_back(group);

@@ -24,8 +24,8 @@ struct SquareExtent {
 // Nodes of one square that hold a point.
 void square_nodes(const RangeScan&, const SquareExtent&, int row, int col, std::vector<std::uint32_t>& nodes);
 
-// Planes out of squares as any engineer would grow them: neighbouring squares join when their normals differ by
-// less than 5 degrees and each one's centroid lies within 4 sigma + 5 mm of the other's plane; groups of 8
+// Planes out of squares as any engineer would grow them: neighbouring squares join when their normals differ
+// by less than 5 degrees and each one's centroid lies within 4 sigma + 5 mm of the other's plane; groups of 8
 // squares or more become planes (average normal and centroid), and the points of their squares and of the
 // squares around them within 3 sigma + 2 mm get the label.
 std::vector<std::uint32_t> grow_squares(const RangeScan&, const SquareExtent&, const std::vector<SquareFit>&,

@@ -3,6 +3,7 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 
 #include <stdexcept>
@@ -11,7 +12,8 @@ namespace hybrid::peers {
 
 void write_labels_exr(const std::filesystem::path& file, int rows, int cols,
                       const std::vector<std::uint32_t>& labels) {
-  if (rows <= 0 || cols <= 0 || labels.size() != static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols))
+  if (rows <= 0 || cols <= 0 ||
+      labels.size() != static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols))
     throw std::runtime_error(file.string() + ": expected one label per node of the grid, found " +
                              std::to_string(labels.size()) + " for " + std::to_string(rows) + " x " +
                              std::to_string(cols));
@@ -25,6 +27,28 @@ void write_labels_exr(const std::filesystem::path& file, int rows, int cols,
     Imf::OutputFile output(file.c_str(), header);
     output.setFrameBuffer(pixels);
     output.writePixels(rows);
+  } catch (const std::exception& problem) {
+    throw std::runtime_error(file.string() + ": " + problem.what());
+  }
+}
+
+std::vector<std::uint32_t> read_labels_exr(const std::filesystem::path& file, int rows, int cols) {
+  try {
+    Imf::InputFile input(file.c_str());
+    const auto window = input.header().dataWindow();
+    const Imf::Channel* channel = input.header().channels().findChannel("id");
+    if (!channel || channel->type != Imf::UINT) throw std::runtime_error("expected a uint channel \"id\"");
+    if (window.min.x != 0 || window.min.y != 0 || window.max.x + 1 != cols || window.max.y + 1 != rows)
+      throw std::runtime_error("expected " + std::to_string(rows) + " rows and " + std::to_string(cols) +
+                               " columns, found " + std::to_string(window.max.y + 1) + " and " +
+                               std::to_string(window.max.x + 1));
+    std::vector<std::uint32_t> labels(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
+    Imf::FrameBuffer pixels;
+    pixels.insert("id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(labels.data()), 4,
+                                   4 * static_cast<std::size_t>(cols)));
+    input.setFrameBuffer(pixels);
+    input.readPixels(window.min.y, window.max.y);
+    return labels;
   } catch (const std::exception& problem) {
     throw std::runtime_error(file.string() + ": " + problem.what());
   }

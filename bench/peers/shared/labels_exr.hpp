@@ -9,6 +9,8 @@ namespace hybrid::peers {
 // std::runtime_error naming the file.
 void write_labels_exr(const std::filesystem::path& file, int rows, int cols,
                       const std::vector<std::uint32_t>& labels);
+// The same back, for what continues from labels; width and height must be the grid's.
+std::vector<std::uint32_t> read_labels_exr(const std::filesystem::path& file, int rows, int cols);
 
 // OUT/scans/<id>/: labels.exr and a link to the range.exr they belong to, <id> being the name of the folder
 // that holds range.exr. A result folder of the kind hybrid-score takes.

@@ -19,7 +19,9 @@ int planes_main(int argc, char** argv, const std::string& package, const std::ve
   std::string range, out;
   app.add_option("--range", range, "DIR/scans/ID/range.exr of hybrid planes")->required();
   app.add_option("--out", out, "folder for scans/ID/labels.exr")->required();
-  app.add_option("--variant", options.variant, "settings")->check(CLI::IsMember(variants))->capture_default_str();
+  app.add_option("--variant", options.variant, "settings")
+      ->check(CLI::IsMember(variants))
+      ->capture_default_str();
   app.add_option("--sigma", options.sigma_m, "range noise, metres")->check(CLI::Range(1e-5, 1.0));
   app.add_option("--square", options.square, "side of a square, samples")->check(CLI::Range(3, 16));
   app.add_option("--threads", options.threads, "0 = all cores")->check(CLI::NonNegativeNumber);

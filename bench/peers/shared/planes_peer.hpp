@@ -19,7 +19,8 @@ struct PlanesOptions {
 // One label per node, 0 = none.
 using PlanesBody = std::function<std::vector<std::uint32_t>(const RangeScan&, const PlanesOptions&, Report&)>;
 
-// The command line every plane extraction answers: --range FILE --out DIR [--variant V] [--sigma M] [--square N]
+// The command line every plane extraction answers: --range FILE --out DIR [--variant V] [--sigma M] [--square
+// N]
 // [--threads N]. Reads the scan, times `body` (unless it set report.seconds itself), writes the labels.
 int planes_main(int argc, char** argv, const std::string& package, const std::vector<std::string>& variants,
                 const PlanesBody& body);

@@ -14,7 +14,8 @@ static_assert(sizeof(PlyPoint) == 28);
 
 std::string header_of(std::size_t count) {
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(count) + "\n";
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "area"}) text += std::string("property float ") + name + "\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "area"})
+    text += std::string("property float ") + name + "\n";
   return text + "end_header\n";
 }
 
@@ -23,7 +24,8 @@ std::string header_of(std::size_t count) {
 void write_points_ply(const std::filesystem::path& file, const std::vector<PlyPoint>& points) {
   std::ofstream output(file, std::ios::binary);
   output << header_of(points.size());
-  output.write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(28 * points.size()));
+  output.write(reinterpret_cast<const char*>(points.data()),
+               static_cast<std::streamsize>(28 * points.size()));
   output.close();
   if (!output) throw std::runtime_error(file.string() + ": cannot be written");
 }
@@ -41,7 +43,8 @@ std::vector<PlyPoint> read_points_ply(const std::filesystem::path& file) {
     if (line == "end_header") break;
   }
   if (text != header_of(count))
-    throw std::runtime_error(file.string() + ": expected a binary PLY of x y z nx ny nz area as hybrid-peers writes it");
+    throw std::runtime_error(file.string() +
+                             ": expected a binary PLY of x y z nx ny nz area as hybrid-peers writes it");
   const auto start = static_cast<std::size_t>(input.tellg());
   const std::size_t bytes = std::filesystem::file_size(file);
   if (bytes - start != 28 * count)

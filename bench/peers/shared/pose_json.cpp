@@ -8,7 +8,8 @@
 namespace hybrid::peers {
 
 Eigen::Matrix4d matrix_of(const nlohmann::json& numbers) {
-  if (!numbers.is_array() || numbers.size() != 16) throw std::runtime_error("expected a pose of 16 numbers, row-major");
+  if (!numbers.is_array() || numbers.size() != 16)
+    throw std::runtime_error("expected a pose of 16 numbers, row-major");
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = numbers[static_cast<std::size_t>(i)].get<double>();
   return matrix;

@@ -12,7 +12,8 @@ nlohmann::json json_of(const Eigen::Matrix4d& matrix);
 // Member `name` of a JSON file, as a matrix. Throws std::runtime_error naming the file.
 Eigen::Matrix4d read_pose(const std::filesystem::path& file, const std::string& name);
 
-// How far a pose is from the truth: rotation in degrees; distance in millimetres of where the two put the scanner.
+// How far a pose is from the truth: rotation in degrees; distance in millimetres of where the two put the
+// scanner.
 struct PoseError {
   double angle_deg = 0, distance_mm = 0;
 };

@@ -33,7 +33,8 @@ ProxyMesh read_proxy_obj(const std::filesystem::path& file) {
         corners.push_back(static_cast<std::uint32_t>(corner - 1));
       }
       if (!words.eof() || corners.size() < 3) wrong("a face of plain vertex numbers");
-      for (std::size_t k = 2; k < corners.size(); ++k) mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+      for (std::size_t k = 2; k < corners.size(); ++k)
+        mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
     }
   }
   if (mesh.triangles.empty()) throw std::runtime_error(file.string() + ": expected faces, found none");

@@ -16,8 +16,10 @@ namespace {
 
 void check_channel(const Imf::ChannelList& channels, const std::string& name, Imf::PixelType type) {
   const Imf::Channel* channel = channels.findChannel(name.c_str());
-  if (!channel) throw std::runtime_error("no channel \"" + name + "\"; expected a range.exr of hybrid planes");
-  if (channel->type != type) throw std::runtime_error("channel \"" + name + "\" has another type than expected");
+  if (!channel)
+    throw std::runtime_error("no channel \"" + name + "\"; expected a range.exr of hybrid planes");
+  if (channel->type != type)
+    throw std::runtime_error("channel \"" + name + "\" has another type than expected");
 }
 
 RangeScan read(const std::filesystem::path& file) {
@@ -33,7 +35,8 @@ RangeScan read(const std::filesystem::path& file) {
   const auto add = [&](const char* name, Imf::PixelType type, void* data) {
     check_channel(input.header().channels(), name, type);
     // Slices count from pixel (0, 0), which the data window need not hold.
-    char* origin = static_cast<char*>(data) - 4 * (window.min.x + static_cast<std::ptrdiff_t>(width) * window.min.y);
+    char* origin =
+        static_cast<char*>(data) - 4 * (window.min.x + static_cast<std::ptrdiff_t>(width) * window.min.y);
     pixels.insert(name, Imf::Slice(type, origin, 4, 4 * width));
   };
   const std::pair<const char*, std::vector<float>*> axes[] = {{"x", &scan.x}, {"y", &scan.y}, {"z", &scan.z}};
@@ -62,7 +65,8 @@ void bridge(RangeScan& scan, std::size_t before, std::size_t after) {
   if (std::abs(a - b) > 0.05f * std::min(a, b)) return;
   for (std::size_t i = before + 1; i < after; ++i) {
     const float t = static_cast<float>(i - before) / static_cast<float>(after - before);
-    for (auto* axis : {&scan.x, &scan.y, &scan.z}) (*axis)[i] = (1 - t) * (*axis)[before] + t * (*axis)[after];
+    for (auto* axis : {&scan.x, &scan.y, &scan.z})
+      (*axis)[i] = (1 - t) * (*axis)[before] + t * (*axis)[after];
     scan.mask[i] = 2;
   }
 }

@@ -1,1 +1,0 @@
-namespace hybrid::compare { int stub(); int stub() { return 1; } }
