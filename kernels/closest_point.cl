@@ -37,7 +37,7 @@ static inline void try_side(Side* best, floatv sx, floatv sy, floatv sz, float e
   best->fz = select(best->fz, fz, nearer);
 }
 
-static inline void try_triangle(Best* best, uint index, global const TriangleRecord* t, floatv px, floatv py,
+static inline void try_triangle(Best* best, uint index, global const ProxyTriangle* t, floatv px, floatv py,
                                 floatv pz, intv facing) {
   const floatv height = px * t->normal[0] + py * t->normal[1] + pz * t->normal[2] - t->offset;
   const intv open = facing & (height * height < best->distance2);
@@ -69,7 +69,7 @@ static inline void try_triangle(Best* best, uint index, global const TriangleRec
 kernel void closest_point(ClosestPointParams params, global const float* restrict x,
                           global const float* restrict y, global const float* restrict z,
                           global const float* restrict nx, global const float* restrict ny,
-                          global const float* restrict nz, global const TriangleRecord* restrict triangles,
+                          global const float* restrict nz, global const ProxyTriangle* restrict triangles,
                           global float* restrict distance, global float* restrict height,
                           global uint* restrict triangle, global float* restrict near_x,
                           global float* restrict near_y, global float* restrict near_z) {
@@ -89,7 +89,7 @@ kernel void closest_point(ClosestPointParams params, global const float* restric
 
   Best best = {params.gate2, NAN, NAN, NAN, NAN, NO_TRIANGLE};
   for (uint i = 0; i < params.triangles; ++i) {
-    global const TriangleRecord* t = triangles + i;
+    global const ProxyTriangle* t = triangles + i;
     // Negated, so that a NaN normal faces every triangle.
     const intv facing = !(mx * t->normal[0] + my * t->normal[1] + mz * t->normal[2] < params.min_facing);
     if (ANY(facing)) try_triangle(&best, i, t, px, py, pz, facing);

@@ -57,7 +57,7 @@ static inline void add_pair(floatv* sums, floatv w, const floatv* p, const float
 }
 
 static inline void gather_normals(floatv* n, global const uint* triangle,
-                                  global const TriangleRecord* triangles, uint first, uint count) {
+                                  global const ProxyTriangle* triangles, uint first, uint count) {
   float lane[3][VW];
   for (uint k = 0; k < VW; ++k) {
     const uint i = first + k < count ? triangle[first + k] : NO_TRIANGLE;
@@ -71,7 +71,7 @@ kernel void icp_sums(IcpSumsParams params, global const float* restrict x, globa
                      global const float* restrict z, global const float* restrict area,
                      global const float* restrict error, global const uint* restrict triangle,
                      global const float* restrict near_x, global const float* restrict near_y,
-                     global const float* restrict near_z, global const TriangleRecord* restrict triangles,
+                     global const float* restrict near_z, global const ProxyTriangle* restrict triangles,
                      global float* restrict partial) {
   const uint block = (uint)get_global_id(0), count = params.samples;
   const uint begin = block * BLOCK;

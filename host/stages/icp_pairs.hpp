@@ -66,7 +66,7 @@ class IcpPairs {
   device::Array<float> x_, y_, z_, nx_, ny_, nz_, area_;
   device::Array<float> distance_, height_, near_x_, near_y_, near_z_, partial_;
   device::Array<std::uint32_t> triangle_;
-  device::Array<TriangleRecord> triangles_;
+  device::Array<ProxyTriangle> triangles_;
 };
 
 // Parameters of closest_point for a pose relative to `origin`; gate_m 0 = none, normal_deg outside [0, 180) =

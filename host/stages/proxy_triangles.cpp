@@ -25,13 +25,13 @@ std::optional<Vec3> common_normal(const PolygonModel& model, const Face& face) {
   return plane.normal;
 }
 
-TriangleRecord record(const PolygonModel& model, const Triangle& triangle, const std::optional<Vec3>& common,
-                      const Vec3& origin) {
+ProxyTriangle record(const PolygonModel& model, const Triangle& triangle, const std::optional<Vec3>& common,
+                     const Vec3& origin) {
   const Vec3 a = model.vertices[triangle.vertices[0]] - origin;
   const Vec3 b = model.vertices[triangle.vertices[1]] - origin;
   const Vec3 c = model.vertices[triangle.vertices[2]] - origin;
   const Vec3 normal = common ? *common : Vec3((b - a).cross(c - a).normalized());
-  TriangleRecord out{};
+  ProxyTriangle out{};
   store(normal, out.normal);
   out.offset = static_cast<float>(normal.dot(a + b + c) / 3);
   store(a, out.a);
@@ -49,13 +49,13 @@ TriangleRecord record(const PolygonModel& model, const Triangle& triangle, const
 
 }  // namespace
 
-std::vector<TriangleRecord> proxy_triangles(const PolygonModel& model, const Vec3& origin) {
+std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const Vec3& origin) {
   if (model.faces.empty())
     fail_input("model: expected at least one face to register to, found none; is it a point cloud?");
   std::vector<std::optional<Vec3>> normals;
   const auto triangles = triangulate(model);
   for (const Face& face : model.faces) normals.push_back(common_normal(model, face));
-  std::vector<TriangleRecord> records;
+  std::vector<ProxyTriangle> records;
   records.reserve(triangles.size());
   for (const Triangle& triangle : triangles)
     records.push_back(record(model, triangle, normals[triangle.face], origin));

@@ -10,6 +10,6 @@ namespace hybrid::stages {
 // near the queries: the device computes in float. Triangles of a face that is planar to 1e-4 of its extent
 // carry the face's normal, so that slivers have a good one; others their own. Order of triangulate(). Throws
 // what triangulate() throws, and ErrorKind::input for a model without faces.
-std::vector<TriangleRecord> proxy_triangles(const PolygonModel& model, const Vec3& origin);
+std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const Vec3& origin);
 
 }  // namespace hybrid::stages

@@ -7,7 +7,7 @@
 
 // One triangle a b c of the model, metres in the local frame (world axes, origin near the queries). The plane
 // is kept by its offset from that origin, because heights computed from a far corner would lose digits.
-typedef struct TriangleRecord {
+typedef struct ProxyTriangle {
   float normal[3];  // unit, to the front side: normal . x = offset
   float offset;
   float a[3];
@@ -22,8 +22,8 @@ typedef struct TriangleRecord {
   float pad0;
   float inward_ca[3];
   float pad1;
-} TriangleRecord;
-LAYOUT_CHECK(TriangleRecord, 112);
+} ProxyTriangle;
+LAYOUT_CHECK(ProxyTriangle, 112);
 
 typedef struct ClosestPointParams {
   float linear[9];       // row-major, local_from_scan: scale times rotation

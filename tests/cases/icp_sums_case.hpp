@@ -21,7 +21,7 @@ struct IcpSumsCase {
     Vec3 centre_scan{1, 2, 0.5}, centre_local{-3, 1, 0.25};
     std::vector<float> x, y, z, area, error, near_x, near_y, near_z;
     std::vector<std::uint32_t> triangle;
-    std::vector<TriangleRecord> triangles;
+    std::vector<ProxyTriangle> triangles;
 
     int sums() const { return point ? ICP_POINT_SUMS : ICP_PLANE_SUMS; }
   };
@@ -40,7 +40,7 @@ struct IcpSumsCase {
     };
     for (std::size_t t = 0; t < 50; ++t) {
       const Vec3 n = Vec3(uniform(t, 20), uniform(t, 21), uniform(t, 22)).normalized();
-      TriangleRecord record{};
+      ProxyTriangle record{};
       for (int a = 0; a < 3; ++a) record.normal[a] = static_cast<float>(n(a));
       in.triangles.push_back(record);
     }
