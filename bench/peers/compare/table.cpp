@@ -29,7 +29,7 @@ double memory_mb(const Row& row) {
 
 std::string seconds_text(const Row& row) {
   const auto all = row.seconds();
-  if (row.outcome == Outcome::extrapolated) return "~" + three_digits(median(all));
+  if (row.outcome == Outcome::extrapolated) return fmt::format("~{}", three_digits(median(all)));
   if (all.size() == 1) return three_digits(all.front());
   const auto [least, most] = std::minmax_element(all.begin(), all.end());
   return fmt::format("{} ({}-{})", three_digits(median(all)), three_digits(*least), three_digits(*most));
@@ -51,7 +51,7 @@ std::string markdown_table(const std::vector<Row>& rows) {
       "quality | "
       "settings |\n|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Row& row : rows) {
-    const std::string name = row.ours ? "**" + row.program + "**" : row.program;
+    const std::string name = row.ours ? fmt::format("**{}**", row.program) : row.program;
     if (row.outcome == Outcome::not_run) {
       text += fmt::format("| {} | {} | {} | not run: {} | | | | | | |\n", row.job, row.size, name,
                           cell(row.reason));
@@ -60,13 +60,13 @@ std::string markdown_table(const std::vector<Row>& rows) {
     const bool guess = row.outcome == Outcome::extrapolated;
     const double seconds = median(row.seconds()), memory = memory_mb(row);
     const auto found = ours.find({row.job, row.size});
-    const std::string mark = guess ? "~" : "";
+    const char* mark = guess ? "~" : "";
     text += fmt::format(
         "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", row.job, row.size, name, seconds_text(row),
-        guess ? "extrapolated " + row.reason : std::to_string(row.runs.size()),
-        seconds > 0 ? mark + three_digits(row.samples / seconds / 1e6) : "-",
-        found == ours.end() ? "-" : mark + ratio_text(seconds, found->second),
-        memory > 0 ? mark + fmt::format("{:.0f}", memory) : "", cell(row.quality), cell(row.settings));
+        guess ? fmt::format("extrapolated {}", row.reason) : std::to_string(row.runs.size()),
+        seconds > 0 ? fmt::format("{}{}", mark, three_digits(row.samples / seconds / 1e6)) : "-",
+        found == ours.end() ? "-" : fmt::format("{}{}", mark, ratio_text(seconds, found->second)),
+        memory > 0 ? fmt::format("{}{:.0f}", mark, memory) : "", cell(row.quality), cell(row.settings));
   }
   return text;
 }

@@ -19,7 +19,8 @@ PlaneSegmentation read_segmentation(const std::filesystem::path& folder, const R
   PlaneSegmentation segmentation;
   segmentation.sample_label = read_labels_exr(folder / "labels.exr", image.rows, image.cols);
   std::ifstream file(folder / "planes.json");
-  for (const auto& entry : nlohmann::json::parse(file).at("superclusters")) {
+  const auto planes = nlohmann::json::parse(file);
+  for (const auto& entry : planes.at("superclusters")) {
     Supercluster supercluster;
     supercluster.id = entry.at("id");
     for (int k = 0; k < 3; ++k)

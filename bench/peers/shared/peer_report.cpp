@@ -12,7 +12,7 @@ int report_of(const std::function<Report()>& body) {
                                    {"settings", report.settings},
                                    {"seconds", report.seconds},
                                    {"parts", report.parts}};
-    line.update(report.more);
+    if (report.more.is_object()) line.update(report.more);
     std::cout << line.dump() << std::endl;
     return 0;
   } catch (const std::exception& problem) {

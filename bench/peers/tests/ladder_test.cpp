@@ -85,7 +85,7 @@ TEST_F(Ladder, NeverRunsWhatDoesNotFitInMemory) {
 TEST_F(Ladder, SaysWhyAProgramDidNotRun) {
   job.programs = {fake("A", true, 0.1, log), fake("B", false, 0.1, log), fake("C", false, 0.1, log)};
   job.programs[1].missing = "PCL not installed";
-  job.programs[2].run = [](const Case&) -> Run { throw std::runtime_error("no\nmemory"); };
+  job.programs[2].run = [](const Case&) -> compare::Run { throw std::runtime_error("no\nmemory"); };
   const auto rows = run_ladder(job, options);
   EXPECT_EQ(row_of(rows, "1 MP", "B").outcome, Outcome::not_run);
   const std::string table = markdown_table(rows);
