@@ -33,7 +33,7 @@ done
 
 {
   cmake -S "$root" -B "$build" -DHYBRID_PEERS=ON -DCMAKE_BUILD_TYPE=Release
-  cmake --build "$build" --parallel
+  cmake --build "$build" --parallel --target hybrid_peers
 } >&2
 mkdir -p "$work/scenes"
 for size in 0.25 ${sizes//,/ }; do
