@@ -153,7 +153,7 @@ Job planes_job(const Setup& setup) {
       {"PCL organised, gradient, holes", "pcl_organised_planes", "gradient-holes", "PCL", false},
       {"CGAL efficient RANSAC", "cgal_ransac_planes", "planes", "CGAL", true},
       {"CGAL region growing", "cgal_growing_planes", "sorted", "CGAL", true},
-      {"Open3D planar patches", "open3d_planes", "patches", "Open3D", true},
+      {"Open3D plane peeling", "open3d_planes", "peeling", "Open3D", true},
       {"AHC / PEAC", "ahc_planes", "", "", false}};
   for (const auto& peer : peers) job.programs.push_back(program_of(setup, peer, {}));
   return job;

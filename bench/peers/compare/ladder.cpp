@@ -10,6 +10,9 @@
 namespace hybrid::compare {
 namespace {
 
+// Start-up costs rule small sizes: nothing is foretold over more than a thousandfold.
+constexpr double kFarthest = 1000;
+
 // What is known of one program from the sizes it ran.
 struct History {
   std::vector<Sized> seconds, process_s, memory_mb;
@@ -29,7 +32,8 @@ Row row_of(const Job& job, const Program& program, const Case& at) {
 // Whether the program is not run at this size but its figures are made up from smaller ones.
 bool extrapolated(const Program& program, const Case& at, const History& history,
                   const LadderOptions& options, Row& row) {
-  if (history.seconds.empty() || at.probe) return false;
+  if (history.seconds.empty() || at.probe || at.samples > kFarthest * history.seconds.back().samples)
+    return false;
   const double seconds = extrapolate(history.seconds, at.samples),
                memory = extrapolate(history.memory_mb, at.samples);
   const bool too_long = !program.ours && !options.full &&

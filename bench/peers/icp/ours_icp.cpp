@@ -34,8 +34,10 @@ int main(int argc, char** argv) {
         double device_s = 0;
         for (const auto& [label, row] : queue.profile()) device_s += row.seconds;
         report.parts["device"] = device_s;
-        report.settings = input.variant == "paper" ? "the paper's: closest points, Horn"
-                                                   : "point-to-plane, Tukey weights, compatible normals";
+        report.settings =
+            (input.variant == "paper" ? std::string("the paper's: closest points, Horn")
+                                      : std::string("point-to-plane, Tukey weights, compatible normals")) +
+            "; kernels " + std::to_string(device_s) + " s";
         const auto numbers = row_major(result.world_from_scan);
         Eigen::Matrix4d pose;
         for (int i = 0; i < 16; ++i) pose(i / 4, i % 4) = numbers[static_cast<std::size_t>(i)];

@@ -82,6 +82,14 @@ TEST_F(Ladder, NeverRunsWhatDoesNotFitInMemory) {
   EXPECT_EQ(row_of(rows, "5 MP", "B").reason, "from 1 MP, would need 500 MB");
 }
 
+TEST_F(Ladder, ForetellsNothingOverMoreThanAThousandfold) {
+  job.cases = {{"30", 30, false}, {"100 k", 100e3, false}, {"10 M", 10e6, false}};
+  job.programs = {fake("A", true, 1, log), fake("B", false, 1e4, log)};
+  const auto rows = run_ladder(job, options);
+  EXPECT_EQ(row_of(rows, "100 k", "B").outcome, Outcome::ran);
+  EXPECT_EQ(row_of(rows, "10 M", "B").outcome, Outcome::extrapolated);
+}
+
 TEST_F(Ladder, SaysWhyAProgramDidNotRun) {
   job.programs = {fake("A", true, 0.1, log), fake("B", false, 0.1, log), fake("C", false, 0.1, log)};
   job.programs[1].missing = "PCL not installed";
