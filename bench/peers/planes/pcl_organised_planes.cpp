@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
                        const auto cloud = cloud_of(holes ? with_holes(scan) : with_holes_filled(scan));
                        // Converting is not what a PCL user, whose data start in PCL's form, would wait for.
                        const Stopwatch watch;
-                       const auto normals = normals_of(cloud, gradient, 20);
+                       const auto normals = normals_of(cloud, gradient, 10);
                        report.parts["normals"] = watch.seconds();
                        const auto labels = segment(cloud, normals, options.sigma_m);
                        report.seconds = watch.seconds();
