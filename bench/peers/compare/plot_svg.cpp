@@ -12,9 +12,9 @@ namespace hybrid::compare {
 namespace {
 
 constexpr double kLeft = 80, kTop = 50, kWidth = 560, kHeight = 400, kLabelGap = 15;
-// Told apart by people with any colour vision (Okabe and Ito), black is ours.
-constexpr std::array<const char*, 7> kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                 "#e69f00", "#56b4e9", "#7f7f7f"};
+// Okabe and Ito's, told apart with any colour vision, and three more; black is ours.
+constexpr std::array<const char*, 10> kColours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
+                                                  "#56b4e9", "#7f7f7f", "#8c510a", "#54278f", "#808000"};
 
 struct Axis {
   double low, high, start, length;
