@@ -97,6 +97,9 @@ void add_common(CLI::App& command, Request& r, const std::map<std::string, synth
                   "How far the written cameras' directions are off, pixels, standard deviation")
       ->check(within(0.0, 50.0))
       ->capture_default_str();
+  command
+      .add_option("--megapixels", r.megapixels, "Samples of each scan, in millions, instead of the preset's")
+      ->check(within(0.05, 400.0));
   command.add_option("--threads", r.threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
   command.add_flag("--json", r.json, "Summary as JSON on stdout");
   command.add_flag("--quiet", r.quiet, "No summary on stderr");
@@ -108,9 +111,6 @@ void add_church_options(CLI::App& command, Request& r) {
       .add_option("--noise-per-m", scanner.noise_per_m, "What the noise grows by with every metre of range")
       ->check(within(0.0, 0.01))
       ->capture_default_str();
-  command
-      .add_option("--megapixels", r.megapixels, "Samples of each scan, in millions, instead of the preset's")
-      ->check(within(0.05, 400.0));
   command
       .add_option(
           "--photograph-variation", r.photograph_variation,

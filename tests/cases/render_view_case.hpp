@@ -125,8 +125,10 @@ struct BlendViewCase {
     device::Array<std::uint32_t> seen;
     device::Array<std::int32_t> best;
   };
-  static void run(device::Queue& queue, const Input& input) {
-    const Arrays at(queue, input);
+  static void run(device::Queue& queue, const Input& input) { blend(queue, input); }
+  // What run() leaves on the device.
+  static Arrays blend(device::Queue& queue, const Input& input) {
+    Arrays at(queue, input);
     const int width = queue.vector_width();
     for (std::size_t i = 0; i < input.cameras.size(); ++i) {
       BlendPhotosParams params{};
@@ -147,6 +149,7 @@ struct BlendViewCase {
                    at.seen, at.best);
     }
     queue.finish();
+    return at;
   }
   static double items(const Input&) { return 1.0 * FurnishedRoom::kWidth * FurnishedRoom::kHeight; }
   static double bytes(const Input& input) { return 8 * 124.0 * items(input); }

@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "compare/process.hpp"
+#include "compare/setup.hpp"
+#include "compare/statistics.hpp"
+
+namespace hybrid::compare {
+namespace {
+
+using Json = nlohmann::json;
+using Path = std::filesystem::path;
+
+constexpr const char* kScan = "west";
+
+std::string size_of(const Case& at) {
+  return at.size.substr(0, at.size.find(' '));
+}
+Path scene(const Setup& setup, const Case& at) {
+  return setup.scenes / ("room-" + size_of(at));
+}
+Path ours_folder(const Setup& setup, const Case& at, const std::string& name = "ours") {
+  return setup.work / name / size_of(at);
+}
+Path ours_range(const Setup& setup, const Case& at) {
+  return ours_folder(setup, at) / "scans" / kScan / "range.exr";
+}
+
+Json read_json(const Path& file) {
+  std::ifstream input(file);
+  if (!input) throw std::runtime_error(file.string() + ": cannot be opened");
+  return Json::parse(input);
+}
+
+// `hybrid planes` as users run it. Seconds: the stages from the range image in memory to its labels; the
+// others are in the report's parts.
+Run run_ours(const Setup& setup, const Case& at, const Path& out, const std::vector<std::string>& more,
+             const std::vector<std::string>& stages) {
+  std::vector<std::string> command = {(setup.bin / "hybrid").string(),
+                                      "planes",
+                                      (scene(setup, at) / "scans" / (std::string(kScan) + ".ply")).string(),
+                                      "--out",
+                                      out.string(),
+                                      "--quiet",
+                                      "--force",
+                                      "--threads",
+                                      std::to_string(setup.threads)};
+  command.insert(command.end(), more.begin(), more.end());
+  const Finished finished = run_process(command, 1800);
+  if (finished.exit_code != 0) throw std::runtime_error(finished.errors);
+  const Json timing = read_json(out / "timing.json"), summary = read_json(out / "summary.json");
+  Run run;
+  run.wall_s = finished.wall_s;
+  run.peak_mb = finished.peak_mb;
+  for (const auto& stage : stages) run.seconds += timing.at("seconds_by_stage").at(stage).get<double>();
+  const Json& scan = summary.at("scans").at(0);
+  const int square = scan.at("square");
+  double kernels = 0;
+  for (const auto& [name, row] : timing.at("kernels").items())
+    if (name == "square_planes" || stages.size() > 1) kernels += row.at("seconds").get<double>();
+  run.report = {{"package", "hybrid " + summary.at("program").at("version").get<std::string>()},
+                {"samples", scan.at("nodes").at("measured")},
+                {"square", square},
+                {"parts", timing.at("seconds_by_stage")},
+                {"kernels", timing.at("kernels")},
+                {"settings", fmt::format("{} x {} squares; kernels {} s, whole process {} s", square, square,
+                                         three_digits(kernels), three_digits(finished.wall_s))}};
+  return run;
+}
+
+Run run_planes_peer(const Setup& setup, const Case& at, const Path& program, const std::string& variant,
+                    const std::vector<std::string>& more) {
+  const Path out = setup.work / (program.filename().string() + "-" + variant) / size_of(at);
+  std::vector<std::string> command = {program.string(), "--range",   ours_range(setup, at).string(), "--out",
+                                      out.string(),     "--threads", std::to_string(setup.threads)};
+  if (!variant.empty()) command.insert(command.end(), {"--variant", variant});
+  command.insert(command.end(), more.begin(), more.end());
+  Run run = run_peer(command);
+  run.report["out"] = out.string();
+  return run;
+}
+
+// The label measures of hybrid-score, the same for all.
+void score_labels(const Setup& setup, const Case& at, const Path& result, Row& row) {
+  const Path scorer = setup.bin / "hybrid-score";
+  if (!std::filesystem::exists(scorer)) {
+    row.quality = "not scored: hybrid-score not built";
+    return;
+  }
+  const Finished finished = run_process({scorer.string(), (scene(setup, at) / "truth.json").string(),
+                                         result.string(), "--scan", kScan, "--json"},
+                                        600);
+  if (finished.exit_code != 0) {
+    row.quality = "not scored: " + finished.errors;
+    return;
+  }
+  const Json score = Json::parse(finished.output);
+  for (const Json& scan : score.at("scans")) {
+    if (scan.at("id") != kScan || !scan.contains("planes")) continue;
+    const Json& planes = scan.at("planes");
+    row.score = planes;
+    row.quality = fmt::format("{:.1f} % right, {} of {} planes, curved called planar {:.1f} %",
+                              100 * planes.at("planar_samples_right_share").get<double>(),
+                              planes.at("planes_found").get<int>(), planes.at("planes").get<int>(),
+                              100 * planes.at("curved_called_planar_share").get<double>());
+  }
+}
+
+std::vector<Case> cases_of(const Setup& setup) {
+  std::vector<Case> cases = {{setup.probe_size + " MP", 1e6 * std::stod(setup.probe_size), true}};
+  for (const auto& size : setup.sizes) cases.push_back({size + " MP", 1e6 * std::stod(size), false});
+  return cases;
+}
+
+struct Peer {
+  std::string name, program, variant, package;
+  bool slow = false;
+};
+
+Program program_of(const Setup& setup, const Peer& peer, const std::vector<std::string>& more) {
+  const bool external = peer.package.empty();
+  const Path file = external ? setup.external / peer.program : setup.bin / "peers" / peer.program;
+  Program program;
+  program.name = peer.name;
+  program.slow = peer.slow;
+  program.missing =
+      external ? missing_external(setup, peer.program) : missing_peer(setup, peer.program, peer.package);
+  program.run = [=](const Case& at) { return run_planes_peer(setup, at, file, peer.variant, more); };
+  program.score = [=](const Case& at, Row& row) {
+    score_labels(setup, at, row.runs.back().report.at("out").get<std::string>(), row);
+  };
+  return program;
+}
+
+}  // namespace
+
+Job planes_job(const Setup& setup) {
+  Job job{"planes", cases_of(setup), {}};
+  const auto ours = [=](const Case& at) {
+    return run_ours(setup, at, ours_folder(setup, at), {}, {"square planes", "superclusters"});
+  };
+  job.programs.push_back({"hybrid planes", true, true, "", ours, [=](const Case& at, Row& row) {
+                            score_labels(setup, at, ours_folder(setup, at), row);
+                          }});
+  const Peer peers[] = {
+      {"C++/OpenMP RANSAC per square", "twin_planes", "32", "OpenMP", false},
+      {"PCL SACSegmentation per square", "pcl_square_planes", "32", "PCL", false},
+      {"PCL organised, covariance, filled", "pcl_organised_planes", "covariance", "PCL", false},
+      {"PCL organised, gradient, filled", "pcl_organised_planes", "gradient", "PCL", false},
+      {"PCL organised, covariance, holes", "pcl_organised_planes", "covariance-holes", "PCL", false},
+      {"PCL organised, gradient, holes", "pcl_organised_planes", "gradient-holes", "PCL", false},
+      {"CGAL efficient RANSAC", "cgal_ransac_planes", "planes", "CGAL", true},
+      {"CGAL region growing", "cgal_growing_planes", "sorted", "CGAL", true},
+      {"Open3D plane peeling", "open3d_planes", "peeling", "Open3D", true},
+      {"AHC / PEAC", "ahc_planes", "", "", false}};
+  for (const auto& peer : peers) job.programs.push_back(program_of(setup, peer, {}));
+  return job;
+}
+
+Job squares_job(const Setup& setup) {
+  Job job{"squares only", cases_of(setup), {}};
+  const std::vector<std::string> square = {"--square", "5"};
+  job.programs.push_back({"hybrid planes, stage",
+                          true,
+                          false,
+                          "",
+                          [=](const Case& at) {
+                            return run_ours(setup, at, ours_folder(setup, at, "ours-squares"), square,
+                                            {"square planes"});
+                          },
+                          {}});
+  // One time is a host's with its copies, the other the device's alone: what the kernel itself would give a
+  // caller.
+  job.programs.push_back({"hybrid planes, kernel alone",
+                          true,
+                          false,
+                          "",
+                          [=](const Case& at) {
+                            Run run = run_ours(setup, at, ours_folder(setup, at, "ours-squares"), square,
+                                               {"square planes"});
+                            run.seconds = run.report.at("kernels").at("square_planes").at("seconds");
+                            return run;
+                          },
+                          {}});
+  const Peer peers[] = {{"C++/OpenMP, 32 test planes", "twin_planes", "32", "OpenMP", false},
+                        {"C++/OpenMP, 16 test planes", "twin_planes", "16", "OpenMP", false},
+                        {"C++/OpenMP, 8 test planes", "twin_planes", "8", "OpenMP", false},
+                        {"PCL SACSegmentation", "pcl_square_planes", "32", "PCL", false}};
+  for (const auto& peer : peers) {
+    Program program = program_of(setup, peer, square);
+    program.score = {};
+    program.run = [inner = program.run](const Case& at) {
+      Run run = inner(at);
+      run.seconds = run.report.at("parts").at("squares");
+      return run;
+    };
+    job.programs.push_back(program);
+  }
+  return job;
+}
+
+}  // namespace hybrid::compare

@@ -1,0 +1,45 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "compare/row.hpp"
+
+namespace hybrid::compare {
+
+// One size of a job.
+struct Case {
+  std::string size;    // "20 MP"
+  double samples = 0;  // known before it runs, for predictions
+  bool probe = false;  // only there so that slow programs have something to be extrapolated from
+};
+
+struct Program {
+  std::string name;
+  bool ours = false;
+  bool slow = false;    // runs probes, and may be extrapolated from one
+  std::string missing;  // why it cannot run; empty = it can
+  std::function<Run(const Case&)> run;
+  std::function<void(const Case&, Row&)> score;  // fills quality; may be absent
+};
+
+struct Job {
+  std::string name;
+  std::vector<Case> cases;        // ascending
+  std::vector<Program> programs;  // ours first: what it writes may be the peers' input
+};
+
+struct LadderOptions {
+  int rounds = 3;
+  double peer_limit_s = 60;    // a program that would take longer is extrapolated ...
+  bool full = false;           // ... unless asked for
+  double repeat_limit_s = 15;  // no further round for a program that has had this long at one size
+  double memory_mb = 0;        // a program that would need more is extrapolated; 0 = no limit
+  std::function<void(const std::string&)> say;  // progress, may be absent
+};
+
+// Every program on every size: round after round, all programs in turn (A B C A B C), so that what disturbs
+// the machine disturbs all. A run that throws makes the row say so.
+std::vector<Row> run_ladder(const Job& job, const LadderOptions& options);
+
+}  // namespace hybrid::compare

@@ -1,0 +1,43 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "compare/ladder.hpp"
+
+namespace hybrid::compare {
+
+// Where programs and scenes are and what was asked for.
+struct Setup {
+  std::filesystem::path bin;        // hybrid, hybrid-score and peers/
+  std::filesystem::path scenes;     // room-<size>/ of hybrid-synth, size in megapixels
+  std::filesystem::path work;       // results
+  std::filesystem::path external;   // HYBRID_PEERS_DIR; empty = not given
+  std::vector<std::string> sizes;   // megapixels, ascending: "1", "5"
+  std::string probe_size = "0.25";  // for programs so slow that larger sizes are extrapolated
+  bool quick = false;
+  int threads = 0;
+  LadderOptions ladder;
+};
+
+// Why a program of bin/peers cannot run ("not run: PCL not installed"), or empty.
+std::string missing_peer(const Setup& setup, const std::string& program, const std::string& package);
+// The same for a program under HYBRID_PEERS_DIR.
+std::string missing_external(const Setup& setup, const std::string& program);
+
+// Runs a peer's command line and reads the JSON line it ends with. Throws std::runtime_error with its last
+// words.
+Run run_peer(const std::vector<std::string>& command);
+
+Job planes_job(const Setup& setup);
+Job squares_job(const Setup& setup);
+// One job for each source of samples: all of them, and our planar samples.
+std::vector<Job> icp_jobs(const Setup& setup);
+// Rays, photographs and closest points: one program measures ours and Embree in turn, which saves the scene's
+// making.
+std::vector<Row> ray_rows(const Setup& setup);
+
+// What ran: processor, memory, system, OpenCL device and driver, commit.
+nlohmann::ordered_json machine_json(const Setup& setup);
+
+}  // namespace hybrid::compare

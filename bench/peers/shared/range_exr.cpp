@@ -1,0 +1,108 @@
+#include "shared/range_exr.hpp"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace hybrid::peers {
+namespace {
+
+void check_channel(const Imf::ChannelList& channels, const std::string& name, Imf::PixelType type) {
+  const Imf::Channel* channel = channels.findChannel(name.c_str());
+  if (!channel)
+    throw std::runtime_error("no channel \"" + name + "\"; expected a range.exr of hybrid planes");
+  if (channel->type != type)
+    throw std::runtime_error("channel \"" + name + "\" has another type than expected");
+}
+
+RangeScan read(const std::filesystem::path& file) {
+  Imf::InputFile input(file.c_str());
+  const auto window = input.header().dataWindow();
+  const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1),
+             height = static_cast<std::size_t>(window.max.y - window.min.y + 1);
+  RangeScan scan;
+  scan.rows = static_cast<int>(height);
+  scan.cols = static_cast<int>(width);
+  std::vector<std::uint32_t> mask(width * height);
+  Imf::FrameBuffer pixels;
+  const auto add = [&](const char* name, Imf::PixelType type, void* data) {
+    check_channel(input.header().channels(), name, type);
+    // Slices count from pixel (0, 0), which the data window need not hold.
+    char* origin =
+        static_cast<char*>(data) - 4 * (window.min.x + static_cast<std::ptrdiff_t>(width) * window.min.y);
+    pixels.insert(name, Imf::Slice(type, origin, 4, 4 * width));
+  };
+  const std::pair<const char*, std::vector<float>*> axes[] = {{"x", &scan.x}, {"y", &scan.y}, {"z", &scan.z}};
+  for (const auto& [name, values] : axes) {
+    values->resize(width * height);
+    add(name, Imf::FLOAT, values->data());
+  }
+  add("mask", Imf::UINT, mask.data());
+  input.setFrameBuffer(pixels);
+  input.readPixels(window.min.y, window.max.y);
+  scan.mask.assign(mask.begin(), mask.end());
+  return scan;
+}
+
+void empty_node(RangeScan& scan, std::size_t i) {
+  scan.x[i] = scan.y[i] = scan.z[i] = std::numeric_limits<float>::quiet_NaN();
+  scan.mask[i] = 0;
+}
+
+float range_m(const RangeScan& scan, std::size_t i) {
+  return std::hypot(scan.x[i], scan.y[i], scan.z[i]);
+}
+
+void bridge(RangeScan& scan, std::size_t before, std::size_t after) {
+  const float a = range_m(scan, before), b = range_m(scan, after);
+  if (std::abs(a - b) > 0.05f * std::min(a, b)) return;
+  for (std::size_t i = before + 1; i < after; ++i) {
+    const float t = static_cast<float>(i - before) / static_cast<float>(after - before);
+    for (auto* axis : {&scan.x, &scan.y, &scan.z})
+      (*axis)[i] = (1 - t) * (*axis)[before] + t * (*axis)[after];
+    scan.mask[i] = 2;
+  }
+}
+
+}  // namespace
+
+std::size_t RangeScan::measured() const {
+  return static_cast<std::size_t>(std::count(mask.begin(), mask.end(), std::uint8_t{1}));
+}
+
+RangeScan read_range_exr(const std::filesystem::path& file) {
+  try {
+    return read(file);
+  } catch (const std::exception& problem) {
+    throw std::runtime_error(file.string() + ": " + problem.what());
+  }
+}
+
+RangeScan with_holes(RangeScan scan) {
+  for (std::size_t i = 0; i < scan.count(); ++i)
+    if (scan.mask[i] != 1) empty_node(scan, i);
+  return scan;
+}
+
+RangeScan with_holes_filled(RangeScan scan, int longest) {
+  const auto cols = static_cast<std::size_t>(scan.cols);
+  for (std::size_t row = 0; row < static_cast<std::size_t>(scan.rows); ++row) {
+    std::size_t last = cols;  // column of the last valid node, cols = none yet
+    for (std::size_t col = 0; col < cols; ++col) {
+      if (scan.mask[row * cols + col] == 0) continue;
+      if (last < cols && col - last > 1 && col - last <= static_cast<std::size_t>(longest) + 1)
+        bridge(scan, row * cols + last, row * cols + col);
+      last = col;
+    }
+  }
+  return scan;
+}
+
+}  // namespace hybrid::peers
