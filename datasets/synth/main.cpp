@@ -3,7 +3,7 @@
 // scanned and photographed with Embree (trace/) and written as a user's files plus truth (write/). Nothing
 // here includes host/.
 //
-//   hybrid-synth room    --out DIR --seed 1 --preset tiny|demo
+//   hybrid-synth room    --out DIR --seed 1 --preset tiny|demo [--megapixels M]
 //   hybrid-synth church  --out DIR --seed 1 --preset tiny|demo|full [--megapixels M] [--proxy-error 0.02]
 //   hybrid-synth archive N --out DIR --seed 1        scene-0000 ...: small churches, seeds one apart
 //
