@@ -1,6 +1,4 @@
 // Where the scanner, the photographer and the viewer stand.
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numbers>
 
@@ -41,15 +39,7 @@ std::vector<Camera> photographs(const Plan& plan, const Options& options) {
   const std::size_t count = options.preset.name == "full" ? all.size() : all.size() - 2;
   for (std::size_t k = 0; k < count; ++k) {
     Random random(options.seed, purpose::photograph_pose, k);
-    Camera camera;
-    camera.name = fmt::format("{:03}.jpg", k);
-    camera.width_px = options.preset.photograph_width_px;
-    camera.height_px = options.preset.photograph_height_px;
-    camera.focal_px = camera.width_px / 2.0 / std::tan(39 * kDegree);
-    camera.centre_x_px = camera.width_px * 0.5035;  // a real lens is not centred
-    camera.centre_y_px = camera.height_px * 0.4970;
-    camera.k1 = -0.06;
-    camera.k2 = 0.02;
+    Camera camera = photograph_camera(k, options.preset, 78);
     camera.exposure = all[k].outside ? kOutside : kInside;
     camera.eye = all[k].eye + 0.05 * random.normal3();
     const Vec3 target = all[k].target + 0.12 * random.normal3();

@@ -25,15 +25,7 @@ std::vector<Camera> photograph_cameras(const World& room, const Options& options
   for (std::uint64_t k = 0; k < 6; ++k) {
     Random random(options.seed, purpose::photograph_pose, k);
     const Stand& s = stands[k];
-    Camera camera;
-    camera.name = "00" + std::to_string(k) + ".jpg";
-    camera.width_px = options.preset.photograph_width_px;
-    camera.height_px = options.preset.photograph_height_px;
-    camera.focal_px = camera.width_px / 2.0 / std::tan(37.5 * kDegree);
-    camera.centre_x_px = camera.width_px * 0.5035;  // a real lens is not centred
-    camera.centre_y_px = camera.height_px * 0.4970;
-    camera.k1 = -0.06;
-    camera.k2 = 0.02;
+    Camera camera = photograph_camera(k, options.preset, 75);
     camera.eye = at(room, s.x, s.y, s.z) + 0.04 * random.normal3();
     const Vec3 target = at(room, s.to_x, s.to_y, s.to_z) + 0.15 * random.normal3();
     camera.camera_from_world_rotation =

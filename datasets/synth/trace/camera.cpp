@@ -1,5 +1,7 @@
 #include "trace/camera.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -41,6 +43,19 @@ Eigen::Matrix3d look_at(const Vec3& eye, const Vec3& target, const Vec3& up, dou
   rotation.row(1) = std::cos(roll_rad) * down - std::sin(roll_rad) * right;
   rotation.row(2) = forward;
   return rotation;
+}
+
+Camera photograph_camera(std::size_t index, const Preset& preset, double horizontal_fov_deg) {
+  Camera camera;
+  camera.name = fmt::format("{:03}.jpg", index);
+  camera.width_px = preset.photograph_width_px;
+  camera.height_px = preset.photograph_height_px;
+  camera.focal_px = camera.width_px / 2.0 / std::tan(horizontal_fov_deg / 2 * (std::numbers::pi / 180));
+  camera.centre_x_px = camera.width_px * 0.5035;  // a real lens is not centred
+  camera.centre_y_px = camera.height_px * 0.4970;
+  camera.k1 = -0.06;
+  camera.k2 = 0.02;
+  return camera;
 }
 
 Camera pinhole(const std::string& name, int width_px, int height_px, double vertical_fov_deg, const Vec3& eye,

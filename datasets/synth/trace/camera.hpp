@@ -4,6 +4,7 @@
 #include <string>
 
 #include "geometry/mesh.hpp"
+#include "world/options.hpp"
 
 namespace synth {
 
@@ -23,6 +24,10 @@ struct Camera {
 
 // Rows right, down, forward; roll turns the camera about its axis.
 Eigen::Matrix3d look_at(const Vec3& eye, const Vec3& target, const Vec3& up, double roll_rad = 0);
+
+// The lens every photograph is taken with, off centre and with radial distortion; named 000.jpg and on. Where
+// it stands and looks is left to the caller.
+Camera photograph_camera(std::size_t index, const Preset&, double horizontal_fov_deg);
 
 Camera pinhole(const std::string& name, int width_px, int height_px, double vertical_fov_deg, const Vec3& eye,
                const Vec3& target);
