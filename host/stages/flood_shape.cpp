@@ -35,11 +35,12 @@ bool shallow(const Vec3& step, const Vec3& normal, double slack_m) {
   return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m;
 }
 
-// The surface goes on beyond sample `i` for two more samples outside the flood. Only the first of them may be
-// a noisy step away: noise must not make an edge of 90 degrees shallow.
+// The surface goes on beyond sample `i` for two more samples outside the flood, across the strip: along it
+// one may step from sample to sample of another face. Only the first of the two may be a noisy step away:
+// noise must not make an edge of 90 degrees shallow.
 bool goes_on(const RangeImage& image, const PlaneFlood& flood, const Vec3& normal, double slack_m,
-             std::uint32_t i) {
-  for (int side = 0; side < kSides; ++side) {
+             bool upright, std::uint32_t i) {
+  for (int side = upright ? 0 : 1; side < kSides; side += 2) {
     const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
     if (!first || !second || covers(flood, *first) || covers(flood, *second)) continue;
     if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) continue;
@@ -102,7 +103,7 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
   if (flood.samples.size() >= kNarrow * std::max(rows, width)) return false;
   const Vec3 normal = flood.plane.plane().normal;
   const auto smooth = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-    return goes_on(image, flood, normal, kContinuitySigmas * sigma_m, i);
+    return goes_on(image, flood, normal, kContinuitySigmas * sigma_m, rows >= width, i);
   });
   return static_cast<double>(smooth) > share * static_cast<double>(flood.samples.size());
 }
