@@ -49,7 +49,9 @@ DecimationScore score_decimation(const LabelledGrid& grid, const std::map<std::u
   for (const auto& [id, plane] : planes) polygons.emplace(id, PlanePolygon(plane.plane, plane.rings));
 
   DecimationScore score;
-  score.input_samples = static_cast<std::int64_t>(truth.range_m.size());
+  // A grid's places without a return are no samples.
+  score.input_samples = std::count_if(truth.range_m.begin(), truth.range_m.end(),
+                                      [](double range) { return std::isfinite(range); });
   std::vector<std::size_t> discarded;
   std::int64_t matched = 0;
   for (std::size_t i = 0; i < grid.source.size(); ++i) {
