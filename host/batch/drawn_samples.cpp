@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kCompatibleDeg = 30;  // normals of a sample's plane and of a polygon it lies on
 constexpr double kNoiseSigmas = 3;     // of the difference of two scans
+constexpr double kGate = 2;            // of what counts as near: so far distances are asked for
 
 double largest_sigma(const std::vector<ScanProduct>& products) {
   double sigma_m = 0;
@@ -50,19 +51,21 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
     if (!registrations[p]) continue;
     auto& product = products[p];
     const auto near = static_cast<float>(kNoiseSigmas * std::hypot(product.sigma_m, worst_sigma_m));
+    std::vector<std::uint8_t> retained(product.image.count());
+    for (std::size_t i = 0; i < retained.size(); ++i)
+      retained[i] = product.decimation.fate[i] > stages::kDiscarded &&
+                    product.stray[i] == stages::kNotStray && !product.contour_faces.covered[i];
     std::vector<float> to_contour;
     if (!contours.model.faces.empty())
-      to_contour = stages::distance_to_model(queue, product.image, product.segmentation, contours.model,
-                                             registrations[p]->world_from_scan(), kCompatibleDeg,
-                                             options.decimate.tile);
+      to_contour = stages::distance_to_near_faces(queue, product.image, product.segmentation, contours.model,
+                                                  registrations[p]->world_from_scan(), kCompatibleDeg,
+                                                  kGate * near, retained);
     const auto& to_face = registrations[p]->distance_m;
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
     parallel_for(
         product.image.count(),
         [&](std::size_t i) {
-          if (product.decimation.fate[i] <= stages::kDiscarded || product.stray[i] != stages::kNotStray)
-            return;
-          if (product.contour_faces.covered[i]) return;
+          if (!retained[i]) return;
           if (!to_contour.empty() && to_contour[i] <= near) return;
           const bool planar = product.segmentation.sample_label[i] != 0;
           const bool on_face = to_face[i] <= (planar ? static_cast<float>(options.explain_m) : near);

@@ -75,4 +75,11 @@ std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& ima
                                      const PlaneSegmentation& segmentation, const PolygonModel& model,
                                      const Pose& world_from_scan, double normal_deg, int tile = 1024);
 
+// The same for the `wanted` nodes (per node, 0 or 1) and the faces within `gate_m` (world scale, above 0);
+// NaN for the others. Looks at the faces near a tile only: for models of many faces.
+std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage& image,
+                                          const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                          const Pose& world_from_scan, double normal_deg, double gate_m,
+                                          const std::vector<std::uint8_t>& wanted);
+
 }  // namespace hybrid::stages
