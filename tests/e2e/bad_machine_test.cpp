@@ -9,6 +9,7 @@
 #include "bad_output_check.hpp"
 #include "core/error.hpp"
 #include "io/output.hpp"
+#include "mounts.hpp"
 
 namespace hybrid::e2e {
 namespace {
@@ -17,26 +18,6 @@ namespace fs = std::filesystem;
 std::string scene_file() {
   return (mini_scene() / "scene.toml").string();
 }
-
-// Runs shell lines as root of a mount namespace, which ends with them; the user's own where the test does
-// not run as root.
-Outcome run_with_mounts(const std::string& lines) {
-  const Scratch scratch;
-  io::write_text(scratch / "lines.sh", lines);
-  const char* option = geteuid() == 0 ? "-m" : "-rm";
-  return run(std::string("unshare ") + option + " sh " + (scratch / "lines.sh").string());
-}
-
-bool may_mount() {
-  static const bool may = [] {
-    const Scratch scratch;
-    return run_with_mounts("mount -t tmpfs none " + scratch.path().string()).exit_code == 0;
-  }();
-  return may;
-}
-
-#define SKIP_WITHOUT_MOUNTS() \
-  if (!may_mount()) GTEST_SKIP() << "this machine does not allow mounts"
 
 std::uintmax_t pages(std::uintmax_t bytes) {
   return (bytes + 4095) / 4096;

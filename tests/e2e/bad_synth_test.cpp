@@ -1,9 +1,9 @@
 // What goes wrong with hybrid-synth: the exit codes of the house, one clear message, nothing half-written.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "bad_output_check.hpp"
 #include "io/output.hpp"
+#include "mounts.hpp"
 
 namespace hybrid::e2e {
 namespace {
@@ -79,16 +79,28 @@ TEST(BadSynth, an_output_folder_that_cannot_be) {
   EXPECT_EQ(io::read_text(scratch / "file"), "mine");
 }
 
-TEST(BadSynth, a_full_disk) {
+// What hybrid-synth says on a file system mounted with `options`, and the hidden files it leaves there.
+Outcome make_room_on(const std::string& options) {
   const Scratch disk;
   const std::string folder = disk.path().string();
-  const auto outcome = run("unshare " + std::string(geteuid() == 0 ? "-m" : "-rm") +
-                           " sh -c 'mount -t tmpfs -o size=200k none " + folder +
-                           " || exit 99; timeout 60 hybrid-synth room --preset tiny --quiet --out " + folder +
-                           "/out; code=$?; find " + folder + " -name \".*\"; exit $code'");
-  if (outcome.exit_code == 99 || outcome.exit_code == 1) GTEST_SKIP() << "this machine does not allow mounts";
+  return run_with_mounts("mount -t tmpfs -o " + options + " none " + folder +
+                         "\ntimeout 60 hybrid-synth room --preset tiny --quiet --out " + folder +
+                         "/out\ncode=$?\nfind " + folder + " -name \".*\"\nexit $code\n");
+}
+
+TEST(BadSynth, a_disk_too_small_for_the_scene) {
+  SKIP_WITHOUT_MOUNTS();
+  const auto outcome = make_room_on("size=200k");
+  expect_failure(outcome, 75, {"/out", "needs about", "No space left on device; free space and run again"});
+  EXPECT_EQ(outcome.out, "");
+}
+
+// Room for the bytes, not for so many files: the space check passes and a writer fails.
+TEST(BadSynth, a_disk_that_fills_up_while_writing) {
+  SKIP_WITHOUT_MOUNTS();
+  const auto outcome = make_room_on("size=64m,nr_inodes=9");
   expect_failure(outcome, 75,
-                 {folder + "/out", "needs about", "No space left on device; free space and run again"});
+                 {"writing ", "cameras/cameras.txt: No space left on device; free space and run again"});
   EXPECT_EQ(outcome.out, "");
 }
 
