@@ -38,8 +38,11 @@ stages::SquarePlanes fit_squares(device::Queue& queue, const RangeImage& image, 
   auto larger = options.squares;
   larger.square =
       std::clamp(static_cast<int>(std::ceil(larger.square * std::sqrt(ratio))), larger.square, 16);
-  larger.sigma_m = squares.sigma_m;
-  return larger.square == squares.square ? squares : stages::fit_square_planes(queue, image, larger);
+  if (larger.square == squares.square) return squares;
+  larger.sigma_m = squares.sigma_m;  // as estimated, the noise too: smaller squares are more, and purer
+  auto refitted = stages::fit_square_planes(queue, image, larger);
+  refitted.noise = squares.noise;
+  return refitted;
 }
 
 std::int64_t count_returns(const Scan& scan) {

@@ -10,20 +10,20 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kFloor_m = 1e-4;
-constexpr std::size_t kFewest = 40;  // squares in a bin
+constexpr std::size_t kFewest = 12;  // squares in a bin
 constexpr std::size_t kMost = 4096;  // more squares weigh no more: bins compete by what they cover
 constexpr std::array kTangents = {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 13.0, 20.0};
-constexpr int kRangeBins = 32;       // half octaves from 1/8 m
+constexpr int kRangeBins = 32;  // half octaves from 1/8 m
 constexpr double kLeastCosine = 0.05;
 
 struct Scatter {
-  double variance_m2 = 0;  // along the rays, over what is left after a plane, in parts of its quartile
+  double variance_m2 = 0;  // along the rays, of their samples, as their median says
   double range_m = 0, tangent = 0;
 };
 
-// Lower quartile of chi squared over its freedom (Wilson and Hilferty 1931).
-double quartile_share(double freedom) {
-  const double c = 2 / (9 * freedom), root = 1 - c - 0.67449 * std::sqrt(c);
+// Median of chi squared over its freedom (Wilson and Hilferty 1931).
+double median_share(double freedom) {
+  const double root = 1 - 2 / (9 * freedom);
   return root * root * root;
 }
 
@@ -46,7 +46,7 @@ std::vector<Bin> sort_squares(const std::vector<SquareRecord>& squares) {
     const int row = std::clamp(static_cast<int>(2 * (std::log2(range) + 3)), 0, kRangeBins - 1);
     const double freedom = square.inliers - 3.0;
     const double along = square.rms / cosine;
-    const double variance = along * along * square.inliers / freedom / quartile_share(freedom);
+    const double variance = along * along * square.inliers / freedom / median_share(freedom);
     bins[static_cast<std::size_t>(row) * kTangents.size() + static_cast<std::size_t>(column)].push_back(
         {variance, range, tangent});
   }
@@ -69,10 +69,10 @@ std::vector<Equation> equations(std::vector<Bin>& bins) {
       tangent += square.tangent / count;
       both += square.range_m * square.tangent / count;
     }
-    const auto quarter = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 4);
-    std::nth_element(squares.begin(), quarter, squares.end(),
+    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+    std::nth_element(squares.begin(), middle, squares.end(),
                      [](const auto& a, const auto& b) { return a.variance_m2 < b.variance_m2; });
-    const double sigma = std::max(kFloor_m, std::sqrt(quarter->variance_m2));
+    const double sigma = std::max(kFloor_m, std::sqrt(middle->variance_m2));
     // Relative errors count, so that one far bin does not rule the near ones.
     const double weight = std::sqrt(std::min(count, static_cast<double>(kMost))) / sigma;
     result.push_back({{1, range, tangent, both}, sigma, weight});

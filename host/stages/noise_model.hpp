@@ -9,17 +9,18 @@ namespace hybrid::stages {
 
 // Standard deviation of the noise along a ray as a function of range and incidence (shared/range_noise.h).
 struct RangeNoise {
-  double base_m = 0, per_m = 0, per_tan_m = 0, per_m_tan = 0;
+  double base_m = 0;
+  double per_m = 0, per_tan_m = 0, per_m_tan = 0;
 
   double at(double range_m, double cosine) const;
   RangeNoiseRecord record() const;
 };
 
 // What the planar squares' scatter along the rays says about the noise. Squares are sorted by range (half
-// octaves) and tangent of the incidence; a bin's noise is the lower quartile of its squares' variances over
-// what a quartile of chi squared is: squares with relief or a bend lie above it. The model is the least
-// squares fit to the bins without negative coefficients. Bins with fewer than 40 squares say nothing; with no
-// bin at all the noise is `sigma_m` everywhere. At least 0.1 mm.
+// octaves) and tangent of the incidence; a bin's noise is the median of its squares' variances, which squares
+// with relief or a bend hardly move. The model is the least squares fit to the bins without negative
+// coefficients. Bins with fewer than 12 squares say nothing; with no bin at all the noise is `sigma_m`
+// everywhere. At least 0.1 mm.
 RangeNoise fit_range_noise(const std::vector<SquareRecord>& squares, double sigma_m);
 
 }  // namespace hybrid::stages

@@ -1,4 +1,5 @@
-// Noise along a ray of `range` metres that meets a surface with |normal . ray| = cosine (shared/range_noise.h).
+// Noise along a ray of `range` metres that meets a surface with |normal . ray| = cosine
+// (shared/range_noise.h).
 #ifndef HYBRID_LIB_RANGE_NOISE_H
 #define HYBRID_LIB_RANGE_NOISE_H
 #include "shared/range_noise.h"
