@@ -75,8 +75,7 @@ static inline int is_planar(global const float* x, global const float* y, global
   const float intercept = 1.0f + mean_h - slope_a * mean_a - slope_b * mean_b;
   float squares = 0.0f;
   for (uint k = 0u; k < count; ++k) {
-    const float error =
-        scale[k] * (h[k] - mean_h - slope_a * (a[k] - mean_a) - slope_b * (b[k] - mean_b));
+    const float error = scale[k] * (h[k] - mean_h - slope_a * (a[k] - mean_a) - slope_b * (b[k] - mean_b));
     squares += error * error;
   }
   // Incidence at the corner: depth m, with m the normal over the offset, is (intercept, slope_a, slope_b) in
