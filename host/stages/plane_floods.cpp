@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
 
 #include "shared/params_window_planes.h"
+#include "stages/sample_marks.hpp"
 #include "stages/sparse_seeds.hpp"
 
 namespace hybrid::stages {
@@ -13,6 +13,7 @@ namespace {
 constexpr double kFloodSigmas = 3;
 constexpr double kLeastCosine = 0.02;  // as window_planes' seeds
 constexpr int kSparseReach = 2;        // samples
+constexpr std::uint32_t kInside = 0xffffffffu;
 
 }  // namespace
 
@@ -33,7 +34,10 @@ PlaneFlood PlaneFlooder::flood(const WindowSeed& seed, const Tile& limits) const
   PlaneFlood result;
   const int cols = image_.cols, reach = seed.shape == kSparseSeed ? kSparseReach : 1;
   result.samples = seed_samples(seed);
-  std::unordered_set<std::uint32_t> inside(result.samples.begin(), result.samples.end());
+  // kInside, or the number of the fit that rejected the sample: the same fit need not be asked again.
+  thread_local SampleMarks marks;
+  marks.clear();
+  for (const std::uint32_t i : result.samples) marks.of(i) = kInside;
   RayPlane plane(image_.point(result.samples.empty() ? seed.sample : result.samples[0]));
   for (const std::uint32_t i : result.samples) plane.add(image_.point(i));
   if (!plane.solve()) return {};
@@ -45,6 +49,7 @@ PlaneFlood PlaneFlooder::flood(const WindowSeed& seed, const Tile& limits) const
     return std::abs(plane.residual_m(point)) <= limit && cosine >= kLeastCosine;
   };
   std::size_t fitted = plane.samples();
+  std::uint32_t fit = 1;
   for (std::size_t next = 0; next < result.samples.size(); ++next) {
     const int row = static_cast<int>(result.samples[next]) / cols;
     const int col = static_cast<int>(result.samples[next]) % cols;
@@ -55,16 +60,19 @@ PlaneFlood PlaneFlooder::flood(const WindowSeed& seed, const Tile& limits) const
         if (image_.wraps) c = (c + cols) % cols;
         if (c < limits.col || c >= limits.col + limits.cols) continue;
         const auto i = static_cast<std::uint32_t>(image_.index(r, c));
-        if (use_[i] != kFree || inside.contains(i)) continue;
+        if (use_[i] != kFree) continue;
+        std::uint32_t& mark = marks.of(i);
+        if (mark == kInside || mark == fit) continue;
         const Vec3 point = image_.point(i);
-        if (!lies_on(point)) continue;
-        inside.insert(i);
+        mark = lies_on(point) ? kInside : fit;
+        if (mark != kInside) continue;
         result.samples.push_back(i);
         plane.add(point);
         // A refit per tenth of growth: the plane is always known to where it is tested.
         if (10 * plane.samples() < 11 * fitted) continue;
         if (!plane.solve()) return {};
         fitted = plane.samples();
+        fit += 1;
       }
   }
   // Samples taken while the plane was uncertain leave when all of them contradict it.

@@ -22,6 +22,7 @@ inline constexpr std::uint8_t kSparseSeed = 255;
 struct WindowSeed {
   std::uint32_t sample = 0;
   std::uint8_t shape = 0;
+  std::uint32_t member = 0;  // a sample of the window that lies on the plane
 };
 
 struct PlaneFlood {

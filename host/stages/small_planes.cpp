@@ -72,7 +72,8 @@ std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image
       if (shapes[k] != 0) {
         const auto i = image.index(tile.row + static_cast<int>(k) / tile.cols,
                                    tile.col + static_cast<int>(k) % tile.cols);
-        seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1)});
+        seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1),
+                         static_cast<std::uint32_t>(i)});
       }
   }
   std::sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
@@ -109,7 +110,7 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& fl
                       std::min(col + 2 * kBlock, image.cols) - left};
     std::unordered_set<std::uint32_t> covered;
     for (const WindowSeed& seed : of_block[b]) {
-      if (covered.contains(seed.sample)) continue;
+      if (covered.contains(seed.member)) continue;
       const PlaneFlood flood = flooder.flood(seed, limits);
       if (flood.samples.size() < least) continue;
       covered.insert(flood.samples.begin(), flood.samples.end());

@@ -70,8 +70,8 @@ std::vector<WindowSeed> find_sparse_seeds(const RangeImage& image, const std::ve
   parallel_for(rows, [&](std::size_t row) {
     for (int col = 0; col < image.cols; col += kStride) {
       const auto corner = static_cast<std::uint32_t>(image.index(static_cast<int>(row) * kStride, col));
-      if (!sparse_seed_samples(image, use, noise, corner).empty())
-        of_row[row].push_back({corner, kSparseSeed});
+      const auto samples = sparse_seed_samples(image, use, noise, corner);
+      if (!samples.empty()) of_row[row].push_back({corner, kSparseSeed, samples[samples.size() / 2]});
     }
   });
   std::vector<WindowSeed> seeds;
