@@ -58,8 +58,9 @@ class Reader {
     scan.grid_cols = cols_;
     scan.row_by_row = true;
     scan.world_from_scan = pose_attribute(file_, header());
-    note_attributes(scan);
     channels_ = find_exr_scan_channels(file_, header());
+    scan.notes = channels_.notes;
+    note_attributes(scan);
     // Before memory is taken for the samples: the tables have an angle per row and column.
     read_grid(scan);
     const auto extra = whole_attribute(file_, header(), kExtra).value_or(0);
@@ -99,7 +100,6 @@ class Reader {
       if (text && name.starts_with(kPrefix) && !is_range_attribute(name))
         scan.notes.push_back(name.substr(std::string_view(kPrefix).size()) + ": " + text->value());
     }
-    for (const std::string& note : channels_.notes) scan.notes.push_back(note);
   }
 
   void read_grid(Scan& scan) {

@@ -60,6 +60,8 @@ ExrScanChannels find_exr_scan_channels(const std::string& file, const Imf::Heade
         file, present.empty() ? " such channel" : missing);
   if (!found.points && !present.empty())
     found.notes.push_back("channel" + present + " without" + missing + ": not used, range is");
+  if (header.compression() == Imf::PXR24_COMPRESSION)
+    found.notes.push_back("compression PXR24 kept 16 significant bits of every float: 0.1 mm at 8 m");
   found.mask = has_whole(header, "mask");
   found.source = has_whole(header, "source");
   found.intensity = has_whole(header, "intensity");
