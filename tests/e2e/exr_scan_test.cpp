@@ -56,8 +56,9 @@ void expect_same_twice(const fs::path& file) {
   for (const char* same : {"planes.json", "labels.exr", "detail.ply", "classes.png", "range.png"})
     EXPECT_EQ(io::read_text(again / same), io::read_text(range.parent_path() / same)) << same;
   ASSERT_EQ(fs::exists(again / "extra.ply"), fs::exists(range.parent_path() / "extra.ply"));
-  if (fs::exists(again / "extra.ply"))
+  if (fs::exists(again / "extra.ply")) {
     EXPECT_EQ(io::read_text(again / "extra.ply"), io::read_text(range.parent_path() / "extra.ply"));
+  }
   // Of all figures, only what tells the input apart may differ.
   auto a = json_of(first / "summary.json")["scans"][0], b = json_of(second / "summary.json")["scans"][0];
   EXPECT_GT(a["superclusters"], 3);
