@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "geometry/range_image.hpp"
@@ -24,6 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace range_attribute;
 
+// Grids of cameras and grids through the zenith have tables beyond a half turn; degrees are beyond this.
+constexpr double kMostAngle_rad = 4 * std::numbers::pi;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 bool descends(const std::vector<double>& angles) {
@@ -103,8 +106,8 @@ class Reader {
   }
 
   void read_grid(Scan& scan) {
-    elevation_rad_ = angle_attribute(file_, header(), kElevationAttributes, rows_);
-    azimuth_rad_ = angle_attribute(file_, header(), kAzimuthAttributes, cols_);
+    elevation_rad_ = angle_attribute(file_, header(), kElevationAttributes, rows_, kMostAngle_rad);
+    azimuth_rad_ = angle_attribute(file_, header(), kAzimuthAttributes, cols_, kMostAngle_rad);
     if (!channels_.points && (elevation_rad_.empty() || azimuth_rad_.empty()))
       fail_input(
           "{}: header: expected {} (or {} and {}), as there are ranges without x y z, found no such "

@@ -7,7 +7,6 @@
 #include <ImfStringAttribute.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
 #include "io/text_cursor.hpp"
@@ -16,9 +15,6 @@ namespace hybrid::io {
 namespace {
 
 using namespace range_attribute;
-
-// Grids of cameras and grids through the zenith have tables beyond a half turn; degrees are beyond this.
-constexpr double kMostAngle_rad = 4 * std::numbers::pi;
 
 std::vector<double> numbers_of_text(const std::string& file, const char* name, std::string text) {
   for (char& c : text)
@@ -80,7 +76,7 @@ std::string text_attribute(const Imf::Header& header, const char* name) {
 }
 
 std::vector<double> angle_attribute(const std::string& file, const Imf::Header& header,
-                                    const AngleAttributes& names, int count) {
+                                    const AngleAttributes& names, int count, double most_rad) {
   std::vector<double> angles;
   if (auto table = numbers(file, header, names.table)) {
     if (table->size() != static_cast<std::size_t>(count))
@@ -98,9 +94,9 @@ std::vector<double> angle_attribute(const std::string& file, const Imf::Header& 
     for (int i = 0; i < count; ++i) angles.push_back(*first + i * *step);
   }
   for (std::size_t i = 0; i < angles.size(); ++i)
-    if (!(std::abs(angles[i]) <= kMostAngle_rad))
+    if (!(std::abs(angles[i]) <= most_rad))
       fail_input("{}: header: {}: angle {}: expected radians, at most {:.2f}, found {}; are these degrees?",
-                 file, names.table, i, kMostAngle_rad, angles[i]);
+                 file, names.table, i, most_rad, angles[i]);
   return angles;
 }
 

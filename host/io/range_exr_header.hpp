@@ -1,6 +1,8 @@
 #pragma once
 #include <ImfHeader.h>
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,7 +37,7 @@ bool is_range_attribute(const std::string& name);
 std::string text_attribute(const Imf::Header& header, const char* name);
 
 // Radians; empty when the header has neither the table nor first angle and step. Throws ErrorKind::input
-// naming file and attribute: another number of angles than `count`, no number, no angle in radians.
+// naming file and attribute: another number of angles than `count`, no number, an angle beyond `most_rad`.
 struct AngleAttributes {
   const char *table, *first, *step;
 };
@@ -44,7 +46,8 @@ inline constexpr AngleAttributes kElevationAttributes{
 inline constexpr AngleAttributes kAzimuthAttributes{range_attribute::kAzimuth, range_attribute::kAzimuthFirst,
                                                     range_attribute::kAzimuthStep};
 std::vector<double> angle_attribute(const std::string& file, const Imf::Header& header,
-                                    const AngleAttributes& names, int count);
+                                    const AngleAttributes& names, int count,
+                                    double most_rad = std::numeric_limits<double>::max());
 
 // 16 numbers, row-major. Throws as above.
 std::optional<Pose> pose_attribute(const std::string& file, const Imf::Header& header);
