@@ -19,7 +19,7 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
   const auto product = process_scan(queue, id, scan, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;
-  write_plane_outputs(folder, product, {{"source", file.filename().string()}, {"hash", print.xxh3}});
+  write_plane_outputs(folder, product, scan, {{"source", file.filename().string()}, {"hash", print.xxh3}});
   write_detail(folder, product, scan, nullptr);
   Json figures = scan_figures(product);
   figures["file"] = file.filename().string();

@@ -57,6 +57,26 @@ io::PlyPoint detail_point(const Vec3& position) {
   return point;
 }
 
+// Samples that no grid node took, beside range.exr, which counts them.
+void write_extra(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan) {
+  const auto file = folder / "extra.ply";
+  if (product.image.extra.empty()) {
+    std::filesystem::remove(file);  // an older run's
+    return;
+  }
+  std::vector<io::PlyPoint> points;
+  for (const std::uint32_t source : product.image.extra) {
+    points.push_back(detail_point(scan.point(source)));
+    if (!scan.intensity.empty()) points.back().intensity = scan.intensity[source];
+    if (!scan.rgb.empty()) points.back().rgb = scan.rgb[source];
+  }
+  io::PlyContent content;
+  content.intensity = !scan.intensity.empty();
+  content.colour = !scan.rgb.empty();
+  content.double_precision = !scan.origin.isZero();
+  io::write_ply(file, points, content);
+}
+
 }  // namespace
 
 ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
@@ -86,9 +106,12 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
   return product;
 }
 
-void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
-                         const std::map<std::string, std::string>& attributes) {
+void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
+                         std::map<std::string, std::string> attributes) {
   const auto& image = product.image;
+  if (product.recorded_pose)  // unless a better one is given
+    attributes.try_emplace("world_from_scan", nlohmann::json(row_major(*product.recorded_pose)).dump());
+  write_extra(folder, product, scan);
   io::write_range_exr(folder / "range.exr", image, attributes);
   io::write_png(folder / "range.png", stages::range_picture(image));
   io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));

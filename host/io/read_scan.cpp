@@ -1,6 +1,7 @@
 #include "io/read_scan.hpp"
 
 #include "core/error.hpp"
+#include "io/exr_scan.hpp"
 #include "io/output.hpp"
 #include "io/pcd.hpp"
 #include "io/ply.hpp"
@@ -17,10 +18,12 @@ std::vector<Scan> read_scans(const std::filesystem::path& file) {
     scans.push_back(read_pcd(file));
   } else if (extension == ".ply") {
     scans.push_back(read_ply(file));
+  } else if (extension == ".exr") {
+    scans.push_back(read_exr_scan(file));
   } else {
     check_readable(file);
     const bool coming = extension == ".e57" || extension == ".las" || extension == ".laz";
-    fail_input("{}: expected a scan as .pcd, .ply or .ptx, found {}; {}", file.string(),
+    fail_input("{}: expected a scan as .pcd, .ply, .ptx or .exr, found {}; {}", file.string(),
                extension.empty() ? "no extension" : extension,
                coming ? "this format is coming: until then convert it to .ptx or .ply"
                       : "convert it, or correct its extension");
