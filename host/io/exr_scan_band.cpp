@@ -39,6 +39,16 @@ bool has_whole(const Imf::Header& header, const char* name) {
   return channel && channel->xSampling == 1 && channel->ySampling == 1;
 }
 
+// Programs that convert whole numbers to reals scale them: a 1 is 2.3e-10 then.
+bool has_mask(const std::string& file, const Imf::Header& header) {
+  if (!has_whole(header, "mask")) return false;
+  const Imf::PixelType type = header.channels().findChannel("mask")->type;
+  if (type != Imf::UINT)
+    fail_input("{}: header: channel mask: expected uint, found {}; write it as uint, or leave it out", file,
+               name_of(type));
+  return true;
+}
+
 bool has_light(const Imf::Header& header, const char* name) {
   return has_whole(header, name) && header.channels().findChannel(name)->type != Imf::UINT;
 }
@@ -62,7 +72,7 @@ ExrScanChannels find_exr_scan_channels(const std::string& file, const Imf::Heade
     found.notes.push_back("channel" + present + " without" + missing + ": not used, range is");
   if (header.compression() == Imf::PXR24_COMPRESSION)
     found.notes.push_back("compression PXR24 kept 16 significant bits of every float: 0.1 mm at 8 m");
-  found.mask = has_whole(header, "mask");
+  found.mask = has_mask(file, header);
   found.source = has_whole(header, "source");
   found.intensity = has_whole(header, "intensity");
   found.colour = has_light(header, "R") && has_light(header, "G") && has_light(header, "B");

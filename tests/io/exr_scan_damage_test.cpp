@@ -56,6 +56,8 @@ TEST_F(ExrScanDamage, ChannelsThatAreMissingOrOfAnotherKind) {
   expect_refused([&](ForeignExr& exr) { points(exr, Imf::HALF); },
                  {"channel x", "found half", "4 mm at 8 m", "write it as float"});
   expect_refused([&](ForeignExr& exr) { points(exr, Imf::UINT); }, {"channel x", "found uint"});
+  expect_refused([&](ForeignExr& exr) { exr.add("mask", Imf::FLOAT); },
+                 {"channel mask: expected uint, found float", "leave it out"});
   expect_refused(
       [](ForeignExr& exr) {
         exr.add("mask", Imf::UINT);

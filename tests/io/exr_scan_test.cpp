@@ -185,18 +185,15 @@ TEST(ExrScan, TablesThatRunTheOtherWayPlaceTheRanges) {
 
 TEST(ExrScan, TheMaskDecidesWhatIsASample) {
   const ScanFolder folder;
-  for (const auto type : {Imf::UINT, Imf::HALF, Imf::FLOAT}) {
-    ForeignExr exr(3, 2);
-    for (const char* name : {"x", "y", "z"}) exr.add(name, Imf::FLOAT);
-    exr.channel("x")[5] = kNaN;
-    exr.add("mask", type);
-    exr.channel("mask") = {1, 0, 2, 1, 2, 1};
-    exr.write(folder.path("m.exr"));
-    const Scan scan = io::read_exr_scan(folder.path("m.exr"));
-    for (std::size_t i = 0; i < 6; ++i)
-      EXPECT_EQ(std::isfinite(scan.points[i][0]), i == 0 || i == 3) << i << " type " << type;
-    EXPECT_EQ(scan.notes.size(), 2u);  // node 5; two interpolated ones, without tables to keep them in
-  }
+  ForeignExr exr(3, 2);
+  for (const char* name : {"x", "y", "z"}) exr.add(name, Imf::FLOAT);
+  exr.channel("x")[5] = kNaN;
+  exr.add("mask", Imf::UINT);
+  exr.channel("mask") = {1, 0, 2, 1, 2, 1};
+  exr.write(folder.path("m.exr"));
+  const Scan scan = io::read_exr_scan(folder.path("m.exr"));
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(std::isfinite(scan.points[i][0]), i == 0 || i == 3) << i;
+  EXPECT_EQ(scan.notes.size(), 2u);  // node 5; two interpolated ones, without tables to keep them in
 }
 
 }  // namespace hybrid::testing
