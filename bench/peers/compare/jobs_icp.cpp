@@ -25,10 +25,11 @@ void make_job(const Setup& setup, const Path& folder) {
   const std::string scan = (scene / "scans" / (std::string(kScan) + ".ply")).string();
   const auto made = run_process(
       {(setup.bin / "hybrid").string(), "planes", scan, "--out", planes.string(), "--quiet", "--force"},
-      1800);
-  if (made.exit_code != 0) throw std::runtime_error(made.errors);
+      setup.run_limit_s);
+  if (const auto failure = failure_of(made); !failure.empty()) throw std::runtime_error(failure);
   run_peer({(setup.bin / "peers" / "icp_job").string(), "--scan", (planes / "scans" / kScan).string(),
-            "--truth", (scene / "truth.json").string(), "--out", folder.string()});
+            "--truth", (scene / "truth.json").string(), "--out", folder.string()},
+           setup.run_limit_s);
 }
 
 Program program_of(const Setup& setup, const Peer& peer, const std::string& source) {
@@ -54,7 +55,7 @@ Program program_of(const Setup& setup, const Peer& peer, const std::string& sour
                                         "--threads",
                                         std::to_string(setup.threads)};
     if (!peer.variant.empty()) command.insert(command.end(), {"--variant", peer.variant});
-    return run_peer(command);
+    return run_peer(command, setup.run_limit_s);
   };
   program.score = [=](const Case&, Row& row) {
     const auto& report = row.runs.back().report;
