@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
                        std::uint32_t plane = 0;
                        for (const auto& shape : ransac.shapes()) {
                          ++plane;
-                         for (std::size_t i : shape->indices_of_assigned_points()) labels[nodes[i]] = plane;
+                         for (std::size_t i : shape->indices_of_assigned_points()) labels[std::get<2>(cloud[i])] = plane;
                        }
                        report.settings =
                            "12 neighbours' normals, 3 sigma + 2 mm, clusters at 10 cm, search on 1 thread";
