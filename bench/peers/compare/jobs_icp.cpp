@@ -27,9 +27,11 @@ void make_job(const Setup& setup, const Path& folder) {
       {(setup.bin / "hybrid").string(), "planes", scan, "--out", planes.string(), "--quiet", "--force"},
       setup.run_limit_s);
   if (const auto failure = failure_of(made); !failure.empty()) throw std::runtime_error(failure);
-  run_peer({(setup.bin / "peers" / "icp_job").string(), "--scan", (planes / "scans" / kScan).string(),
-            "--truth", (scene / "truth.json").string(), "--out", folder.string()},
-           setup.run_limit_s);
+  const auto drawn = run_process({(setup.bin / "peers" / "icp_job").string(), "--scan",
+                                  (planes / "scans" / kScan).string(), "--truth", (scene / "truth.json").string(),
+                                  "--out", folder.string()},
+                                 setup.run_limit_s);
+  if (const auto failure = failure_of(drawn); !failure.empty()) throw std::runtime_error(failure);
 }
 
 Program program_of(const Setup& setup, const Peer& peer, const std::string& source) {

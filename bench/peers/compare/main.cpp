@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -16,6 +17,13 @@
 
 namespace hybrid::compare {
 namespace {
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) parts.push_back(word);
+  return parts;
+}
 
 double free_memory_mb() {
   std::ifstream input("/proc/meminfo");
@@ -42,13 +50,6 @@ std::vector<Row> run_all(const Setup& setup, const std::string& only) {
   if (wanted("rays")) add(ray_rows(setup));
   if (wanted("e57")) add(run_ladder(e57_job(setup), setup.ladder));
   return rows;
-}
-
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts;
-  std::istringstream words(text);
-  for (std::string word; std::getline(words, word, ',');) parts.push_back(word);
-  return parts;
 }
 
 // A scan of each size; without one its rows say why.
@@ -99,9 +100,7 @@ int compare(Setup& setup, const std::string& sizes, const std::string& only, dou
   setup.ladder.say = [=](const std::string& text) {
     std::cerr << fmt::format("[{:5.0f} s] {}\n", elapsed_s(), text) << std::flush;
   };
-  if (setup.ladder.full)
-    setup.run_limit_s = 4 * 3600;
-  else
+  if (!setup.ladder.full)
     setup.ladder.repeats_end =
         start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(45 * minutes));
   auto machine = machine_json(setup);
@@ -117,6 +116,25 @@ int compare(Setup& setup, const std::string& sizes, const std::string& only, dou
 }  // namespace
 }  // namespace hybrid::compare
 
+namespace {
+
+// Sizes are also names of folders.
+const CLI::Validator kSizes(
+    [](const std::string& text) -> std::string {
+      double last = 0;
+      for (const auto& size : hybrid::compare::split(text)) {
+        double value = 0;
+        const auto [end, code] = std::from_chars(size.data(), size.data() + size.size(), value);
+        if (code != std::errc() || end != size.data() + size.size() || !(value > last) || value > 400)
+          return "expected ascending megapixels up to 400 like 1,5,20, found " + text;
+        last = value;
+      }
+      return last > 0 ? "" : "expected megapixels like 1,5,20, found " + text;
+    },
+    "LIST");
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace hybrid::compare;
   CLI::App app{"Runs ours and every peer in turn on the same inputs; prints a Markdown table"};
@@ -130,7 +148,7 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--work", setup.work, "folder for results, compare.md, compare.json and the plots")
       ->required();
-  app.add_option("--sizes", sizes, "megapixels, ascending, with commas")->capture_default_str();
+  app.add_option("--sizes", sizes, "megapixels, ascending, with commas")->check(kSizes)->capture_default_str();
   app.add_option("--only", only, "one job")->check(CLI::IsMember({"planes", "squares", "icp", "rays", "e57"}));
   app.add_option("--rounds", setup.ladder.rounds, "runs of each program")
       ->check(CLI::Range(1, 100))
@@ -139,6 +157,11 @@ int main(int argc, char** argv) {
   app.add_option("--minutes", minutes, "no repetitions after three quarters of this (--full: no such limit)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  auto* limit = app.add_option("--run-limit", setup.run_limit_s,
+                               "seconds after which a peer is taken to hang and ended (--full: 4 hours); ours "
+                               "twice that")
+                    ->check(CLI::PositiveNumber)
+                    ->capture_default_str();
   app.add_option("--e57", setup.e57, "scan for the E57 readers")->check(CLI::ExistingFile);
   app.add_option("--write-results", setup.results, "RESULTS.md whose table is to be replaced, with its plots")
       ->check(CLI::ExistingFile);
@@ -149,6 +172,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
+  if (setup.ladder.full && limit->count() == 0) setup.run_limit_s = 4 * 3600;
   try {
     return compare(setup, sizes, only, minutes);
   } catch (const std::exception& problem) {

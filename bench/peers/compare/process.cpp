@@ -96,7 +96,7 @@ std::string last_line(const std::string& text) {
 }
 
 std::string failure_of(const Finished& finished) {
-  if (finished.stopped) return fmt::format("stopped after {:.0f} s", finished.limit_s);
+  if (finished.stopped) return fmt::format("stopped after {:g} s", finished.limit_s);
   if (finished.exit_code == 0) return "";
   const std::string words = last_line(finished.errors);
   std::string failure = fmt::format("exit status {}", finished.exit_code);

@@ -20,11 +20,10 @@ std::string text_of(const nlohmann::ordered_json& machine, const char* key) {
 }
 
 std::string device_of(const nlohmann::ordered_json& machine) {
-  const auto devices = machine.value("devices", nlohmann::ordered_json());
-  const auto& list = devices.is_object() && devices.contains("devices") ? devices.at("devices") : devices;
+  const auto list = machine.value("devices", nlohmann::ordered_json());
   if (!list.is_array() || list.empty() || !list.front().is_object()) return "OpenCL device not known";
   const auto& first = list.front();
-  return fmt::format("{}, {}", first.value("name", "?"), first.value("driver", "?"));
+  return fmt::format("{}, driver {}", first.value("name", "?"), first.value("driver", "?"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "compare/setup.hpp"
 
+#include <fmt/format.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
@@ -59,6 +60,8 @@ Run run_peer(const std::vector<std::string>& command, double limit_s) {
     throw std::runtime_error("expected a JSON object with \"seconds\" as the last line of stdout: " +
                              std::string(problem.what()));
   }
+  if (!(run.seconds > 0))
+    throw std::runtime_error(fmt::format("expected seconds above 0, found {}", run.seconds));
   return run;
 }
 

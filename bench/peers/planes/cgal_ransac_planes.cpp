@@ -23,9 +23,9 @@ int main(int argc, char** argv) {
                        Ransac::Parameters parameters;
                        parameters.probability = 0.01;
                        parameters.min_points = least_points(nodes.size());
-                       parameters.epsilon = 3 * options.sigma_m + 0.002;
+                       parameters.epsilon = 3 * options.sigma_m;
                        parameters.cluster_epsilon = 0.1;
-                       parameters.normal_threshold = 0.9;
+                       parameters.normal_threshold = 0.8;
                        ransac.detect(parameters);
                        std::vector<std::uint32_t> labels(scan.count(), 0);
                        std::uint32_t plane = 0;
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
                          for (std::size_t i : shape->indices_of_assigned_points()) labels[std::get<2>(cloud[i])] = plane;
                        }
                        report.settings =
-                           "12 neighbours' normals, 3 sigma + 2 mm, clusters at 10 cm, search on 1 thread";
+                           "12 neighbours' normals within 37 degrees, 3 sigma, clusters at 10 cm, search on 1 thread";
                        return labels;
                      });
 }

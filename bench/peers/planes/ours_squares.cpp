@@ -14,10 +14,11 @@ int main(int argc, char** argv) {
   CLI::App app{"Planes per square of a range.exr by hybrid; prints one JSON object"};
   std::string range, out;
   int threads = 0;
+  bool squares_only = true;
   stages::SquarePlaneOptions options;
   app.add_option("--range", range, "DIR/scans/ID/range.exr of hybrid planes")->required();
   app.add_option("--out", out, "not used");
-  app.add_flag("--squares-only", "not used: there is no more");
+  app.add_flag("--squares-only", squares_only, "not used: there is no more");
   app.add_option("--square", options.square, "side of a square, samples")->check(CLI::Range(3, 16));
   app.add_option("--threads", threads, "0 = all cores")->check(CLI::NonNegativeNumber);
   CLI11_PARSE(app, argc, argv);
