@@ -14,7 +14,6 @@ using Json = nlohmann::json;
 using Path = std::filesystem::path;
 
 constexpr const char* kScan = "west";
-constexpr double kLarge = 50e6;  // samples; beyond, only ours and the twin run unless all is asked for
 
 std::string size_of(const Case& at) {
   return at.size.substr(0, at.size.find(' '));
@@ -39,20 +38,22 @@ Json read_json(const Path& file) {
 // others are in the report's parts.
 Run run_ours(const Setup& setup, const Case& at) {
   const Path out = ours_folder(setup, at);
-  const std::vector<std::string> command = {(setup.bin / "hybrid").string(),
-                                      "planes",
-                                      (scene(setup, at) / "scans" / (std::string(kScan) + ".ply")).string(),
-                                      "--out",
-                                      out.string(),
-                                      "--quiet",
-                                      "--force",
-                                      "--threads",
-                                      std::to_string(setup.threads)};
+  const std::vector<std::string> command = {
+      (setup.bin / "hybrid").string(),
+      "planes",
+      (scene(setup, at) / "scans" / (std::string(kScan) + ".ply")).string(),
+      "--out",
+      out.string(),
+      "--quiet",
+      "--force",
+      "--threads",
+      std::to_string(setup.threads)};
   const Finished finished = run_process(command, 2 * setup.run_limit_s);
   if (const auto failure = failure_of(finished); !failure.empty()) throw std::runtime_error(failure);
   const Json timing = read_json(out / "timing.json"), summary = read_json(out / "summary.json");
   Run run;
   run.wall_s = finished.wall_s;
+  run.cpu_s = finished.cpu_s;
   run.peak_mb = finished.peak_mb;
   for (const char* stage : {"square planes", "superclusters"})
     run.seconds += timing.at("seconds_by_stage").at(stage).get<double>();
@@ -90,7 +91,7 @@ void score_labels(const Setup& setup, const Case& at, const Path& result, Row& r
     return;
   }
   const Finished finished = run_process({scorer.string(), (scene(setup, at) / "truth.json").string(),
-                                         result.string(), "--scan", kScan, "--json"},
+                                         result.string(), "--scan", kScan, "--no-decimation", "--json"},
                                         2 * setup.run_limit_s);
   if (const auto failure = failure_of(finished); !failure.empty()) {
     row.quality = "not scored: " + failure;
@@ -113,7 +114,7 @@ std::vector<Case> cases_of(const Setup& setup) {
   const auto add = [&](const std::string& size, bool probe) {
     const double samples = 1e6 * std::stod(size);
     const auto missing = setup.no_scan.find(size);
-    cases.push_back({size + " MP", samples, probe, samples > kLarge,
+    cases.push_back({size + " MP", samples, probe, samples > 1e6 * kLarge_mp,
                      missing == setup.no_scan.end() ? "" : missing->second});
   };
   add(setup.probe_size, true);

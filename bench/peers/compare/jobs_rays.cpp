@@ -33,7 +33,7 @@ std::vector<Row> ray_rows(const Setup& setup) {
       row.quality = entry.at("quality");
       row.ours = entry.at("ours");
       row.samples = entry.at("items");
-      for (const auto& seconds : entry.at("seconds")) row.runs.push_back({seconds, 0, 0, {}});
+      for (const auto& seconds : entry.at("seconds")) row.runs.push_back({seconds, 0, 0, 0, {}});
       rows.push_back(row);
     }
     return rows;

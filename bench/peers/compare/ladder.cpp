@@ -154,7 +154,8 @@ std::vector<Row> run_ladder(const Job& job, const LadderOptions& options) {
       for (std::size_t p = 0; p < job.programs.size(); ++p) {
         if (!size.runs[p] || !job.programs[p].run || (round > 0 && !size.again(p))) continue;
         if (options.say)
-          options.say(fmt::format("{}, {}, round {}: {}", job.name, at.size, round + 1, job.programs[p].name));
+          options.say(
+              fmt::format("{}, {}, round {}: {}", job.name, at.size, round + 1, job.programs[p].name));
         size.run_once(p);
       }
     if (options.say && !at.probe) options.say(fmt::format("{}, {}: scoring", job.name, at.size));

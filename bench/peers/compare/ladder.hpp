@@ -10,10 +10,10 @@ namespace hybrid::compare {
 
 // One size of a job.
 struct Case {
-  std::string size;    // "20 MP"
-  double samples = 0;  // known before it runs, for predictions
-  bool probe = false;  // only there so that slow programs have something to be extrapolated from
-  bool large = false;  // only programs that say so run it, unless all is asked for
+  std::string size;          // "20 MP"
+  double samples = 0;        // known before it runs, for predictions
+  bool probe = false;        // only there so that slow programs have something to be extrapolated from
+  bool large = false;        // only programs that say so run it, unless all is asked for
   std::string missing = {};  // why nothing can run at this size; empty = it can
 };
 
@@ -41,9 +41,9 @@ struct LadderOptions {
   int rounds = 3;
   double peer_limit_s = 60;    // a program that would take longer is extrapolated ...
   bool full = false;           // ... unless asked for
-  double repeat_limit_s = 15;  // no further round for a program that would then have had longer at one size
+  double repeat_limit_s = 10;  // no further round for a program that would then have had longer at one size
   std::chrono::steady_clock::time_point repeats_end = std::chrono::steady_clock::time_point::max();
-  double memory_mb = 0;        // a program that would need more is extrapolated; 0 = no limit
+  double memory_mb = 0;  // a program that would need more is extrapolated; 0 = no limit
   std::function<void(const std::string&)> say;  // progress, may be absent
 };
 

@@ -148,8 +148,11 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--work", setup.work, "folder for results, compare.md, compare.json and the plots")
       ->required();
-  app.add_option("--sizes", sizes, "megapixels, ascending, with commas")->check(kSizes)->capture_default_str();
-  app.add_option("--only", only, "one job")->check(CLI::IsMember({"planes", "squares", "icp", "rays", "e57"}));
+  app.add_option("--sizes", sizes, "megapixels, ascending, with commas")
+      ->check(kSizes)
+      ->capture_default_str();
+  app.add_option("--only", only, "one job")
+      ->check(CLI::IsMember({"planes", "squares", "icp", "rays", "e57"}));
   app.add_option("--rounds", setup.ladder.rounds, "runs of each program")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -157,11 +160,12 @@ int main(int argc, char** argv) {
   app.add_option("--minutes", minutes, "no repetitions after three quarters of this (--full: no such limit)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  auto* limit = app.add_option("--run-limit", setup.run_limit_s,
-                               "seconds after which a peer is taken to hang and ended (--full: 4 hours); ours "
-                               "twice that")
-                    ->check(CLI::PositiveNumber)
-                    ->capture_default_str();
+  auto* limit =
+      app.add_option("--run-limit", setup.run_limit_s,
+                     "seconds after which a peer is taken to hang and ended (--full: 4 hours); ours "
+                     "twice that")
+          ->check(CLI::PositiveNumber)
+          ->capture_default_str();
   app.add_option("--e57", setup.e57, "scan for the E57 readers")->check(CLI::ExistingFile);
   app.add_option("--write-results", setup.results, "RESULTS.md whose table is to be replaced, with its plots")
       ->check(CLI::ExistingFile);

@@ -82,6 +82,10 @@ Finished run_process(const std::vector<std::string>& command, double limit_s) {
   result.wall_s = since(start);
   result.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024;
   result.limit_s = limit_s;
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  result.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   if (result.exit_code == 127) throw std::runtime_error(command.front() + ": cannot be started");
   return result;
@@ -101,8 +105,8 @@ std::string failure_of(const Finished& finished) {
   const std::string words = last_line(finished.errors);
   std::string failure = fmt::format("exit status {}", finished.exit_code);
   if (finished.exit_code > 128) {
-    failure = fmt::format("ended by signal {} ({})", finished.exit_code - 128,
-                          strsignal(finished.exit_code - 128));
+    failure =
+        fmt::format("ended by signal {} ({})", finished.exit_code - 128, strsignal(finished.exit_code - 128));
     if (finished.exit_code == 128 + SIGKILL) failure += ", as when memory runs out";
   }
   return words.empty() ? failure : failure + ": " + words;

@@ -8,7 +8,7 @@ struct Finished {
   int exit_code = 0;     // 128 + signal when one ended it
   bool stopped = false;  // by us, after the limit
   std::string output, errors;
-  double wall_s = 0, peak_mb = 0, limit_s = 0;
+  double wall_s = 0, cpu_s = 0, peak_mb = 0, limit_s = 0;
 };
 
 // Runs a program to its end with its output caught; past `limit_s` it is killed with all it has started.

@@ -52,6 +52,7 @@ Run run_peer(const std::vector<std::string>& command, double limit_s) {
   if (const auto failure = failure_of(finished); !failure.empty()) throw std::runtime_error(failure);
   Run run;
   run.wall_s = finished.wall_s;
+  run.cpu_s = finished.cpu_s;
   run.peak_mb = finished.peak_mb;
   try {
     run.report = nlohmann::json::parse(last_line(finished.output));
@@ -70,9 +71,10 @@ std::string make_scene(const Setup& setup, const std::string& size) {
   if (std::filesystem::exists(scene / "scene.toml")) return "";  // written last
   try {
     std::filesystem::create_directories(setup.scenes);
+    const char* beam_rays = std::stod(size) > kLarge_mp ? "4" : "8";
     const auto failure = failure_of(run_process(
         {(setup.bin / "hybrid-synth").string(), "room", "--out", scene.string(), "--seed", "1", "--preset",
-         "tiny", "--megapixels", size, "--only-scan", "west", "--quiet"},
+         "tiny", "--megapixels", size, "--only-scan", "west", "--beam-rays", beam_rays, "--quiet"},
         kLongestMaking_s));
     return failure.empty() ? "" : "no scan: " + failure;
   } catch (const std::exception& problem) {

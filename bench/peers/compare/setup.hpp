@@ -8,16 +8,20 @@
 
 namespace hybrid::compare {
 
+// Sizes beyond are for ours and the twin only, unless all is asked for; their scans are made with 4 rays on a
+// beam's ring instead of 8, which halves the time.
+inline constexpr double kLarge_mp = 50;
+
 // Where programs and scenes are and what was asked for.
 struct Setup {
-  std::filesystem::path bin;        // hybrid, hybrid-score and peers/
-  std::filesystem::path scenes;     // room-<size>/ of hybrid-synth, size in megapixels
-  std::filesystem::path work;       // results
-  std::filesystem::path external;   // HYBRID_PEERS_DIR; empty = not given
-  std::filesystem::path results;    // RESULTS.md to be written into; empty = none
-  std::filesystem::path e57;        // a scan for the reading job; empty = none
-  std::vector<std::string> sizes;   // megapixels, ascending: "1", "5"
-  std::string probe_size = "0.25";  // for programs so slow that larger sizes are extrapolated
+  std::filesystem::path bin;                   // hybrid, hybrid-score and peers/
+  std::filesystem::path scenes;                // room-<size>/ of hybrid-synth, size in megapixels
+  std::filesystem::path work;                  // results
+  std::filesystem::path external;              // HYBRID_PEERS_DIR; empty = not given
+  std::filesystem::path results;               // RESULTS.md to be written into; empty = none
+  std::filesystem::path e57;                   // a scan for the reading job; empty = none
+  std::vector<std::string> sizes;              // megapixels, ascending: "1", "5"
+  std::string probe_size = "0.25";             // for programs so slow that larger sizes are extrapolated
   std::map<std::string, std::string> no_scan;  // why there is none, by size
   bool quick = false;
   int threads = 0;

@@ -45,10 +45,11 @@ struct Compare : testing::Test {
   }
   Finished compare(const std::string& more) const {
     const std::string at = folder.string();
-    return run_process({"/bin/sh", "-c",
-                        "HYBRID_PEERS_DIR=" + at + "/external HYBRID_COMMIT=abc1234 exec " HYBRID_COMPARE
-                        " --bin " + at + "/bin --scenes " + at + "/scenes --work " + at + "/work " + more},
-                       50);
+    return run_process(
+        {"/bin/sh", "-c",
+         "HYBRID_PEERS_DIR=" + at + "/external HYBRID_COMMIT=abc1234 exec " HYBRID_COMPARE " --bin " + at +
+             "/bin --scenes " + at + "/scenes --work " + at + "/work " + more},
+        50);
   }
   std::string text(const std::string& name) const {
     std::stringstream content;
@@ -70,8 +71,7 @@ TEST_F(Compare, AProgramOfOnesOwnGetsItsRow) {
 echo '{"seconds": 4, "package": "fake 7", "settings": "none | any", "samples": 800000}')");
   const auto finished = compare("--only planes --sizes 1 --rounds 2");
   ASSERT_EQ(failure_of(finished), "");
-  const std::string expected =
-      "| planes | 1 MP | AHC / PEAC | 4.00 (4.00-4.00) | 2 | 0.200 | 2.00 x |";
+  const std::string expected = "| planes | 1 MP | AHC / PEAC | 4.00 (4.00-4.00) | 2 | 0.200 | 2.00 x |";
   EXPECT_NE(finished.output.find(expected), std::string::npos) << finished.output;
   EXPECT_NE(finished.output.find("none   any |"), std::string::npos) << finished.output;
   EXPECT_EQ(row("1 MP", "AHC / PEAC").at("package"), "fake 7");
@@ -153,7 +153,8 @@ TEST_F(Compare, ReplacesTheTableOfAResultsFile) {
 TEST_F(Compare, ReadingE57WaitsForOursAndRunsThePeers) {
   ASSERT_EQ(failure_of(compare("--only e57")), "");
   EXPECT_EQ(row("a scan", "libE57Format").at("reason"), "not in HYBRID_PEERS_DIR");
-  script("external/libe57_read", R"(echo '{"seconds": 2, "package": "libE57Format 3", "samples": 16000000}')");
+  script("external/libe57_read",
+         R"(echo '{"seconds": 2, "package": "libE57Format 3", "samples": 16000000}')");
   std::ofstream(folder / "hall.e57") << "a scan";
   const auto finished = compare("--only e57 --e57 " + (folder / "hall.e57").string());
   ASSERT_EQ(failure_of(finished), "");
@@ -164,8 +165,8 @@ TEST_F(Compare, ReadingE57WaitsForOursAndRunsThePeers) {
 }
 
 TEST_F(Compare, BadOptionsAreTold) {
-  for (const char* options : {"--fast", "--only lunch", "--rounds 0", "--sizes 1,x", "--sizes 5,1", "--sizes ,",
-                              "--minutes -1", "--e57 /no/such.e57"}) {
+  for (const char* options : {"--fast", "--only lunch", "--rounds 0", "--sizes 1,x", "--sizes 5,1",
+                              "--sizes ,", "--minutes -1", "--e57 /no/such.e57"}) {
     const auto finished = compare(options);
     EXPECT_EQ(finished.exit_code, 2) << options;
     EXPECT_NE(finished.errors, "") << options;

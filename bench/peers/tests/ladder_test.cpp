@@ -105,10 +105,10 @@ TEST_F(Ladder, SaysWhyAProgramDidNotRun) {
 
 TEST_F(Ladder, RepeatsOnlyWhatFitsTheTimeOfASize) {
   job.cases = {{"1 MP", 1e6}};
-  job.programs = {fake("A", true, 5, log), fake("B", false, 5.1, log), fake("C", false, 16, log)};
+  job.programs = {fake("A", true, 3, log), fake("B", false, 3.4, log), fake("C", false, 16, log)};
   options.rounds = 5;
   run_ladder(job, options);
-  EXPECT_EQ(log, "ABCABA");  // 3 x 5 s fit into 15 s, 3 x 5.1 do not
+  EXPECT_EQ(log, "ABCABA");  // 3 x 3 s fit into 10 s, 3 x 3.4 do not
 }
 
 TEST_F(Ladder, RepeatsNothingOnceTheTimeOfAllIsUp) {
@@ -204,6 +204,7 @@ TEST(Plot, HasALinePerProgramAndHollowGuesses) {
                    {"none", false, {}}}};
   const std::string svg = svg_of(plot);
   EXPECT_NE(svg.find("t &lt; u"), std::string::npos);
+  EXPECT_NE(svg.find("text-anchor=\"middle\">5</text>"), std::string::npos);
   EXPECT_NE(svg.find(">ours</text>"), std::string::npos);
   EXPECT_NE(svg.find(">peer</text>"), std::string::npos);
   EXPECT_EQ(svg.find(">none</text>"), std::string::npos);

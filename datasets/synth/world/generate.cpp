@@ -54,10 +54,11 @@ std::vector<ScanCounts> write_scans(const std::filesystem::path& out, const Worl
     const ScannerPose& pose = world.scanners[i];
     const auto file = open_scan_file(out / "scans" / scan_file_name(pose), pose, options.preset);
     TruthFile truth(out / "truth" / (pose.id + ".exr"));
-    scans.push_back(simulate_scan(world, tracer, pose, options, world.first_scanner + i, [&](const std::vector<Sample>& column) {
-      file->add(column);
-      truth.add(column);
-    }));
+    scans.push_back(simulate_scan(world, tracer, pose, options, world.first_scanner + i,
+                                  [&](const std::vector<Sample>& column) {
+                                    file->add(column);
+                                    truth.add(column);
+                                  }));
     file->finish();
     truth.finish();
   }
@@ -116,11 +117,13 @@ Summary generate(const World& world, const Options& options, const std::string& 
 
   std::vector<std::vector<Landmark>> landmarks;
   for (std::size_t i = 0; i < world.scanners.size(); ++i)
-    landmarks.push_back(pick_landmarks(world, tracer, world.scanners[i], options.seed, world.first_scanner + i));
+    landmarks.push_back(
+        pick_landmarks(world, tracer, world.scanners[i], options.seed, world.first_scanner + i));
   const std::vector<ScanCounts> scans = write_scans(out, world, tracer, options);
 
   std::optional<IndirectLight> indirect;
-  if (world.sun && !world.photographs.empty()) indirect.emplace(world, tracer, options.preset.light_step_m, options.preset.light_rays);
+  if (world.sun && !world.photographs.empty())
+    indirect.emplace(world, tracer, options.preset.light_step_m, options.preset.light_rays);
   const auto picture = [&](const Camera& camera, const RenderOptions& how) {
     return render(world, tracer, indirect ? &*indirect : nullptr, camera, how);
   };

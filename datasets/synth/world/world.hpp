@@ -81,7 +81,8 @@ struct World {
   Eigen::Array2d rug_low = {0, 0}, rug_high = {0, 0};  // on a floor of planks
   Proxy proxy;
   std::vector<ScannerPose> scanners;
-  std::uint64_t first_scanner = 0;  // which of the whole scene's scanners[0] is: its draws of chance hang on it
+  std::uint64_t first_scanner =
+      0;  // which of the whole scene's scanners[0] is: its draws of chance hang on it
   std::vector<Camera> photographs;
   std::vector<View> views;
 };

@@ -53,8 +53,7 @@ void write_scene_toml(const std::filesystem::path& path, const World& world, con
     text += "]\n";
   }
   text += "\n[model]\nfile = \"proxy.obj\"\nunit = \"m\"\nup = \"z\"\n";
-  if (!world.photographs.empty())
-    text += "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
+  if (!world.photographs.empty()) text += "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
   for (const View& view : world.views) text += view_table(view, options.preset);
   write_bytes(path, text);
 }
