@@ -73,6 +73,8 @@ Run run_ours(const Setup& setup, const Case& at) {
 
 Run run_planes_peer(const Setup& setup, const Case& at, const Path& program, const std::string& variant,
                     const std::vector<std::string>& more) {
+  if (!std::filesystem::exists(ours_range(setup, at)))
+    throw NoInput("no range image: hybrid planes made none");
   const Path out = setup.work / (program.filename().string() + "-" + variant) / size_of(at);
   std::vector<std::string> command = {program.string(), "--range",   ours_range(setup, at).string(), "--out",
                                       out.string(),     "--threads", std::to_string(setup.threads)};

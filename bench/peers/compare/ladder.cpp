@@ -100,12 +100,15 @@ struct Size {
            std::chrono::steady_clock::now() < options.repeats_end;
   }
 
-  void fail(std::size_t p, const std::string& problem) {
+  void fail(std::size_t p, const std::exception& problem) {
     rows[p].outcome = Outcome::not_run;
-    rows[p].reason = "failed: " + problem;
     rows[p].runs.clear();
     runs[p] = false;
-    histories[p].failure = "failed at " + at.size + ": " + problem;
+    const bool faultless = dynamic_cast<const NoInput*>(&problem) != nullptr;
+    rows[p].reason = (faultless ? "" : "failed: ") + std::string(problem.what());
+    // Ours is tried again: the peers need what it writes.
+    if (!faultless && !job.programs[p].ours)
+      histories[p].failure = "failed at " + at.size + ": " + problem.what();
   }
 
   void take(std::size_t p, const Run& run) {
@@ -123,9 +126,9 @@ struct Size {
       for (std::size_t q = p + 1; q < rows.size(); ++q)
         if (runs[q] && job.programs[q].run_of == program.name) take(q, job.programs[q].figure(run));
     } catch (const std::exception& problem) {
-      fail(p, problem.what());
+      fail(p, problem);
       for (std::size_t q = p + 1; q < rows.size(); ++q)
-        if (runs[q] && job.programs[q].run_of == program.name) fail(q, problem.what());
+        if (runs[q] && job.programs[q].run_of == program.name) fail(q, problem);
     }
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ struct Case {
   bool probe = false;        // only there so that slow programs have something to be extrapolated from
   bool large = false;        // only programs that say so run it, unless all is asked for
   std::string missing = {};  // why nothing can run at this size; empty = it can
+};
+
+// What a run needs is not there, through no fault of the program: no reason not to try a larger size.
+struct NoInput : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 struct Program {

@@ -55,7 +55,9 @@ std::vector<Row> run_all(const Setup& setup, const std::string& only) {
 // A scan of each size; without one its rows say why.
 std::string make_scenes(Setup& setup) {
   std::string made;
-  for (const auto& size : setup.sizes) {
+  std::vector<std::string> sizes = setup.sizes;
+  sizes.insert(sizes.begin(), setup.probe_size);
+  for (const auto& size : sizes) {
     if (!std::filesystem::exists(setup.scenes / ("room-" + size) / "scene.toml"))
       made += (made.empty() ? "" : ", ") + size;
     setup.ladder.say("scan of " + size + " MP");

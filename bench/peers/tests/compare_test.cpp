@@ -18,10 +18,11 @@ namespace fs = std::filesystem;
 constexpr const char* kSynth = R"(
 while [ $# -gt 0 ]; do case $1 in --out) out=$2; shift;; --megapixels) size=$2; shift;; esac; shift; done
 if [ "$size" = 5 ]; then echo "the disk has 3 MB free" >&2; exit 75; fi
-mkdir -p $out; touch $out/scene.toml
+mkdir -p $out/scans; touch $out/scans/west.ply $out/scene.toml
 )";
 constexpr const char* kHybrid = R"(
 if [ "$1" = devices ]; then echo '[{"name": "fake device", "driver": "7.1"}]'; exit; fi
+if [ ! -e "$2" ]; then echo "$2: no such file" >&2; exit 4; fi
 while [ $# -gt 0 ]; do case $1 in --out) out=$2; shift;; esac; shift; done
 mkdir -p $out/scans/west; touch $out/scans/west/range.exr
 echo '{"seconds_by_stage": {"square planes": 0.5, "superclusters": 1.5},
@@ -90,6 +91,25 @@ TEST_F(Compare, AFailureIsRepeatedAndTheRestGoesOn) {
   EXPECT_EQ(row("1 MP", "AHC / PEAC").at("reason"), "failed at 0.5 MP: exit status 1: no plane in sight");
   EXPECT_EQ(row("1 MP", "hybrid planes").at("outcome"), "ran");
   EXPECT_EQ(row("1 MP", "CGAL region growing").at("reason"), "CGAL not installed when this was built");
+}
+
+// The first size is only there for slow programs; its scan is made too.
+TEST_F(Compare, EverySizeHasItsScan) {
+  script("external/ahc_planes", R"(echo '{"seconds": 4}')");
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1,2 --rounds 1")), "");
+  for (const char* size : {"0.25", "1", "2"})
+    EXPECT_TRUE(fs::exists(folder / "work" / "ours" / size / "timing.json")) << size;
+  EXPECT_EQ(row("2 MP", "hybrid planes").at("outcome"), "ran");
+}
+
+TEST_F(Compare, APeerIsNotBlamedForOurFailure) {
+  script("bin/hybrid",
+         "case \"$*\" in *room-1/*) echo 'no device' >&2; exit 5;; esac\n" + std::string(kHybrid));
+  script("external/ahc_planes", R"(echo '{"seconds": 4}')");
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1,2 --rounds 1")), "");
+  EXPECT_EQ(row("1 MP", "hybrid planes").at("reason"), "failed: exit status 5: no device");
+  EXPECT_EQ(row("1 MP", "AHC / PEAC").at("reason"), "no range image: hybrid planes made none");
+  EXPECT_EQ(row("2 MP", "AHC / PEAC").at("outcome"), "ran");
 }
 
 TEST_F(Compare, WhatHangsIsEnded) {
