@@ -48,6 +48,8 @@ int main(int argc, char** argv) {
   app.add_option("RESULTS", results, "what is to be scored")->required();
   app.add_flag("--json", json, "one JSON document on stdout instead of tables");
   app.add_option("--scan", options.scan, "only this scan");
+  app.add_flag("--no-decimation{false}", options.decimation,
+               "leave out how far discarded samples are from their planes");
   app.add_option("--min-samples", options.min_samples,
                  "true planes with fewer measured samples are not counted")
       ->check(CLI::PositiveNumber)

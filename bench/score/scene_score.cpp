@@ -41,6 +41,7 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
     region_normals = fit_region_normals(grid);
   score.planes = score_planes(joined, region_normals, normals_in_scan(truth, scan.world_from_scan));
   score.planes->normals_from = planes ? "planes.json" : "fit to the labelled samples";
+  if (!options.decimation) return;
   const auto kept = read_kept_points(folder);
   if (planes && kept && !grid.point.empty())
     score.decimation = score_decimation(grid, *planes, *kept, samples, (folder / "detail.ply").string());

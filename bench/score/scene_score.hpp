@@ -18,7 +18,8 @@ namespace score {
 struct ScoreOptions {
   std::int64_t min_samples = 100;  // planes with fewer are not counted
   PoseLimits limits;
-  std::string scan;  // only this scan; empty: all
+  std::string scan;        // only this scan; empty: all
+  bool decimation = true;  // measured, where the results hold it
 };
 
 struct PlaneScore {

@@ -5,6 +5,7 @@
 //
 //   hybrid-synth room    --out DIR --seed 1 --preset tiny|demo [--megapixels M]
 //   hybrid-synth church  --out DIR --seed 1 --preset tiny|demo|full [--megapixels M] [--proxy-error 0.02]
+//                       [--only-scan nave]          that scan alone, the same bytes
 //   hybrid-synth archive N --out DIR --seed 1        scene-0000 ...: small churches, seeds one apart
 //
 // DIR holds scene.toml (written last), proxy.obj, scans/, photographs/, cameras/ (COLMAP), detail.ply (the
@@ -21,6 +22,7 @@
 #include <exception>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 
 #include "church/church.hpp"
@@ -67,7 +69,7 @@ CLI::Validator within(double minimum, double maximum) {
 
 struct Request {
   synth::Options options;
-  std::string folder, preset, format;
+  std::string folder, preset, format, only_scan;
   std::optional<double> megapixels, photograph_variation;
   int threads = 0, scenes = 0;
   bool json = false, quiet = false;
@@ -110,9 +112,22 @@ void add_common(CLI::App& command, Request& r, const std::map<std::string, synth
                   "step of the mirror, columns that start elsewhere included; exr: the same grid as a tiled "
                   "range image. Default: ptx for a scanner whose columns are even, else ply")
       ->check(CLI::IsMember({"ply", "ptx", "exr"}));
+  command
+      .add_option(
+          "--beam-rays", options.scanner.beam_rays,
+          "Rays on the ring of each beam's footprint, besides its centre; 4 take a little over half the time "
+          "of 8 and miss thin mixed pixels")
+      ->check(CLI::Range(3, 32))
+      ->capture_default_str();
   command.add_option("--threads", r.threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
   command.add_flag("--json", r.json, "Summary as JSON on stdout");
   command.add_flag("--quiet", r.quiet, "No summary on stderr");
+}
+
+void add_only_scan(CLI::App& command, Request& r) {
+  command.add_option("--only-scan", r.only_scan,
+                     "This scan and its truth, the same bytes as in the whole scene, and nothing else: no "
+                     "photographs, no views");
 }
 
 void add_church_options(CLI::App& command, Request& r) {
@@ -171,6 +186,7 @@ int main(int argc, char** argv) {
       app.add_subcommand("archive", "Many small churches, scene-0000 and on, seeds one apart");
   Request of_room, of_church, of_archive;
   add_common(*room, of_room, kRoomPresets, "demo");
+  add_only_scan(*room, of_room);
   for (Request* r : {&of_church, &of_archive})
     r->options.scanner = {.noise_m = 0.0015,
                           .noise_per_m = 0.0001,
@@ -179,6 +195,7 @@ int main(int argc, char** argv) {
                           .optics = true};
   add_common(*church, of_church, kChurchPresets, "demo");
   add_church_options(*church, of_church);
+  add_only_scan(*church, of_church);
   archive->add_option("scenes", of_archive.scenes, "How many")->required()->check(CLI::Range(1, 100000));
   add_common(*archive, of_archive, kChurchPresets, "tiny");
   add_church_options(*archive, of_archive);
@@ -204,13 +221,18 @@ int main(int argc, char** argv) {
     if (request.threads > 0)
       limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.threads));
     settle(request, room->parsed() ? kRoomPresets : kChurchPresets, archive->parsed() ? "tiny" : "demo");
-    if (archive->parsed())
+    if (archive->parsed()) {
       make_archive(request);
-    else
-      tell(request, synth::generate(room->parsed() ? synth::build_room(request.options)
-                                                   : synth::build_church(request.options),
-                                    request.options, request.folder));
+      return 0;
+    }
+    synth::World world =
+        room->parsed() ? synth::build_room(request.options) : synth::build_church(request.options);
+    if (!request.only_scan.empty()) synth::keep_only_scan(world, request.only_scan);
+    tell(request, synth::generate(world, request.options, request.folder));
     return 0;
+  } catch (const std::invalid_argument& problem) {
+    fmt::print(stderr, "hybrid-synth {}: {}\n", what, problem.what());
+    return 2;
   } catch (const std::system_error& problem) {
     const bool full = problem.code() == std::errc::no_space_on_device;
     fmt::print(stderr, "hybrid-synth {}: {}{}\n", what, problem.what(),

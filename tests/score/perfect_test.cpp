@@ -65,4 +65,12 @@ TEST_F(PerfectRoom, labels_alone_get_the_label_measures_alone) {
   EXPECT_TRUE(marks["openings"].is_null());
 }
 
+TEST_F(PerfectRoom, decimation_is_left_out_when_asked) {
+  score::ScoreOptions options;
+  options.decimation = false;
+  const auto score = score::score_scene(truth_file(), write(perfect()), options);
+  EXPECT_FALSE(score.scans.at(0).decimation.has_value());
+  EXPECT_GT(score.scans.at(0).planes->labels.found, 5);
+}
+
 }  // namespace score_tests

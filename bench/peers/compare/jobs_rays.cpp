@@ -22,7 +22,7 @@ std::vector<Row> ray_rows(const Setup& setup) {
   if (setup.quick) command.push_back("--quick");
   try {
     std::vector<Row> rows;
-    const Run all = run_peer(command);
+    const Run all = run_peer(command, 2 * setup.run_limit_s);
     for (const auto& entry : all.report.at("rows")) {
       Row row;
       row.job = entry.at("job");
@@ -33,7 +33,7 @@ std::vector<Row> ray_rows(const Setup& setup) {
       row.quality = entry.at("quality");
       row.ours = entry.at("ours");
       row.samples = entry.at("items");
-      for (const auto& seconds : entry.at("seconds")) row.runs.push_back({seconds, 0, 0, {}});
+      for (const auto& seconds : entry.at("seconds")) row.runs.push_back({seconds, 0, 0, 0, {}});
       rows.push_back(row);
     }
     return rows;

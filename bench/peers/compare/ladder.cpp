@@ -16,7 +16,7 @@ constexpr double kFarthest = 1000;
 // What is known of one program from the sizes it ran.
 struct History {
   std::vector<Sized> seconds, process_s, memory_mb;
-  std::string last_size, quality;
+  std::string last_size, quality, failure;
 };
 
 Row row_of(const Job& job, const Program& program, const Case& at) {
@@ -39,7 +39,7 @@ bool extrapolated(const Program& program, const Case& at, const History& history
   const bool too_long = !program.ours && !options.full &&
                         std::max(seconds, extrapolate(history.process_s, at.samples)) > options.peer_limit_s;
   const bool too_big = options.memory_mb > 0 && memory > options.memory_mb;
-  if (!too_long && !too_big) return false;
+  if (!too_long && !too_big && !(at.large && !program.large && !options.full)) return false;
   row.outcome = Outcome::extrapolated;
   row.reason = fmt::format("from {}{}", history.last_size,
                            too_big ? fmt::format(", would need {:.0f} MB", memory) : std::string());
@@ -71,50 +71,99 @@ void remember(const Row& row, const Case& at, History& history) {
   history.quality = row.quality;
 }
 
+// The rows of one size while its rounds go on.
+struct Size {
+  const Job& job;
+  const Case& at;
+  const LadderOptions& options;
+  std::vector<History>& histories;
+  std::vector<Row> rows = {};
+  std::vector<bool> runs = {};
+  std::vector<double> spent_s = {}, longest_s = {};
+
+  void decide() {
+    for (std::size_t p = 0; p < job.programs.size(); ++p) {
+      const Program& program = job.programs[p];
+      Row& row = rows.emplace_back(row_of(job, program, at));
+      const std::string& missing = program.missing.empty() ? at.missing : program.missing;
+      row.reason = missing.empty() ? histories[p].failure : missing;
+      runs.push_back(row.reason.empty() && !(at.probe && !program.slow && !program.ours) &&
+                     !extrapolated(program, at, histories[p], options, row));
+      if (!row.reason.empty() && row.outcome == Outcome::ran) row.outcome = Outcome::not_run;
+    }
+    spent_s.assign(rows.size(), 0);
+    longest_s.assign(rows.size(), 0);
+  }
+
+  bool again(std::size_t p) const {
+    return spent_s[p] + longest_s[p] <= options.repeat_limit_s &&
+           std::chrono::steady_clock::now() < options.repeats_end;
+  }
+
+  void fail(std::size_t p, const std::exception& problem) {
+    rows[p].outcome = Outcome::not_run;
+    rows[p].runs.clear();
+    runs[p] = false;
+    const bool faultless = dynamic_cast<const NoInput*>(&problem) != nullptr;
+    rows[p].reason = (faultless ? "" : "failed: ") + std::string(problem.what());
+    // Ours is tried again: the peers need what it writes.
+    if (!faultless && !job.programs[p].ours)
+      histories[p].failure = "failed at " + at.size + ": " + problem.what();
+  }
+
+  void take(std::size_t p, const Run& run) {
+    rows[p].runs.push_back(run);
+    take_report(run, rows[p]);
+  }
+
+  void run_once(std::size_t p) {
+    const Program& program = job.programs[p];
+    try {
+      const Run run = program.run(at);
+      spent_s[p] += run.wall_s;
+      longest_s[p] = std::max(longest_s[p], run.wall_s);
+      take(p, run);
+      for (std::size_t q = p + 1; q < rows.size(); ++q)
+        if (runs[q] && job.programs[q].run_of == program.name) take(q, job.programs[q].figure(run));
+    } catch (const std::exception& problem) {
+      fail(p, problem);
+      for (std::size_t q = p + 1; q < rows.size(); ++q)
+        if (runs[q] && job.programs[q].run_of == program.name) fail(q, problem);
+    }
+  }
+
+  void finish() {
+    for (std::size_t p = 0; p < rows.size(); ++p) {
+      if (!runs[p] || rows[p].runs.empty()) continue;
+      try {
+        if (job.programs[p].score) job.programs[p].score(at, rows[p]);
+      } catch (const std::exception& problem) {
+        rows[p].quality = std::string("not scored: ") + problem.what();
+      }
+      remember(rows[p], at, histories[p]);
+    }
+  }
+};
+
 }  // namespace
 
 std::vector<Row> run_ladder(const Job& job, const LadderOptions& options) {
-  const auto say = [&](const std::string& text) {
-    if (options.say) options.say(text);
-  };
   std::vector<History> histories(job.programs.size());
   std::vector<Row> table;
   for (const Case& at : job.cases) {
-    std::vector<Row> rows;
-    std::vector<bool> runs(job.programs.size());
-    for (std::size_t p = 0; p < job.programs.size(); ++p) {
-      const Program& program = job.programs[p];
-      rows.push_back(row_of(job, program, at));
-      if (!program.missing.empty()) {
-        rows[p].outcome = Outcome::not_run;
-        rows[p].reason = program.missing;
-      } else {
-        runs[p] = !(at.probe && !program.slow && !program.ours) &&
-                  !extrapolated(program, at, histories[p], options, rows[p]);
-      }
-    }
-    std::vector<double> spent(job.programs.size(), 0);
+    Size size{job, at, options, histories};
+    size.decide();
     for (int round = 0; round < (at.probe ? 1 : options.rounds); ++round)
       for (std::size_t p = 0; p < job.programs.size(); ++p) {
-        if (!runs[p] || (round > 0 && spent[p] > options.repeat_limit_s)) continue;
-        say(fmt::format("{}, {}, round {}: {}", job.name, at.size, round + 1, job.programs[p].name));
-        try {
-          rows[p].runs.push_back(job.programs[p].run(at));
-          spent[p] += rows[p].runs.back().wall_s;
-          take_report(rows[p].runs.back(), rows[p]);
-        } catch (const std::exception& problem) {
-          rows[p].outcome = Outcome::not_run;
-          rows[p].reason = std::string("failed: ") + problem.what();
-          rows[p].runs.clear();
-          runs[p] = false;
-        }
+        if (!size.runs[p] || !job.programs[p].run || (round > 0 && !size.again(p))) continue;
+        if (options.say)
+          options.say(
+              fmt::format("{}, {}, round {}: {}", job.name, at.size, round + 1, job.programs[p].name));
+        size.run_once(p);
       }
-    for (std::size_t p = 0; p < job.programs.size(); ++p) {
-      if (!runs[p] || rows[p].runs.empty()) continue;
-      if (job.programs[p].score) job.programs[p].score(at, rows[p]);
-      remember(rows[p], at, histories[p]);
-    }
-    if (!at.probe) table.insert(table.end(), rows.begin(), rows.end());
+    if (options.say && !at.probe) options.say(fmt::format("{}, {}: scoring", job.name, at.size));
+    size.finish();
+    if (!at.probe) table.insert(table.end(), size.rows.begin(), size.rows.end());
   }
   return table;
 }

@@ -1,5 +1,7 @@
 #pragma once
+#include <chrono>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -9,18 +11,30 @@ namespace hybrid::compare {
 
 // One size of a job.
 struct Case {
-  std::string size;    // "20 MP"
-  double samples = 0;  // known before it runs, for predictions
-  bool probe = false;  // only there so that slow programs have something to be extrapolated from
+  std::string size;          // "20 MP"
+  double samples = 0;        // known before it runs, for predictions
+  bool probe = false;        // only there so that slow programs have something to be extrapolated from
+  bool large = false;        // only programs that say so run it, unless all is asked for
+  std::string missing = {};  // why nothing can run at this size; empty = it can
+};
+
+// What a run needs is not there, through no fault of the program: no reason not to try a larger size.
+struct NoInput : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 struct Program {
   std::string name;
   bool ours = false;
   bool slow = false;    // runs probes, and may be extrapolated from one
+  bool large = false;   // runs the large sizes
   std::string missing;  // why it cannot run; empty = it can
   std::function<Run(const Case&)> run;
   std::function<void(const Case&, Row&)> score;  // fills quality; may be absent
+  // Another figure of a run of the program of this name, earlier in the list, instead of a run of its own;
+  // `run` is absent then.
+  std::string run_of;
+  std::function<Run(const Run&)> figure;
 };
 
 struct Job {
@@ -33,8 +47,9 @@ struct LadderOptions {
   int rounds = 3;
   double peer_limit_s = 60;    // a program that would take longer is extrapolated ...
   bool full = false;           // ... unless asked for
-  double repeat_limit_s = 15;  // no further round for a program that has had this long at one size
-  double memory_mb = 0;        // a program that would need more is extrapolated; 0 = no limit
+  double repeat_limit_s = 10;  // no further round for a program that would then have had longer at one size
+  std::chrono::steady_clock::time_point repeats_end = std::chrono::steady_clock::time_point::max();
+  double memory_mb = 0;  // a program that would need more is extrapolated; 0 = no limit
   std::function<void(const std::string&)> say;  // progress, may be absent
 };
 

@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "compare/statistics.hpp"
-
 namespace hybrid::compare {
 namespace {
 
@@ -43,7 +41,7 @@ std::string grid(const Axis& x, const Axis& y, const std::vector<double>& sizes)
   std::string svg;
   for (double size : sizes) {
     svg += fmt::format("<path d=\"M{0:.1f} {1}V{2}\" class=\"grid\"/>\n", x.at(size), kTop, kTop + kHeight);
-    svg += text_at(x.at(size), kTop + kHeight + 18, three_digits(size), "text-anchor=\"middle\"");
+    svg += text_at(x.at(size), kTop + kHeight + 18, fmt::format("{:.3g}", size), "text-anchor=\"middle\"");
   }
   for (double decade = std::pow(10, std::floor(std::log10(y.low))); decade < y.high; decade *= 10)
     for (int step : {1, 2, 5}) {

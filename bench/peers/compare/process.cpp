@@ -1,7 +1,9 @@
 #include "compare/process.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,6 +25,10 @@ double since(Clock::time_point start) {
 }
 
 [[noreturn]] void become(const std::vector<std::string>& command, int output, int errors) {
+  // A group of its own, so that what a script starts ends with it; a terminal's interrupt ends us, and the
+  // kernel then ends the program.
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
   dup2(output, STDOUT_FILENO);
   dup2(errors, STDERR_FILENO);
   std::vector<char*> arguments;
@@ -50,6 +56,7 @@ Finished run_process(const std::vector<std::string>& command, double limit_s) {
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork: " + std::string(std::strerror(errno)));
   if (child == 0) become(command, output[1], errors[1]);
+  setpgid(child, child);  // here too: whoever comes first
   close(output[1]);
   close(errors[1]);
   Finished result;
@@ -57,7 +64,7 @@ Finished run_process(const std::vector<std::string>& command, double limit_s) {
   std::array<std::string*, 2> texts{&result.output, &result.errors};
   for (int open = 2; open > 0;) {
     if (!result.stopped && since(start) > limit_s) {
-      kill(child, SIGKILL);
+      kill(-child, SIGKILL);
       result.stopped = true;
     }
     if (poll(streams.data(), streams.size(), 200) <= 0) continue;
@@ -74,9 +81,35 @@ Finished run_process(const std::vector<std::string>& command, double limit_s) {
   }
   result.wall_s = since(start);
   result.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  result.limit_s = limit_s;
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  result.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   if (result.exit_code == 127) throw std::runtime_error(command.front() + ": cannot be started");
   return result;
+}
+
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of('\n');
+  if (end == std::string::npos) return "";
+  const std::size_t before = text.find_last_of('\n', end);
+  const std::size_t start = before == std::string::npos ? 0 : before + 1;
+  return text.substr(start, end - start + 1);
+}
+
+std::string failure_of(const Finished& finished) {
+  if (finished.stopped) return fmt::format("stopped after {:g} s", finished.limit_s);
+  if (finished.exit_code == 0) return "";
+  const std::string words = last_line(finished.errors);
+  std::string failure = fmt::format("exit status {}", finished.exit_code);
+  if (finished.exit_code > 128) {
+    failure =
+        fmt::format("ended by signal {} ({})", finished.exit_code - 128, strsignal(finished.exit_code - 128));
+    if (finished.exit_code == 128 + SIGKILL) failure += ", as when memory runs out";
+  }
+  return words.empty() ? failure : failure + ": " + words;
 }
 
 }  // namespace hybrid::compare

@@ -9,6 +9,7 @@ namespace hybrid::compare {
 struct Run {
   double seconds = 0;  // from the input in memory to the result in memory, as the program says
   double wall_s = 0;   // the whole process
+  double cpu_s = 0;  // the same, processor time of all threads: far below threads x wall_s on a busy machine
   double peak_mb = 0;  // largest resident set of the process; 0 = not measured
   nlohmann::json report;
 };

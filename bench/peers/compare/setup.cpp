@@ -1,5 +1,6 @@
 #include "compare/setup.hpp"
 
+#include <fmt/format.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
@@ -12,15 +13,7 @@
 namespace hybrid::compare {
 namespace {
 
-constexpr double kLongestRun_s = 1800;
-
-std::string last_line(const std::string& text) {
-  const std::size_t end = text.find_last_not_of('\n');
-  if (end == std::string::npos) return "";
-  const std::size_t before = text.find_last_of('\n', end);
-  return text.substr(before == std::string::npos ? 0 : before + 1,
-                     end - (before == std::string::npos ? 0 : before + 1) + 1);
-}
+constexpr double kLongestMaking_s = 1800;
 
 std::string value_in(const std::string& file, const std::string& key) {
   std::ifstream input(file);
@@ -54,14 +47,12 @@ std::string missing_external(const Setup& setup, const std::string& program) {
   return std::filesystem::exists(setup.external / program) ? "" : "not in HYBRID_PEERS_DIR";
 }
 
-Run run_peer(const std::vector<std::string>& command) {
-  const Finished finished = run_process(command, kLongestRun_s);
-  if (finished.stopped) throw std::runtime_error("stopped after half an hour");
-  if (finished.exit_code != 0)
-    throw std::runtime_error("exit status " + std::to_string(finished.exit_code) + ": " +
-                             last_line(finished.errors));
+Run run_peer(const std::vector<std::string>& command, double limit_s) {
+  const Finished finished = run_process(command, limit_s);
+  if (const auto failure = failure_of(finished); !failure.empty()) throw std::runtime_error(failure);
   Run run;
   run.wall_s = finished.wall_s;
+  run.cpu_s = finished.cpu_s;
   run.peak_mb = finished.peak_mb;
   try {
     run.report = nlohmann::json::parse(last_line(finished.output));
@@ -70,12 +61,31 @@ Run run_peer(const std::vector<std::string>& command) {
     throw std::runtime_error("expected a JSON object with \"seconds\" as the last line of stdout: " +
                              std::string(problem.what()));
   }
+  if (!(run.seconds > 0))
+    throw std::runtime_error(fmt::format("expected seconds above 0, found {}", run.seconds));
   return run;
+}
+
+std::string make_scene(const Setup& setup, const std::string& size) {
+  const auto scene = setup.scenes / ("room-" + size);
+  if (std::filesystem::exists(scene / "scene.toml")) return "";  // written last
+  try {
+    std::filesystem::create_directories(setup.scenes);
+    const char* beam_rays = std::stod(size) > kLarge_mp ? "4" : "8";
+    const auto failure = failure_of(run_process(
+        {(setup.bin / "hybrid-synth").string(), "room", "--out", scene.string(), "--seed", "1", "--preset",
+         "tiny", "--megapixels", size, "--only-scan", "west", "--beam-rays", beam_rays, "--quiet"},
+        kLongestMaking_s));
+    return failure.empty() ? "" : "no scan: " + failure;
+  } catch (const std::exception& problem) {
+    return std::string("no scan: ") + problem.what();
+  }
 }
 
 nlohmann::ordered_json machine_json(const Setup& setup) {
   utsname system{};
   uname(&system);
+  const char* told = std::getenv("HYBRID_COMMAND");
   const char* commit = std::getenv("HYBRID_COMMIT");
   return {{"processor", value_in("/proc/cpuinfo", "model name")},
           {"cores", std::thread::hardware_concurrency()},
@@ -83,7 +93,9 @@ nlohmann::ordered_json machine_json(const Setup& setup) {
           {"memory", value_in("/proc/meminfo", "MemTotal")},
           {"load_before", value_in("/proc/loadavg", "")},
           {"system", std::string(system.sysname) + " " + system.release},
+          {"compiler", __VERSION__},
           {"devices", devices_of(setup)},
+          {"command", told ? told : "hybrid-compare"},
           {"commit", commit ? commit : "not known"}};
 }
 

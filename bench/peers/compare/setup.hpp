@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -7,16 +8,24 @@
 
 namespace hybrid::compare {
 
+// Sizes beyond are for ours and the twin only, unless all is asked for; their scans are made with 4 rays on a
+// beam's ring instead of 8, which halves the time.
+inline constexpr double kLarge_mp = 50;
+
 // Where programs and scenes are and what was asked for.
 struct Setup {
-  std::filesystem::path bin;        // hybrid, hybrid-score and peers/
-  std::filesystem::path scenes;     // room-<size>/ of hybrid-synth, size in megapixels
-  std::filesystem::path work;       // results
-  std::filesystem::path external;   // HYBRID_PEERS_DIR; empty = not given
-  std::vector<std::string> sizes;   // megapixels, ascending: "1", "5"
-  std::string probe_size = "0.25";  // for programs so slow that larger sizes are extrapolated
+  std::filesystem::path bin;                   // hybrid, hybrid-score and peers/
+  std::filesystem::path scenes;                // room-<size>/ of hybrid-synth, size in megapixels
+  std::filesystem::path work;                  // results
+  std::filesystem::path external;              // HYBRID_PEERS_DIR; empty = not given
+  std::filesystem::path results;               // RESULTS.md to be written into; empty = none
+  std::filesystem::path e57;                   // a scan for the reading job; empty = none
+  std::vector<std::string> sizes;              // megapixels, ascending: "1", "5"
+  std::string probe_size = "0.25";             // for programs so slow that larger sizes are extrapolated
+  std::map<std::string, std::string> no_scan;  // why there is none, by size
   bool quick = false;
   int threads = 0;
+  double run_limit_s = 240;  // what hangs is ended
   LadderOptions ladder;
 };
 
@@ -27,12 +36,17 @@ std::string missing_external(const Setup& setup, const std::string& program);
 
 // Runs a peer's command line and reads the JSON line it ends with. Throws std::runtime_error with its last
 // words.
-Run run_peer(const std::vector<std::string>& command);
+Run run_peer(const std::vector<std::string>& command, double limit_s);
+
+// Makes scenes/room-<size> where it is not there yet; what went wrong, or empty.
+std::string make_scene(const Setup& setup, const std::string& size);
 
 Job planes_job(const Setup& setup);
 Job squares_job(const Setup& setup);
 // One job for each source of samples: all of them, and our planar samples.
 std::vector<Job> icp_jobs(const Setup& setup);
+// Decoding E57 files.
+Job e57_job(const Setup& setup);
 // Rays, photographs and closest points: one program measures ours and Embree in turn, which saves the scene's
 // making.
 std::vector<Row> ray_rows(const Setup& setup);

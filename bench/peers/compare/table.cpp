@@ -80,6 +80,7 @@ nlohmann::ordered_json json_of(const std::vector<Row>& rows) {
     for (const Run& run : row.runs)
       runs.push_back({{"seconds", run.seconds},
                       {"process_s", run.wall_s},
+                      {"process_cpu_s", run.cpu_s},
                       {"peak_mb", run.peak_mb},
                       {"report", run.report}});
     list.push_back({{"job", row.job},

@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
         }
         std::vector<std::uint32_t> labels(scan.count(), 0);
         for (std::size_t plane = 0; plane < regions.size(); ++plane)
-          for (std::size_t i : regions[plane]) labels[nodes[i]] = static_cast<std::uint32_t>(plane) + 1;
+          for (std::size_t i : regions[plane])
+            labels[std::get<2>(cloud[i])] = static_cast<std::uint32_t>(plane) + 1;
         report.settings = "12 neighbours, 20 degrees" +
                           std::string(options.variant == "sorted" ? ", seeds sorted" : "") +
                           ", growing on 1 thread";

@@ -118,6 +118,7 @@ int main(int argc, char** argv) {
                        const Stopwatch watch;
                        const auto fits = fit_squares(scan, extent, test_planes, options.sigma_m);
                        report.parts["squares"] = watch.seconds();
+                       if (options.squares_only) return std::vector<std::uint32_t>();
                        return grow_squares(scan, extent, fits, options.sigma_m);
                      });
 }

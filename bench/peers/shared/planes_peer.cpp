@@ -1,5 +1,7 @@
 #include "shared/planes_peer.hpp"
 
+#include <ImfThreading.h>
+
 #include <CLI/CLI.hpp>
 #include <thread>
 
@@ -24,6 +26,7 @@ int planes_main(int argc, char** argv, const std::string& package, const std::ve
       ->capture_default_str();
   app.add_option("--sigma", options.sigma_m, "range noise, metres")->check(CLI::Range(1e-5, 1.0));
   app.add_option("--square", options.square, "side of a square, samples")->check(CLI::Range(3, 16));
+  app.add_flag("--squares-only", options.squares_only, "no planes: the squares' time alone");
   app.add_option("--threads", options.threads, "0 = all cores")->check(CLI::NonNegativeNumber);
   CLI11_PARSE(app, argc, argv);
   return report_of([&] {
@@ -31,13 +34,14 @@ int planes_main(int argc, char** argv, const std::string& package, const std::ve
 #ifdef _OPENMP
     omp_set_num_threads(options.threads);
 #endif
+    Imf::setGlobalThreadCount(options.threads);
     const RangeScan scan = read_range_exr(range);
     Report report;
     report.package = package;
     const Stopwatch watch;
     const auto labels = body(scan, options, report);
     if (report.seconds == 0) report.seconds = watch.seconds();
-    write_result_folder(out, range, scan.rows, scan.cols, labels);
+    if (!options.squares_only) write_result_folder(out, range, scan.rows, scan.cols, labels);
     report.more["samples"] = scan.measured();
     report.more["threads"] = options.threads;
     report.more["planes"] = labels.empty() ? 0u : *std::max_element(labels.begin(), labels.end());

@@ -7,8 +7,6 @@
 #include <fstream>
 #include <numbers>
 
-#include "compare/process.hpp"
-#include "compare/setup.hpp"
 #include "io/range_exr.hpp"
 #include "shared/labels_exr.hpp"
 #include "shared/points_ply.hpp"
@@ -147,27 +145,6 @@ TEST(PoseError, IsAngleAndDistance) {
   EXPECT_NEAR(pose_error(pose, truth).distance_mm, 2, 1e-9);
   EXPECT_EQ(matrix_of(json_of(pose)), pose);
   EXPECT_THROW(matrix_of({1, 2}), std::runtime_error);
-}
-
-TEST(Process, ReportsOutputMemoryAndFailure) {
-  const auto finished = compare::run_process({"/bin/sh", "-c", "echo out; echo err >&2; exit 3"}, 60);
-  EXPECT_EQ(finished.output, "out\n");
-  EXPECT_EQ(finished.errors, "err\n");
-  EXPECT_EQ(finished.exit_code, 3);
-  EXPECT_GT(finished.peak_mb, 0);
-  const auto slow = compare::run_process({"/bin/sh", "-c", "exec sleep 20"}, 0.1);
-  EXPECT_TRUE(slow.stopped);
-  EXPECT_NE(slow.exit_code, 0);
-  EXPECT_THROW(compare::run_process({"/no/such/program"}, 1), std::runtime_error);
-}
-
-TEST(Process, APeersReportIsItsLastLine) {
-  const auto run =
-      compare::run_peer({"/bin/sh", "-c", R"(echo chatter; echo '{"seconds": 1.5, "samples": 7}')"});
-  EXPECT_EQ(run.seconds, 1.5);
-  EXPECT_EQ(run.report.at("samples"), 7);
-  EXPECT_THROW(compare::run_peer({"/bin/sh", "-c", "echo nothing"}), std::runtime_error);
-  EXPECT_THROW(compare::run_peer({"/bin/sh", "-c", "echo '{\"seconds\": 1}'; exit 1"}), std::runtime_error);
 }
 
 }  // namespace

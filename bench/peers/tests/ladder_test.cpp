@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <stdexcept>
 
 #include "compare/plot_svg.hpp"
@@ -101,6 +103,79 @@ TEST_F(Ladder, SaysWhyAProgramDidNotRun) {
   EXPECT_NE(table.find("| planes | 1 MP | C | not run: failed: no memory |"), std::string::npos) << table;
 }
 
+TEST_F(Ladder, RepeatsOnlyWhatFitsTheTimeOfASize) {
+  job.cases = {{"1 MP", 1e6}};
+  job.programs = {fake("A", true, 3, log), fake("B", false, 3.4, log), fake("C", false, 16, log)};
+  options.rounds = 5;
+  run_ladder(job, options);
+  EXPECT_EQ(log, "ABCABA");  // 3 x 3 s fit into 10 s, 3 x 3.4 do not
+}
+
+TEST_F(Ladder, RepeatsNothingOnceTheTimeOfAllIsUp) {
+  job.cases = {{"1 MP", 1e6}};
+  job.programs = {fake("A", true, 1, log), fake("B", false, 1, log)};
+  options.repeats_end = std::chrono::steady_clock::now();
+  EXPECT_EQ(run_ladder(job, options).at(1).outcome, Outcome::ran);
+  EXPECT_EQ(log, "AB");
+}
+
+TEST_F(Ladder, AFailureIsNotTriedAgainAtALargerSize) {
+  job.programs = {fake("A", true, 1, log), fake("B", false, 1, log)};
+  job.programs[1].run = [&](const Case&) -> compare::Run {
+    log += "B";
+    throw std::runtime_error("crashed");
+  };
+  const auto rows = run_ladder(job, options);
+  EXPECT_EQ(std::count(log.begin(), log.end(), 'B'), 1);
+  EXPECT_EQ(row_of(rows, "1 MP", "B").reason, "failed: crashed");
+  EXPECT_EQ(row_of(rows, "5 MP", "B").reason, "failed at 1 MP: crashed");
+}
+
+TEST_F(Ladder, LargeSizesAreForThoseThatSaySo) {
+  job.cases[2].large = true;
+  job.programs = {fake("A", true, 0.1, log), fake("B", false, 0.1, log)};
+  job.programs[0].large = true;
+  auto rows = run_ladder(job, options);
+  EXPECT_EQ(row_of(rows, "5 MP", "A").outcome, Outcome::ran);
+  EXPECT_EQ(row_of(rows, "5 MP", "B").outcome, Outcome::extrapolated);
+  options.full = true;
+  rows = run_ladder(job, options);
+  EXPECT_EQ(row_of(rows, "5 MP", "B").outcome, Outcome::ran);
+}
+
+TEST_F(Ladder, AnotherFigureOfARunNeedsNoRunOfItsOwn) {
+  job.cases = {{"1 MP", 1e6}, {"5 MP", 5e6}};
+  job.programs = {fake("A", true, 1, log), Program(), fake("B", false, 1, log)};
+  job.programs[1].name = "half of A";
+  job.programs[1].run_of = "A";
+  job.programs[1].figure = [](compare::Run run) {
+    run.seconds /= 2;
+    return run;
+  };
+  options.rounds = 2;
+  const auto rows = run_ladder(job, options);
+  EXPECT_EQ(log, "ABABABAB");
+  EXPECT_EQ(row_of(rows, "5 MP", "half of A").seconds(), (std::vector<double>{2.5, 2.5}));
+  job.programs[0].run = [](const Case&) -> compare::Run { throw std::runtime_error("crashed"); };
+  EXPECT_EQ(row_of(run_ladder(job, options), "1 MP", "half of A").reason, "failed: crashed");
+}
+
+TEST_F(Ladder, ASizeWithoutAScanIsNotRun) {
+  job.cases[1].missing = "no scan: the disk is full";
+  job.programs = {fake("A", true, 1, log)};
+  const auto rows = run_ladder(job, options);
+  EXPECT_EQ(row_of(rows, "1 MP", "A").reason, "no scan: the disk is full");
+  EXPECT_EQ(row_of(rows, "5 MP", "A").outcome, Outcome::ran);
+}
+
+TEST_F(Ladder, AScoreThatFailsLeavesTheTimes) {
+  job.programs = {fake("A", true, 1, log)};
+  job.programs[0].score = [](const Case&, Row&) { throw std::runtime_error("no truth"); };
+  const auto rows = run_ladder(job, options);
+  EXPECT_EQ(row_of(rows, "1 MP", "A").outcome, Outcome::ran);
+  EXPECT_EQ(row_of(rows, "1 MP", "A").quality, "not scored: no truth");
+}
+
 TEST_F(Ladder, TableGivesRatiosToOursAndMarksGuesses) {
   job.programs = {fake("A", true, 1, log), fake("B", false, 20, log)};
   const auto rows = run_ladder(job, options);
@@ -129,6 +204,7 @@ TEST(Plot, HasALinePerProgramAndHollowGuesses) {
                    {"none", false, {}}}};
   const std::string svg = svg_of(plot);
   EXPECT_NE(svg.find("t &lt; u"), std::string::npos);
+  EXPECT_NE(svg.find("text-anchor=\"middle\">5</text>"), std::string::npos);
   EXPECT_NE(svg.find(">ours</text>"), std::string::npos);
   EXPECT_NE(svg.find(">peer</text>"), std::string::npos);
   EXPECT_EQ(svg.find(">none</text>"), std::string::npos);

@@ -1,7 +1,6 @@
 #include "score/read/exr_file.hpp"
 
 #include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIntAttribute.h>
 
@@ -44,6 +43,40 @@ bool ExrFile::has(const std::string& channel) const {
 }
 
 template <typename T>
+Imf::Slice ExrFile::slice(std::vector<T>& values, Imf::PixelType type) const {
+  values.resize(pixels());
+  const std::size_t row = sizeof(T) * static_cast<std::size_t>(width_);
+  return Imf::Slice(type,
+                    reinterpret_cast<char*>(values.data()) - static_cast<std::ptrdiff_t>(sizeof(T)) * left_ -
+                        static_cast<std::ptrdiff_t>(row) * top_,
+                    sizeof(T), row);
+}
+
+void ExrFile::decode(const Imf::FrameBuffer& buffer) {
+  try {
+    file_->setFrameBuffer(buffer);
+    file_->readPixels(top_, top_ + height_ - 1);
+  } catch (const std::exception& problem) {
+    std::string names;
+    for (auto at = buffer.begin(); at != buffer.end(); ++at)
+      names += (names.empty() ? "" : "\", \"") + std::string(at.name());
+    bad_input("{}: channel \"{}\" cannot be read ({}); the file is damaged: write it again", path_.string(),
+              names, problem.what());
+  }
+}
+
+void ExrFile::prepare(const std::vector<std::string>& channels) {
+  Imf::FrameBuffer buffer;
+  for (const auto& name : channels) {
+    const Imf::Channel* channel = file_->header().channels().findChannel(name);
+    if (!channel || channel->xSampling != 1 || channel->ySampling != 1) continue;  // read() says so
+    buffer.insert(name, channel->type == Imf::UINT ? slice(prepared_uints_[name], Imf::UINT)
+                                                   : slice(prepared_floats_[name], Imf::FLOAT));
+  }
+  decode(buffer);
+}
+
+template <typename T>
 std::vector<T> ExrFile::read(const std::string& name, Imf::PixelType type) {
   const Imf::Channel* channel = file_->header().channels().findChannel(name);
   const bool counts = channel && channel->type == Imf::UINT;
@@ -51,29 +84,20 @@ std::vector<T> ExrFile::read(const std::string& name, Imf::PixelType type) {
     bad_input("{}: expected a channel \"{}\" of {} numbers, found {}; SCENE.md's Outputs name the channels",
               path_.string(), name, type == Imf::UINT ? "whole" : "real",
               channel ? "another kind" : "no such channel");
-  try {
-    std::vector<T> values(pixels());
-    const std::size_t row = sizeof(T) * static_cast<std::size_t>(width_);
-    Imf::FrameBuffer buffer;
-    buffer.insert(name, Imf::Slice(type,
-                                   reinterpret_cast<char*>(values.data()) -
-                                       static_cast<std::ptrdiff_t>(sizeof(T)) * left_ -
-                                       static_cast<std::ptrdiff_t>(row) * top_,
-                                   sizeof(T), row));
-    file_->setFrameBuffer(buffer);
-    file_->readPixels(top_, top_ + height_ - 1);
-    return values;
-  } catch (const std::exception& problem) {
-    bad_input("{}: channel \"{}\" cannot be read ({}); the file is damaged: write it again", path_.string(),
-              name, problem.what());
-  }
+  std::vector<T> values;
+  Imf::FrameBuffer buffer;
+  buffer.insert(name, slice(values, type));
+  decode(buffer);
+  return values;
 }
 
 std::vector<std::uint32_t> ExrFile::uints(const std::string& channel) {
+  if (auto found = prepared_uints_.extract(channel)) return std::move(found.mapped());
   return read<std::uint32_t>(channel, Imf::UINT);
 }
 
 std::vector<float> ExrFile::floats(const std::string& channel) {
+  if (auto found = prepared_floats_.extract(channel)) return std::move(found.mapped());
   return read<float>(channel, Imf::FLOAT);
 }
 

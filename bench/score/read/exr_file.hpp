@@ -1,9 +1,11 @@
 #pragma once
+#include <ImfFrameBuffer.h>
 #include <ImfInputFile.h>
 #include <ImfPixelType.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +22,9 @@ class ExrFile {
   int height() const { return height_; }
   std::size_t pixels() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
   bool has(const std::string& channel) const;
+  // Decodes these, as far as the file has them, in one pass; one by one every channel would decode all of
+  // the file again. The next uints() or floats() of each takes what was decoded.
+  void prepare(const std::vector<std::string>& channels);
   std::vector<std::uint32_t> uints(const std::string& channel);
   std::vector<float> floats(const std::string& channel);  // half or float
   std::optional<int> whole_number(const std::string& attribute) const;
@@ -27,9 +32,14 @@ class ExrFile {
  private:
   template <typename T>
   std::vector<T> read(const std::string& channel, Imf::PixelType type);
+  void decode(const Imf::FrameBuffer& buffer);
+  template <typename T>
+  Imf::Slice slice(std::vector<T>& values, Imf::PixelType type) const;
 
   std::filesystem::path path_;
   std::unique_ptr<Imf::InputFile> file_;
+  std::map<std::string, std::vector<std::uint32_t>> prepared_uints_;
+  std::map<std::string, std::vector<float>> prepared_floats_;
   int left_ = 0, top_ = 0, width_ = 0, height_ = 0;
 };
 

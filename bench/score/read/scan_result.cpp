@@ -23,6 +23,7 @@ LabelledGrid read_labelled_grid(const std::filesystem::path& folder) {
   grid.rows = range.height();
   grid.cols = range.width();
   grid.wraps = range.whole_number("hybrid:wraps").value_or(0) != 0;
+  range.prepare({"source", "range", "mask", "x", "y", "z"});
   grid.source = range.uints("source");
   grid.range_m = range.floats("range");
   grid.label = labels.uints("id");

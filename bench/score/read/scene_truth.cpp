@@ -59,6 +59,7 @@ TrueSamples read_true_samples(const TrueScan& scan) {
   if (image.pixels() < scan.samples || image.pixels() >= scan.samples + std::max<std::size_t>(width, 1) + 1)
     bad_input("{}: expected {} samples, as truth.json says of scan {}, found {} x {} pixels; {}",
               scan.image.string(), scan.samples, scan.id, image.width(), image.height(), kRemedy);
+  image.prepare({"plane", "range", "kind"});
   TrueSamples samples{image.uints("plane"), {}, image.floats("range")};
   const auto kinds = image.uints("kind");
   samples.plane.resize(scan.samples);

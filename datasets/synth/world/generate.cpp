@@ -54,10 +54,11 @@ std::vector<ScanCounts> write_scans(const std::filesystem::path& out, const Worl
     const ScannerPose& pose = world.scanners[i];
     const auto file = open_scan_file(out / "scans" / scan_file_name(pose, options), pose, options);
     const auto truth = open_truth_file(out / "truth" / (pose.id + ".exr"), pose, options);
-    scans.push_back(simulate_scan(world, tracer, pose, options, i, [&](const std::vector<Sample>& column) {
-      file->add(column);
-      truth->add(column);
-    }));
+    scans.push_back(simulate_scan(world, tracer, pose, options, world.first_scanner + i,
+                                  [&](const std::vector<Sample>& column) {
+                                    file->add(column);
+                                    truth->add(column);
+                                  }));
     scans.back().samples = file_samples(pose, options, scans.back().returns);
     file->finish();
     truth->finish();
@@ -107,21 +108,26 @@ double estimate_bytes(const World& world, const Options& options) {
 Summary generate(const World& world, const Options& options, const std::string& folder) {
   const std::filesystem::path out(folder);
   check_free_space(out, estimate_bytes(world, options));
-  for (const char* sub : {"scans", "photographs", "cameras", "truth/views"}) make_folder(out / sub);
+  for (const char* sub : {"scans", "truth"}) make_folder(out / sub);
 
   const Tracer tracer(world.mesh);
   const std::vector<Camera> held_out = held_out_cameras(world, options.preset);
   write_detail_ply(out / "detail.ply", world.mesh);
   write_proxy_obj(out / "proxy.obj", world.proxy);
-  write_colmap(out / "cameras", erring(world.photographs, options));
+  if (!world.photographs.empty()) {
+    for (const char* sub : {"photographs", "cameras", "truth/views"}) make_folder(out / sub);
+    write_colmap(out / "cameras", erring(world.photographs, options));
+  }
 
   std::vector<std::vector<Landmark>> landmarks;
   for (std::size_t i = 0; i < world.scanners.size(); ++i)
-    landmarks.push_back(pick_landmarks(world, tracer, world.scanners[i], options.seed, i));
+    landmarks.push_back(
+        pick_landmarks(world, tracer, world.scanners[i], options.seed, world.first_scanner + i));
   const std::vector<ScanCounts> scans = write_scans(out, world, tracer, options);
 
   std::optional<IndirectLight> indirect;
-  if (world.sun) indirect.emplace(world, tracer, options.preset.light_step_m, options.preset.light_rays);
+  if (world.sun && !world.photographs.empty())
+    indirect.emplace(world, tracer, options.preset.light_step_m, options.preset.light_rays);
   const auto picture = [&](const Camera& camera, const RenderOptions& how) {
     return render(world, tracer, indirect ? &*indirect : nullptr, camera, how);
   };

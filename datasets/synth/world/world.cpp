@@ -1,6 +1,25 @@
 #include "world/world.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
 namespace synth {
+
+void keep_only_scan(World& world, const std::string& id) {
+  const auto found = std::find_if(world.scanners.begin(), world.scanners.end(),
+                                  [&](const ScannerPose& pose) { return pose.id == id; });
+  if (found == world.scanners.end()) {
+    std::string known;
+    for (const ScannerPose& pose : world.scanners) known += (known.empty() ? "" : ", ") + pose.id;
+    throw std::invalid_argument(fmt::format("--only-scan {}: expected one of {}", id, known));
+  }
+  world.first_scanner = static_cast<std::uint64_t>(found - world.scanners.begin());
+  world.scanners = {*found};
+  world.photographs.clear();
+  world.views.clear();
+}
 
 void hang(World& world, const std::string& surface, const Decor& decor) {
   world.decor_of_surface.resize(world.mesh.surfaces.size());

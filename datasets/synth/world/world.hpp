@@ -1,6 +1,7 @@
 // What every synthetic scene consists of: made by room/ and church/, traced by trace/, written by write/.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,12 +81,17 @@ struct World {
   Eigen::Array2d rug_low = {0, 0}, rug_high = {0, 0};  // on a floor of planks
   Proxy proxy;
   std::vector<ScannerPose> scanners;
+  std::uint64_t first_scanner =
+      0;  // which of the whole scene's scanners[0] is: its draws of chance hang on it
   std::vector<Camera> photographs;
   std::vector<View> views;
 };
 
 // Hangs a picture on every surface of that name.
 void hang(World&, const std::string& surface, const Decor&);
+// Takes out all other scans, all photographs and all views; the scan keeps its bytes. Throws
+// std::invalid_argument when there is none of that name.
+void keep_only_scan(World&, const std::string& id);
 // Adds the bounding box of the vertices from `first_vertex` on.
 void note_clutter(World&, const std::string& name, const std::string& kind, std::size_t first_vertex);
 

@@ -52,9 +52,8 @@ void write_scene_toml(const std::filesystem::path& path, const World& world, con
           fmt::format("  {{ scan = {}, model = {} }},\n", array(l.point_in_scan, 3), exact(l.model_vertex));
     text += "]\n";
   }
-  text +=
-      "\n[model]\nfile = \"proxy.obj\"\nunit = \"m\"\nup = \"z\"\n"
-      "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
+  text += "\n[model]\nfile = \"proxy.obj\"\nunit = \"m\"\nup = \"z\"\n";
+  if (!world.photographs.empty()) text += "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
   for (const View& view : world.views) text += view_table(view, options.preset);
   write_bytes(path, text);
 }

@@ -1,0 +1,76 @@
+#include "compare/results.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+namespace hybrid::compare {
+namespace {
+
+constexpr const char* kBegin = "<!-- compare.sh: begin -->\n";
+constexpr const char* kEnd = "<!-- compare.sh: end -->\n";
+
+std::string text_of(const nlohmann::ordered_json& machine, const char* key) {
+  if (!machine.contains(key)) return "not known";
+  const auto& value = machine.at(key);
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+std::string device_of(const nlohmann::ordered_json& machine) {
+  const auto list = machine.value("devices", nlohmann::ordered_json());
+  if (!list.is_array() || list.empty() || !list.front().is_object()) return "OpenCL device not known";
+  const auto& first = list.front();
+  return fmt::format("{}, driver {}", first.value("name", "?"), first.value("driver", "?"));
+}
+
+}  // namespace
+
+std::vector<std::string> packages_of(const std::vector<Row>& rows) {
+  std::set<std::string> packages;
+  for (const Row& row : rows)
+    if (!row.package.empty()) packages.insert(row.package);
+  return {packages.begin(), packages.end()};
+}
+
+std::string results_heading(const nlohmann::ordered_json& machine, const std::vector<Row>& rows) {
+  std::string packages;
+  for (const auto& package : packages_of(rows)) packages += (packages.empty() ? "" : ", ") + package;
+  return fmt::format(
+      "`{}`, commit {}, {}; {} minutes after building, the making of {} included. {}, {} of {} cores, {} "
+      "memory, load {} before; {}; {}. {}.\n\n",
+      text_of(machine, "command"), text_of(machine, "commit"), text_of(machine, "date"),
+      text_of(machine, "minutes"), text_of(machine, "scans_made"), text_of(machine, "processor"),
+      text_of(machine, "threads"), text_of(machine, "cores"), text_of(machine, "memory"),
+      text_of(machine, "load_before"), text_of(machine, "system"), device_of(machine), packages);
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  const std::filesystem::path temporary = file.string() + ".tmp";
+  std::ofstream output(temporary);
+  output << text;
+  output.close();
+  std::error_code problem;
+  if (output) std::filesystem::rename(temporary, file, problem);
+  if (output && !problem) return;
+  std::filesystem::remove(temporary, problem);
+  throw std::runtime_error(file.string() + ": cannot be written; is the disk full?");
+}
+
+void replace_between_marks(const std::filesystem::path& file, const std::string& text) {
+  std::ifstream input(file);
+  std::stringstream content;
+  content << input.rdbuf();
+  if (!input) throw std::runtime_error(file.string() + ": cannot be read");
+  std::string whole = content.str();
+  const auto begin = whole.find(kBegin), end = whole.find(kEnd);
+  if (begin == std::string::npos || end == std::string::npos || end < begin)
+    throw std::runtime_error(fmt::format("{}: expected the lines {} and {}, found none or in another order",
+                                         file.string(), std::string(kBegin, 26), std::string(kEnd, 24)));
+  const auto from = begin + std::string(kBegin).size();
+  write_text(file, whole.replace(from, end - from, "\n" + text + "\n"));
+}
+
+}  // namespace hybrid::compare

@@ -1,0 +1,24 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "compare/row.hpp"
+
+namespace hybrid::compare {
+
+// What ran where and when, for a reader, above the table.
+std::string results_heading(const nlohmann::ordered_json& machine, const std::vector<Row>& rows);
+
+// Names and versions of what the rows were run with, each once.
+std::vector<std::string> packages_of(const std::vector<Row>& rows);
+
+// Replaces what stands between the lines "<!-- compare.sh: begin -->" and "<!-- compare.sh: end -->" of a
+// Markdown file. Throws std::runtime_error when it has no such lines or cannot be written.
+void replace_between_marks(const std::filesystem::path& file, const std::string& text);
+
+// Through a temporary file beside it, so that a full disk leaves the old one.
+void write_text(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace hybrid::compare

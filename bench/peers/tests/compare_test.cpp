@@ -1,0 +1,198 @@
+// hybrid-compare from its command line to its files, with small scripts in place of our programs and of those
+// under HYBRID_PEERS_DIR.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "compare/process.hpp"
+
+namespace hybrid::compare {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSynth = R"(
+while [ $# -gt 0 ]; do case $1 in --out) out=$2; shift;; --megapixels) size=$2; shift;; esac; shift; done
+if [ "$size" = 5 ]; then echo "the disk has 3 MB free" >&2; exit 75; fi
+mkdir -p $out/scans; touch $out/scans/west.ply $out/scene.toml
+)";
+constexpr const char* kHybrid = R"(
+if [ "$1" = devices ]; then echo '[{"name": "fake device", "driver": "7.1"}]'; exit; fi
+if [ ! -e "$2" ]; then echo "$2: no such file" >&2; exit 4; fi
+while [ $# -gt 0 ]; do case $1 in --out) out=$2; shift;; esac; shift; done
+mkdir -p $out/scans/west; touch $out/scans/west/range.exr
+echo '{"seconds_by_stage": {"square planes": 0.5, "superclusters": 1.5},
+       "kernels": {"square_planes": {"seconds": 0.25}}}' > $out/timing.json
+echo '{"program": {"version": "0.1"}, "scans": [{"square": 7, "nodes": {"measured": 1000000}}]}' > $out/summary.json
+)";
+
+struct Compare : testing::Test {
+  fs::path folder = fs::temp_directory_path() / ("hybrid-compare-" + std::to_string(getpid()));
+  Compare() {
+    fs::create_directories(folder / "external");
+    script("bin/hybrid", kHybrid);
+    script("bin/hybrid-synth", kSynth);
+  }
+  ~Compare() override { fs::remove_all(folder); }
+
+  void script(const std::string& name, const std::string& body) const {
+    fs::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name) << "#!/bin/sh\n" << body;
+    fs::permissions(folder / name, fs::perms::owner_all);
+  }
+  Finished compare(const std::string& more) const {
+    const std::string at = folder.string();
+    return run_process(
+        {"/bin/sh", "-c",
+         "HYBRID_PEERS_DIR=" + at + "/external HYBRID_COMMIT=abc1234 exec " HYBRID_COMPARE " --bin " + at +
+             "/bin --scenes " + at + "/scenes --work " + at + "/work " + more},
+        50);
+  }
+  std::string text(const std::string& name) const {
+    std::stringstream content;
+    content << std::ifstream(folder / name).rdbuf();
+    return content.str();
+  }
+  nlohmann::json row(const std::string& size, const std::string& program) const {
+    const auto document = nlohmann::json::parse(text("work/compare.json"));
+    for (const auto& entry : document.at("rows"))
+      if (entry.at("size") == size && entry.at("program") == program) return entry;
+    ADD_FAILURE() << "no row " << size << " " << program;
+    return {{"runs", nlohmann::json::array()}};
+  }
+};
+
+TEST_F(Compare, AProgramOfOnesOwnGetsItsRow) {
+  script("external/ahc_planes",
+         R"(echo "$@" >> $(dirname $0)/log
+echo '{"seconds": 4, "package": "fake 7", "settings": "none | any", "samples": 800000}')");
+  const auto finished = compare("--only planes --sizes 1 --rounds 2");
+  ASSERT_EQ(failure_of(finished), "");
+  const std::string expected = "| planes | 1 MP | AHC / PEAC | 4.00 (4.00-4.00) | 2 | 0.200 | 2.00 x |";
+  EXPECT_NE(finished.output.find(expected), std::string::npos) << finished.output;
+  EXPECT_NE(finished.output.find("none   any |"), std::string::npos) << finished.output;
+  EXPECT_EQ(row("1 MP", "AHC / PEAC").at("package"), "fake 7");
+  EXPECT_EQ(row("1 MP", "AHC / PEAC").at("runs").size(), 2u);
+  EXPECT_NE(text("external/log").find("--range " + folder.string() + "/work/ours/1/scans/west/range.exr"),
+            std::string::npos);
+}
+
+TEST_F(Compare, AFailureIsRepeatedAndTheRestGoesOn) {
+  script("external/ahc_planes", "echo thinking >&2; echo 'no plane in sight' >&2; exit 1");
+  const auto finished = compare("--only planes --sizes 0.5,1 --rounds 1");
+  ASSERT_EQ(failure_of(finished), "");
+  EXPECT_NE(finished.output.find("| AHC / PEAC | not run: failed: exit status 1: no plane in sight |"),
+            std::string::npos)
+      << finished.output;
+  EXPECT_EQ(row("1 MP", "AHC / PEAC").at("reason"), "failed at 0.5 MP: exit status 1: no plane in sight");
+  EXPECT_EQ(row("1 MP", "hybrid planes").at("outcome"), "ran");
+  EXPECT_EQ(row("1 MP", "CGAL region growing").at("reason"), "CGAL not installed when this was built");
+}
+
+// The first size is only there for slow programs; its scan is made too.
+TEST_F(Compare, EverySizeHasItsScan) {
+  script("external/ahc_planes", R"(echo '{"seconds": 4}')");
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1,2 --rounds 1")), "");
+  for (const char* size : {"0.25", "1", "2"})
+    EXPECT_TRUE(fs::exists(folder / "work" / "ours" / size / "timing.json")) << size;
+  EXPECT_EQ(row("2 MP", "hybrid planes").at("outcome"), "ran");
+}
+
+TEST_F(Compare, APeerIsNotBlamedForOurFailure) {
+  script("bin/hybrid",
+         "case \"$*\" in *room-1/*) echo 'no device' >&2; exit 5;; esac\n" + std::string(kHybrid));
+  script("external/ahc_planes", R"(echo '{"seconds": 4}')");
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1,2 --rounds 1")), "");
+  EXPECT_EQ(row("1 MP", "hybrid planes").at("reason"), "failed: exit status 5: no device");
+  EXPECT_EQ(row("1 MP", "AHC / PEAC").at("reason"), "no range image: hybrid planes made none");
+  EXPECT_EQ(row("2 MP", "AHC / PEAC").at("outcome"), "ran");
+}
+
+TEST_F(Compare, WhatHangsIsEnded) {
+  script("external/ahc_planes", "sleep 30");
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1 --run-limit 0.5")), "");
+  EXPECT_EQ(row("1 MP", "AHC / PEAC").at("reason"), "failed: stopped after 0.5 s");
+}
+
+TEST_F(Compare, WithoutRoomForAScanItsRowsSaySo) {
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1,5 --rounds 1")), "");
+  EXPECT_EQ(row("5 MP", "hybrid planes").at("reason"), "no scan: exit status 75: the disk has 3 MB free");
+  EXPECT_EQ(row("1 MP", "hybrid planes").at("outcome"), "ran");
+}
+
+TEST_F(Compare, AtALargeSizeOnlyOursAndTheTwinRunUnlessAskedForAll) {
+  script("bin/peers/twin_planes", R"(echo '{"seconds": 0.1}')");
+  script("external/ahc_planes", R"(echo '{"seconds": 4, "samples": 800000}')");
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1,100 --rounds 1")), "");
+  EXPECT_EQ(row("100 MP", "hybrid planes").at("outcome"), "ran");
+  EXPECT_EQ(row("100 MP", "C++/OpenMP RANSAC per square").at("outcome"), "ran");
+  EXPECT_EQ(row("100 MP", "AHC / PEAC").at("outcome"), "extrapolated");
+  EXPECT_EQ(row("100 MP", "AHC / PEAC").at("reason"), "from 1 MP");
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1,100 --rounds 1 --full")), "");
+  EXPECT_EQ(row("100 MP", "AHC / PEAC").at("outcome"), "ran");
+}
+
+TEST_F(Compare, SaysWhatRanWhere) {
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1 --rounds 1")), "");
+  const auto machine = nlohmann::json::parse(text("work/compare.json")).at("machine");
+  for (const char* key : {"processor", "cores", "memory", "system", "compiler", "date", "minutes"})
+    EXPECT_TRUE(machine.contains(key)) << key;
+  EXPECT_EQ(machine.at("commit"), "abc1234");
+  EXPECT_EQ(machine.at("devices").at(0).at("driver"), "7.1");
+  EXPECT_EQ(machine.at("packages").at(0), "hybrid 0.1");
+  const std::string heading = text("work/compare.md").substr(0, 600);
+  EXPECT_NE(heading.find("commit abc1234"), std::string::npos) << heading;
+  EXPECT_NE(heading.find("fake device, driver 7.1"), std::string::npos) << heading;
+  EXPECT_NE(text("work/planes-time.svg").find(">hybrid planes</text>"), std::string::npos);
+  EXPECT_NE(text("work/planes-memory.svg").find(">MB</text>"), std::string::npos);
+}
+
+TEST_F(Compare, ReplacesTheTableOfAResultsFile) {
+  fs::create_directories(folder / "bench" / "peers");
+  std::ofstream(folder / "bench" / "RESULTS.md")
+      << "before\n<!-- compare.sh: begin -->\nold\n<!-- compare.sh: end -->\nafter\n";
+  const std::string option = " --write-results " + (folder / "bench" / "RESULTS.md").string();
+  ASSERT_EQ(failure_of(compare("--only planes --sizes 1 --rounds 1" + option)), "");
+  const std::string results = text("bench/RESULTS.md");
+  EXPECT_EQ(results.find("before\n"), 0u);
+  EXPECT_NE(results.find("\n<!-- compare.sh: end -->\nafter\n"), std::string::npos);
+  EXPECT_EQ(results.find("old"), std::string::npos);
+  EXPECT_NE(results.find("| planes | 1 MP | **hybrid planes** |"), std::string::npos) << results;
+  EXPECT_TRUE(fs::exists(folder / "bench" / "peers" / "planes-time.svg"));
+  std::ofstream(folder / "bench" / "RESULTS.md") << "no marks\n";
+  const auto refused = compare("--only planes --sizes 1 --rounds 1" + option);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.errors.find("expected the lines <!-- compare.sh: begin -->"), std::string::npos);
+  EXPECT_EQ(text("bench/RESULTS.md"), "no marks\n");
+}
+
+TEST_F(Compare, ReadingE57WaitsForOursAndRunsThePeers) {
+  ASSERT_EQ(failure_of(compare("--only e57")), "");
+  EXPECT_EQ(row("a scan", "libE57Format").at("reason"), "not in HYBRID_PEERS_DIR");
+  script("external/libe57_read",
+         R"(echo '{"seconds": 2, "package": "libE57Format 3", "samples": 16000000}')");
+  std::ofstream(folder / "hall.e57") << "a scan";
+  const auto finished = compare("--only e57 --e57 " + (folder / "hall.e57").string());
+  ASSERT_EQ(failure_of(finished), "");
+  EXPECT_NE(finished.output.find("| reading E57 | hall.e57 | libE57Format | 2.00 (2.00-2.00) | 3 | 8.00 |"),
+            std::string::npos)
+      << finished.output;
+  EXPECT_EQ(row("hall.e57", "hybrid").at("outcome"), "not run");
+}
+
+TEST_F(Compare, BadOptionsAreTold) {
+  for (const char* options : {"--fast", "--only lunch", "--rounds 0", "--sizes 1,x", "--sizes 5,1",
+                              "--sizes ,", "--minutes -1", "--e57 /no/such.e57"}) {
+    const auto finished = compare(options);
+    EXPECT_EQ(finished.exit_code, 2) << options;
+    EXPECT_NE(finished.errors, "") << options;
+    EXPECT_EQ(finished.output, "") << options;
+  }
+}
+
+}  // namespace
+}  // namespace hybrid::compare
