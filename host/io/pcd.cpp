@@ -228,10 +228,30 @@ class PcdReader {
   UsedFields used_;
 };
 
+const char* name_of(PcdData data) {
+  return data == PcdData::ascii ? "ascii" : data == PcdData::binary ? "binary" : "binary_compressed";
+}
+
 }  // namespace
 
 Scan read_pcd(const std::filesystem::path& file) {
   return PcdReader(file).read();
+}
+
+std::vector<ScanEntry> list_pcd(const std::filesystem::path& file) {
+  InputFile input(file);
+  const PcdHeader header = read_pcd_header(input);
+  ScanEntry entry{.name = file.stem().string(), .samples = header.points};
+  if (header.width > 1 && header.height > 1) {
+    entry.grid_rows = static_cast<int>(header.height);
+    entry.grid_cols = static_cast<int>(header.width);
+  }
+  entry.structure = fmt::format("{},", name_of(header.data));
+  for (const PcdField& field : header.fields) entry.structure += " " + field.name;
+  entry.offset = header.data_offset;
+  entry.line = header.data_line;
+  entry.end = input.size();
+  return {entry};
 }
 
 }  // namespace hybrid::io

@@ -243,10 +243,31 @@ class PlyReader {
   std::vector<std::uint64_t> places_;
 };
 
+const char* name_of(PlyFormat format) {
+  return format == PlyFormat::ascii           ? "ascii"
+         : format == PlyFormat::little_endian ? "binary little endian"
+                                              : "binary big endian";
+}
+
 }  // namespace
 
 Scan read_ply(const std::filesystem::path& file) {
   return PlyReader(file).read();
+}
+
+std::vector<ScanEntry> list_ply(const std::filesystem::path& file) {
+  InputFile input(file);
+  const PlyHeader header = read_ply_header(input);
+  ScanEntry entry{.name = file.stem().string(), .structure = fmt::format("{},", name_of(header.format))};
+  for (const PlyElement& element : header.elements) {
+    if (element.name != "vertex") continue;
+    entry.samples = element.count;
+    for (const PlyProperty& property : element.properties) entry.structure += " " + property.name;
+  }
+  entry.offset = header.data_offset;
+  entry.line = header.data_line;
+  entry.end = input.size();
+  return {entry};
 }
 
 }  // namespace hybrid::io

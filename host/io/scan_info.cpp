@@ -61,7 +61,8 @@ std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file) {
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
   if (format == ".EXR") return {describe_range_image(file)};
   std::vector<ScanInfo> result;
-  for (const Scan& scan : read_scans(file)) result.push_back(describe(scan, format.substr(1)));
+  for (const ScanEntry& entry : list_scans(file))
+    result.push_back(describe(read_scan(file, entry), format.substr(1)));
   return result;
 }
 

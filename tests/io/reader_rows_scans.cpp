@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "io/read_scan.hpp"
+#include "io/read_scans.hpp"
 #include "io/reader_rows.hpp"
 #include "io/scan_samples.hpp"
 
@@ -24,7 +24,7 @@ std::string tell_scan(const Scan& scan) {
 
 std::string read_scan_file(const fs::path& file) {
   std::string text;
-  for (const Scan& scan : io::read_scans(file)) text += tell_scan(scan);
+  for (const Scan& scan : read_scans(file)) text += tell_scan(scan);
   return text;
 }
 
