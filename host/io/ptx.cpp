@@ -5,9 +5,9 @@
 
 #include "core/error.hpp"
 #include "io/input_file.hpp"
-#include "io/number_rows.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
+#include "io/text_samples.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -109,41 +109,6 @@ std::size_t count_columns(InputFile& input, const TextCursor& before, const PtxH
   return columns;
 }
 
-ScanSample to_sample(const double* row, bool colour) {
-  ScanSample sample{row[0], row[1], row[2], row[3], {}};
-  if (colour) sample.rgb = {row[4], row[5], row[6]};
-  return sample;
-}
-
-void add_points(InputFile& input, TextPlace place, std::uint64_t count, std::size_t columns,
-                const PtxHeader& header, ScanBuilder& builder) {
-  const bool colour = columns == 7;
-  NumberRows rows(input, place, input.size(), columns);
-  std::vector<std::size_t> counts;
-  for (std::uint64_t done = 0; done < count;) {
-    const auto& parts = rows.next(count - done);
-    counts.clear();
-    for (const auto& part : parts) {
-      counts.push_back(part.size() / columns);
-      done += counts.back();
-    }
-    builder.add_parts(counts, [&](std::size_t part, std::size_t i) {
-      return to_sample(parts[part].data() + i * columns, colour);
-    });
-    if (done == count || !parts.empty()) continue;
-    // Not a row of numbers as expected, or a very long line.
-    TextCursor cursor(input, rows.place().offset, rows.place().line);
-    cursor.skip_blank_lines();
-    if (cursor.at_end()) fail_points_missing(cursor, header, done);
-    std::array<double, 7> values{};
-    read_line(cursor, std::span(values).first(columns),
-              colour ? "x y z intensity red green blue" : "x y z intensity");
-    builder.add(to_sample(values.data(), colour));
-    rows.go_on({cursor.offset(), cursor.line()});
-    ++done;
-  }
-}
-
 // The entry of the scan at `place`, which moves behind it.
 ScanEntry list_one(InputFile& input, TextPlace& place) {
   ScanEntry entry{.offset = place.offset, .line = place.line};
@@ -202,8 +167,21 @@ Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
                       {.intensity = true,
                        .colour = columns == 7 ? ColourKind::byte : ColourKind::none,
                        .zero_is_no_return = true});
-  add_points(input, {cursor.offset(), cursor.line()}, point_count(header), columns, header, builder);
+  const bool colour = columns == 7;
+  bool commas = false;
+  add_text_samples(
+      input, {cursor.offset(), cursor.line()}, point_count(header), columns, builder, commas,
+      [&](const double* row) {
+        ScanSample sample{row[0], row[1], row[2], row[3], {}};
+        if (colour) sample.rgb = {row[4], row[5], row[6]};
+        return sample;
+      },
+      [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
+        if (at.at_end()) fail_points_missing(at, header, done);
+        read_line(at, values, colour ? "x y z intensity red green blue" : "x y z intensity");
+      });
   Scan scan = builder.finish();
+  if (within(scan.intensity, 0, 1)) scan.intensity_limits = {0.0f, 1.0f};
   scan.grid_cols = static_cast<int>(header.cols);
   scan.grid_rows = static_cast<int>(header.rows);
   set_pose(scan, cursor.file(), header);

@@ -1,11 +1,13 @@
 #include "io/read_scan.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include "core/error.hpp"
+#include "io/las.hpp"
 #include "io/output.hpp"
 #include "io/pcd.hpp"
 #include "io/ply.hpp"
+#include "io/pts.hpp"
 #include "io/ptx.hpp"
 #include "io/text_cursor.hpp"
 
@@ -23,13 +25,16 @@ constexpr ScanFormat kFormats[] = {
     {".pcd", list_pcd, [](const auto& file, const ScanEntry&) { return read_pcd(file); }},
     {".ply", list_ply, [](const auto& file, const ScanEntry&) { return read_ply(file); }},
     {".ptx", list_ptx, read_ptx},
+    {".pts", list_pts, read_pts},
+    {".las", list_las, read_las},
 };
 
 // Formats that are known and not read, and what to do.
 constexpr std::pair<const char*, const char*> kRemedies[] = {
     {".e57", "this format is coming: until then convert it to .ptx or .ply"},
-    {".las", "this format is coming: until then convert it to .ptx or .ply"},
-    {".laz", "this format is coming: until then convert it to .ptx or .ply"},
+    {".laz",
+     "LAZ is compressed LAS: decompress it first (laszip -i a.laz -o a.las, or pdal translate a.laz "
+     "a.las)"},
 };
 
 const ScanFormat& format_of(const std::filesystem::path& file) {

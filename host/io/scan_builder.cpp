@@ -155,6 +155,10 @@ Scan ScanBuilder::finish() {
   return std::move(scan_);
 }
 
+bool within(const std::vector<float>& values, float least, float greatest) {
+  return std::none_of(values.begin(), values.end(), [=](float v) { return v < least || v > greatest; });
+}
+
 bool names_intensity(const std::string& lower_case_name) {
   return lower_case_name == "intensity" || lower_case_name == "scalar_intensity";
 }

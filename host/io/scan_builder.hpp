@@ -94,6 +94,9 @@ void ScanBuilder::add_parts(const std::vector<std::size_t>& counts, const Sample
   for (const std::size_t count : not_finite) not_finite_ += count;
 }
 
+// Whether all values lie between two; NaN does not count.
+bool within(const std::vector<float>& values, float least, float greatest);
+
 // Whether a lower-case field name means intensity.
 bool names_intensity(const std::string& lower_case_name);
 
