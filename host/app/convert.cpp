@@ -25,7 +25,7 @@ void add_convert(CLI::App& program, int& exit_code) {
     }
     const auto run = batch::run_convert(*request);
     if (common->json)
-      std::cout << run.summary.dump(1) << "\n";
+      std::cout << run.summary.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
     else
       std::cout << batch::text_of(run);
     exit_code = run.exit_code;

@@ -66,6 +66,8 @@ void describe_las_crs(LasHeader& header) {
   for (const CrsRecord& record : header.crs_records) {
     if (record.id == kWkt) {
       header.crs = record.bytes.substr(0, record.bytes.find('\0'));
+      for (char& c : header.crs)  // the record keeps what this cannot show
+        if (c < ' ' || c > '~') c = c == '\n' || c == '\t' ? ' ' : '?';
       header.unit = unit_of_wkt(header.crs);
       return;
     }

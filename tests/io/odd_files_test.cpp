@@ -21,6 +21,8 @@ std::string joined(const std::vector<std::string>& parts, const char* between) {
 }
 
 std::string tell_scan(const io::ScanInfo& info) {
+  if (!info.problem.empty())
+    return fmt::format("{} points that cannot be read: {}", info.points, info.problem);
   std::vector<std::string> parts{fmt::format("{} points", info.points)};
   if (info.returns != info.points) parts.push_back(fmt::format("{} returns", info.returns));
   if (info.grid_rows > 0) parts.push_back(fmt::format("grid {} x {}", info.grid_rows, info.grid_cols));
@@ -71,11 +73,11 @@ std::map<std::string, std::string> rows_of(const fs::path& data) {
       const fs::path& file = entry.path();
       const std::string name = fs::relative(file, data).string(),
                         extension = io::lower_case(file.extension().string());
-      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx")
+      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx" || extension == ".pts")
         rows[name] = told(file, tell_scans);
       else if (extension == ".obj")
         rows[name] = told(file, tell_model);
-      else if (extension == ".e57" || extension == ".pts")
+      else if (extension == ".e57")
         ++unread[(fs::relative(file.parent_path(), data) / ("*" + extension)).string()];
     }
   }
