@@ -12,12 +12,13 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the first digit is the lowest byte");
 
 constexpr std::uint64_t kExactWhole = std::uint64_t{1} << 53;
+constexpr unsigned kMostDigits = 18;  // that 64 bits hold
 constexpr double kPowersOfTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 constexpr std::uint64_t kWholePowersOfTen[] = {1,       10,        100,        1'000,      10'000,
                                                100'000, 1'000'000, 10'000'000, 100'000'000};
 
-// A run of digits appended to `whole`, `count` counted up; false when `whole` may have become too large.
+// A run of digits appended to `whole`, `count` counted up; false when 64 bits do not hold it.
 bool take_digits(const char*& at, const char* end, std::uint64_t& whole, unsigned& count) {
   while (end - at >= 8) {
     std::uint64_t bytes = 0;
@@ -31,15 +32,15 @@ bool take_digits(const char*& at, const char* end, std::uint64_t& whole, unsigne
     bytes = ((bytes & 0x000000ff000000ffu) * 0x000f424000000064u +
              ((bytes >> 16) & 0x000000ff000000ffu) * 0x0000271000000001u) >>
             32;
-    whole = whole * kWholePowersOfTen[digits] + bytes;
     count += digits;
+    if (count > kMostDigits) return false;
+    whole = whole * kWholePowersOfTen[digits] + bytes;
     at += digits;
     if (digits < 8) return true;
-    if (count > 18) return false;
   }
   for (; at != end && static_cast<unsigned char>(*at - '0') <= 9; ++at) {
+    if (++count > kMostDigits) return false;
     whole = 10 * whole + static_cast<unsigned char>(*at - '0');
-    if (++count > 18) return false;
   }
   return true;
 }

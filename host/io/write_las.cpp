@@ -36,7 +36,8 @@ Steps choose_steps(const Scan& scan, const std::vector<std::uint32_t>& returns) 
     least = least.cwiseMin(scan.point(i));
     greatest = greatest.cwiseMax(scan.point(i));
   }
-  for (int axis = 0; axis < 3; ++axis) steps.offset[axis] = std::round((least[axis] + greatest[axis]) / 2);
+  for (int axis = 0; axis < 3; ++axis)
+    steps.offset[axis] = std::round((least[axis] + greatest[axis]) / 2) + 0.0;
   const double farthest = (greatest - steps.offset).cwiseMax(steps.offset - least).maxCoeff();
   while (farthest / steps.scale >= std::numeric_limits<std::int32_t>::max()) steps.scale *= 10;
   for (int axis = 0; axis < 3; ++axis) {

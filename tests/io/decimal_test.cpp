@@ -67,7 +67,7 @@ TEST(Decimal, ShortestTextsOfRandomDoubles) {
     }
     // Around 2^53, where whole numbers stop being exact, with the digits on either side of the point.
     std::string whole = std::to_string((std::uint64_t{1} << 53) - 500 + texts.below(1000));
-    ASSERT_TRUE(agrees(whole.insert(texts.below(whole.size() + 1), ".")));
+    ASSERT_TRUE(agrees(whole.insert(texts.below(whole.size() + 1), 1, '.')));
   }
 }
 

@@ -54,14 +54,15 @@ std::string tell_model(const fs::path& file) {
 // One row: what `read` tells of the file, or its error without the path.
 template <typename Read>
 std::string told(const fs::path& file, const Read& read) {
+  std::string text;
   try {
-    return read(file);
+    text = read(file);
   } catch (const Error& error) {
-    std::string message = error.what();
-    for (std::string start : {file.string() + ": ", file.string() + ":"})
-      if (message.starts_with(start)) message.erase(0, start.size());
-    return "refused: " + message;
+    text = std::string("refused: ") + error.what();
   }
+  for (const std::string& path : {file.string() + ": ", file.string() + ":"})
+    for (std::size_t at = text.find(path); at != text.npos; at = text.find(path)) text.erase(at, path.size());
+  return text;
 }
 
 // Files without a reader share the row of their folder and extension.

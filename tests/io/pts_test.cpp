@@ -56,14 +56,14 @@ TEST(Pts, WrongLinesAreNamed) {
   const struct {
     const char *text, *place, *expected;
   } bad[] = {
-      {"2\n1 2 3\n", "line 3", "2 points as line 1 says, found 1"},
+      {"2\n1 2 3.5\n\n\n\n", "line 6", "2 points as line 1 says, found 1"},
       {"9\n1 2 3\n", "line 1", "room for 1"},
       {"1\n1 2 3\n4 5 6\n", "line 3", "correct the count"},
       {"2\n1 2 3\n4 5 6 7\n", "line 3", "(3 numbers)"},
       {"2\n1 2 3\n4 x 6\n", "line 3", "\"x\""},
       {"2.5\n1 2 3\n", "line 1", "found 2.5"},
       {"-1\n1 2 3\n", "line 1", "found -1"},
-      {"1\n1 2\n", "line 2", "found 2"},
+      {"1\n1.25 2.5\n", "line 2", "found 2"},
       {"1 2\n", "line 1", "3, 4, 6 or 7"},
       {"1\n1 2 3 4 5 6 7 8\n", "line 2", "found 8"},
       {"hello\n", "line 1", "\"hello\""},
