@@ -6,11 +6,12 @@
 // a grazing angle and chi2 <= f + k sqrt(2 f), f = free samples - 3.
 // Mapping: one work-item per sample of the tile, the upper left corner of its windows; most end at once.
 // in:  x, y, z [halo_rows * halo_cols], metres, scan frame; free [halo_rows * halo_cols]: 1 = measured and in
-//      no supercluster, 0 = any other node, whose coordinates are not looked at.
+//      no supercluster, else any other node, whose coordinates are not looked at.
 // out: shape [rows * cols]: 1 + the first planar shape (params_window_planes.h), 0 = none.
 // Params: WindowPlanesParams. Edges: windows that leave the arrays are not tried.
 // Cost: 1 byte per sample where nothing is free; per free sample 48 samples of 13 bytes, about 1500 flops.
 // Reference twin: tests/reference/window_planes.cpp.
+#include "lib/range_noise.h"
 #include "shared/params_window_planes.h"
 
 #define MOST_SAMPLES 24
@@ -24,7 +25,7 @@ static inline int is_planar(global const float* x, global const float* y, global
   for (uint r = 0u; r < rows; ++r)
     for (uint c = 0u; c < cols; ++c) {
       const uint i = corner + r * params.halo_cols + c;
-      if (free[i] != 0) at[count++] = i;
+      if (free[i] == 1) at[count++] = i;
     }
   if ((float)count < params.min_share * (float)(rows * cols) || count < 4u) return 0;
 
@@ -72,16 +73,16 @@ static inline int is_planar(global const float* x, global const float* y, global
   if (!(determinant > 1e-4f * aa * bb)) return 0;  // samples in line
   const float slope_a = (bb * ah - ab * bh) / determinant, slope_b = (aa * bh - ab * ah) / determinant;
   const float intercept = 1.0f + mean_h - slope_a * mean_a - slope_b * mean_b;
-  float chi2 = 0.0f;
+  float squares = 0.0f;
   for (uint k = 0u; k < count; ++k) {
-    const float error =
-        scale[k] * (h[k] - mean_h - slope_a * (a[k] - mean_a) - slope_b * (b[k] - mean_b)) / params.sigma_m;
-    chi2 += error * error;
+    const float error = scale[k] * (h[k] - mean_h - slope_a * (a[k] - mean_a) - slope_b * (b[k] - mean_b));
+    squares += error * error;
   }
   // Incidence at the corner: depth m, with m the normal over the offset, is (intercept, slope_a, slope_b) in
   // the frame's axes.
   const float cosine = intercept / sqrt(intercept * intercept + slope_a * slope_a + slope_b * slope_b);
-  const float freedom = (float)count - 3.0f;
+  const float sigma = range_noise_m(params.noise, depth, cosine);
+  const float chi2 = squares / (sigma * sigma), freedom = (float)count - 3.0f;
   return cosine >= params.min_cosine && chi2 <= freedom + params.chi2_sigmas * sqrt(2.0f * freedom);
 }
 
@@ -92,7 +93,7 @@ kernel void window_planes(WindowPlanesParams params, global const float* restric
   if (col >= params.cols || row >= params.rows) return;
   const uint corner = row * params.halo_cols + col;
   uint found = 0u;
-  if (free[corner] != 0)
+  if (free[corner] == 1)
     for (uint s = 0u; s < WINDOW_SHAPES && found == 0u; ++s)
       if (row + WINDOW_ROWS(s) <= params.halo_rows && col + WINDOW_COLS(s) <= params.halo_cols &&
           is_planar(x, y, z, free, corner, s, params))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "score/error.hpp"
+#include "score/measure/coplanar_pieces.hpp"
 #include "score/read/files.hpp"
 #include "score/score_views.hpp"
 
@@ -30,7 +31,8 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
                     const TrueSamples& samples, const ScoreOptions& options, ScanScore& score) {
   const LabelledGrid grid = read_labelled_grid(folder);
   check_same_scan(grid, samples, (folder / "range.exr").string(), scan.image.string());
-  const JoinedScan joined = join(grid, samples, options.min_samples, (folder / "range.exr").string());
+  JoinedScan joined = join(grid, samples, options.min_samples, (folder / "range.exr").string());
+  join_coplanar_pieces(truth.planes, joined);
   const auto planes = read_result_planes(folder);
   Normals region_normals;
   if (planes)

@@ -9,7 +9,8 @@
 //
 // DIR holds scene.toml (written last), proxy.obj, scans/, photographs/, cameras/ (COLMAP), detail.ply (the
 // true mesh), truth.json and truth/. The church's scans: `front` outside and `nave` as PLY without a grid,
-// `chancel` as PTX with one; truth/<scan>.exr has kinds 0 planar, 1 curved, 2 mixed, 3 ghost behind glass.
+// `chancel` as PTX with one (--format: all as PLY, PTX or EXR); truth/<scan>.exr has kinds 0 planar, 1
+// curved, 2 mixed, 3 ghost behind glass.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -37,6 +38,9 @@ const std::map<std::string, synth::Preset> kChurchPresets = {
     {"demo", {"demo", 1700, 700, 1440, 1080, 1120, 630, 3, 0.3, 96}},
     {"full", {"full", 6700, 3000, 4032, 3024, 1920, 1080, 4, 0.2, 160}}};
 
+const std::map<std::string, synth::ScanFormat> kFormats = {
+    {"ply", synth::ScanFormat::ply}, {"ptx", synth::ScanFormat::ptx}, {"exr", synth::ScanFormat::exr}};
+
 // Whole and not negative; what does not fit would be cut silently.
 const CLI::Validator kSeed(
     [](const std::string& text) -> std::string {
@@ -63,7 +67,7 @@ CLI::Validator within(double minimum, double maximum) {
 
 struct Request {
   synth::Options options;
-  std::string folder, preset;
+  std::string folder, preset, format;
   std::optional<double> megapixels, photograph_variation;
   int threads = 0, scenes = 0;
   bool json = false, quiet = false;
@@ -100,6 +104,12 @@ void add_common(CLI::App& command, Request& r, const std::map<std::string, synth
   command
       .add_option("--megapixels", r.megapixels, "Samples of each scan, in millions, instead of the preset's")
       ->check(within(0.05, 400.0));
+  command
+      .add_option("--format", r.format,
+                  "Of every scan's file: ply: returns in acquisition order; ptx: a grid with a row for each "
+                  "step of the mirror, columns that start elsewhere included; exr: the same grid as a tiled "
+                  "range image. Default: ptx for a scanner whose columns are even, else ply")
+      ->check(CLI::IsMember({"ply", "ptx", "exr"}));
   command.add_option("--threads", r.threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
   command.add_flag("--json", r.json, "Summary as JSON on stdout");
   command.add_flag("--quiet", r.quiet, "No summary on stderr");
@@ -121,6 +131,7 @@ void add_church_options(CLI::App& command, Request& r) {
 
 // Presets and what depends on them.
 void settle(Request& r, const std::map<std::string, synth::Preset>& presets, const std::string& preset) {
+  if (!r.format.empty()) r.options.scan_format = kFormats.at(r.format);
   r.options.preset = presets.at(r.preset.empty() ? preset : r.preset);
   if (r.megapixels) {
     const double factor =

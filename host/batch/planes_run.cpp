@@ -19,8 +19,9 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
   const auto product = process_scan(queue, id, scan, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;
-  write_plane_outputs(folder, product, {{"source", file.filename().string()}, {"hash", print.xxh3}});
-  write_detail(folder, product, keep_remains(std::move(scan), product.image), nullptr);
+  const auto remains = keep_remains(std::move(scan), product.image);
+  write_plane_outputs(folder, product, remains, {{"source", file.filename().string()}, {"hash", print.xxh3}});
+  write_detail(folder, product, remains, nullptr);
   Json figures = scan_figures(product);
   figures["file"] = file.filename().string();
   figures["xxh3"] = print.xxh3;

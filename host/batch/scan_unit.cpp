@@ -38,8 +38,11 @@ stages::SquarePlanes fit_squares(device::Queue& queue, const RangeImage& image, 
   auto larger = options.squares;
   larger.square =
       std::clamp(static_cast<int>(std::ceil(larger.square * std::sqrt(ratio))), larger.square, 16);
-  larger.sigma_m = squares.sigma_m;
-  return larger.square == squares.square ? squares : stages::fit_square_planes(queue, image, larger);
+  if (larger.square == squares.square) return squares;
+  larger.sigma_m = squares.sigma_m;  // as estimated, the noise too: smaller squares are more, and purer
+  auto refitted = stages::fit_square_planes(queue, image, larger);
+  refitted.noise = squares.noise;
+  return refitted;
 }
 
 std::int64_t count_returns(const Scan& scan) {
@@ -63,6 +66,20 @@ io::PlyPoint node_point(const RangeImage& image, std::size_t i) {
   if (!image.intensity.empty()) point.intensity = image.intensity[i];
   if (!image.rgb.empty()) point.rgb = image.rgb[i];
   return point;
+}
+
+// Samples that no grid node took, beside range.exr, which counts them.
+void write_extra(const std::filesystem::path& folder, const ScanRemains& scan) {
+  const auto file = folder / "extra.ply";
+  if (scan.extra.empty()) {
+    std::filesystem::remove(file);  // an older run's
+    return;
+  }
+  io::PlyContent content;
+  content.intensity = scan.intensity;
+  content.colour = scan.colour;
+  content.double_precision = scan.georeferenced.has_value();
+  io::write_ply(file, scan.extra, content);
 }
 
 }  // namespace
@@ -95,8 +112,11 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
 }
 
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
-                         const std::map<std::string, std::string>& attributes) {
+                         const ScanRemains& scan, std::map<std::string, std::string> attributes) {
   const auto& image = product.image;
+  if (product.recorded_pose)  // unless a better one is given
+    attributes.try_emplace("world_from_scan", nlohmann::json(row_major(*product.recorded_pose)).dump());
+  write_extra(folder, scan);
   io::write_range_exr(folder / "range.exr", image, attributes);
   io::write_png(folder / "range.png", stages::range_picture(image));
   io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));

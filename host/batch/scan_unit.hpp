@@ -49,10 +49,10 @@ ScanRemains keep_remains(Scan scan, const RangeImage& image);
 // Colours of the range image's nodes, when photographs were projected on them.
 using NodeColours = stages::Renderer::ColouredRange;
 
-// scans/<id>/: range.exr, range.png, classes.png, labels.exr, planes.json. `attributes` go to range.exr's
-// header.
+// scans/<id>/: range.exr, extra.ply (where samples lie beside the grid), range.png, classes.png, labels.exr,
+// planes.json. `attributes` and the recorded pose go to range.exr's header.
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
-                         const std::map<std::string, std::string>& attributes);
+                         const ScanRemains& scan, std::map<std::string, std::string> attributes);
 // scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours
 // when given. The property `stray` says why a sample is not drawn (stages::Stray), 0 for the others.
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,

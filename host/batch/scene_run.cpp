@@ -199,7 +199,8 @@ class Run {
       unit("scan " + run_.products[i].id, [&] {
         const auto& product = run_.products[i];
         progress_.step("write", "scan " + product.id);
-        if (wants("planes")) write_plane_outputs(scan_folder(product.id), product, exr_attributes(i));
+        if (wants("planes"))
+          write_plane_outputs(scan_folder(product.id), product, remains_[i], exr_attributes(i));
         write_detail(scan_folder(product.id), product, remains_[i], nullptr);
       });
   }

@@ -2,8 +2,16 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace hybrid {
+
+bool is_full_turn(const std::vector<double>& azimuth_rad) {
+  constexpr double kTurn = 2 * std::numbers::pi, kOpenGap = 3;  // columns
+  if (azimuth_rad.size() < 2) return false;
+  const double turn = azimuth_rad.back() - azimuth_rad.front();
+  return kTurn - std::abs(turn) <= kOpenGap * (turn / static_cast<double>(azimuth_rad.size() - 1));
+}
 
 RangeImage make_range_image(int rows, int cols) {
   RangeImage image;

@@ -43,6 +43,9 @@ struct RangeImage {
   }
 };
 
+// Whether columns at these azimuths (increasing) go all around: no more than three steps are missing.
+bool is_full_turn(const std::vector<double>& azimuth_rad);
+
 // An all-empty image of the given extent; angle tables zero.
 RangeImage make_range_image(int rows, int cols);
 

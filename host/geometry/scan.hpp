@@ -15,6 +15,17 @@ struct CrsRecord {
   std::string bytes;
 };
 
+// What a range image says of its grid beyond the samples: a scan read from one is laid out as that image was.
+struct RangeGrid {
+  std::vector<double> elevation_rad;  // per row, decreasing
+  std::vector<double> azimuth_rad;    // per column, increasing
+  bool wraps = false;                 // the last column neighbours the first one
+  // Nodes that were interpolated between samples, ascending, with x y z and range: they help planes and are
+  // no samples.
+  std::vector<std::uint32_t> interpolated;
+  std::vector<std::array<float, 4>> interpolated_point;
+};
+
 // A scan as its file gave it: samples in file order, in the scan frame (origin at the mirror). Sample i is
 // what `source` indices refer to. Non-finite points and points at the origin are no-returns.
 struct Scan {
@@ -26,6 +37,8 @@ struct Scan {
   int grid_rows = 0, grid_cols = 0;  // organised input: rows by ascending elevation as scanned, or
                                      // descending: not yet ordered
   bool row_by_row = false;           // order of an organised file's samples; else column by column
+  // Of a range image: row by row; samples from grid_rows * grid_cols on lie beside the grid.
+  std::optional<RangeGrid> range_grid;
   Vec3 point(std::size_t i) const { return origin + Vec3(points[i][0], points[i][1], points[i][2]); }
   bool organised() const { return grid_rows > 1 && grid_cols > 1; }
   std::size_t grid_index(int row, int col) const {

@@ -23,8 +23,12 @@ class HeaderWalk {
                  file_, in_quotes(magic));
     if (input_.size() < 8) fail_at("the version of the file");
     // Bit 9: tiles; bits 11 and 12: deep samples, several parts.
-    const bool lines = tile_px == kExrLines;
-    if ((static_cast<std::uint32_t>(whole(4)) & 0x1a00u) != (lines ? 0u : 0x200u))
+    const std::uint32_t flags = static_cast<std::uint32_t>(whole(4)) & 0x1a00u;
+    if (tile_px == kExrEither && (flags & 0x1800u) != 0)
+      fail_input("{}: byte 4: expected one flat image, found {}; write the range image as a flat single part",
+                 file_, (flags & 0x800u) != 0 ? "deep samples (any number per pixel)" : "several parts");
+    const bool lines = tile_px == kExrEither ? flags == 0 : tile_px == kExrLines;
+    if (tile_px != kExrEither && flags != (lines ? 0u : 0x200u))
       fail_input(
           "{}: byte 4: expected a {} image in a single part, found another kind of OpenEXR file; write it "
           "again",
@@ -42,16 +46,22 @@ class HeaderWalk {
 
  private:
   void check_tiles(unsigned tile_px) const {
-    if (tile_width_ != tile_px || tile_height_ != tile_px)
+    const auto fits = [](std::uint32_t side) { return side >= 1 && side <= kMostTile_px; };
+    if (tile_px == kExrEither && !(fits(tile_width_) && fits(tile_height_)))
+      fail_input(
+          "{}: byte {}: expected tiles of at most {} pixels a side, found {} x {}; write smaller tiles",
+          file_, at_, kMostTile_px, tile_width_, tile_height_);
+    if (tile_px != kExrEither && (tile_width_ != tile_px || tile_height_ != tile_px))
       fail_input(
           "{}: byte {}: expected tiles of {} x {} pixels, found {} x {}; this file is from another program",
           file_, at_, tile_px, tile_px, tile_width_, tile_height_);
-    const auto tiles = [&](std::int64_t pixels) {
-      return static_cast<std::uint64_t>((pixels - 1) / tile_px + 1);
+    const auto tiles = [](std::int64_t pixels, std::uint32_t side) {
+      return static_cast<std::uint64_t>((pixels - 1) / side + 1);
     };
     // A tile takes its entry in the offset table, its coordinates and its size, even when nothing follows.
     constexpr std::uint64_t kLeastTile = 8 + 20;
-    check_count_fits(file_, fmt::format("byte {}", at_), "tiles", tiles(width_) * tiles(height_), kLeastTile,
+    check_count_fits(file_, fmt::format("byte {}", at_), "tiles",
+                     tiles(width_, tile_width_) * tiles(height_, tile_height_), kLeastTile,
                      input_.size() - at_);
   }
 

@@ -6,9 +6,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfTiledInputFile.h>
 #include <ImfTiledOutputFile.h>
-#include <xxhash.h>
 
-#include <array>
 #include <charconv>
 #include <memory>
 
@@ -18,7 +16,9 @@
 #include "io/exr_threads.hpp"
 #include "io/input_file.hpp"
 #include "io/output.hpp"
+#include "io/range_checksum.hpp"
 #include "io/range_exr_band.hpp"
+#include "io/range_exr_header.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -29,18 +29,7 @@ namespace {
 // its lead.
 constexpr auto kCompression = Imf::PIZ_COMPRESSION;
 
-constexpr const char* kPrefix = "hybrid:";
-constexpr const char* kFormat = "hybrid:format";
-constexpr const char* kFormatName = "range image 1";
-// Per row and per column, as text that gives the same doubles again.
-constexpr const char* kElevation = "hybrid:elevation_rad";
-constexpr const char* kAzimuth = "hybrid:azimuth_rad";
-constexpr const char* kWraps = "hybrid:wraps";
-constexpr const char* kChecksum = "hybrid:xxh3";
-
-bool is_own(const std::string& name) {
-  return name == kFormat || name == kElevation || name == kAzimuth || name == kWraps || name == kChecksum;
-}
+using namespace range_attribute;
 
 std::string to_text(const std::vector<double>& values) {
   std::string text;
@@ -53,38 +42,21 @@ std::string to_text(const std::vector<double>& values) {
   return text;
 }
 
-std::vector<double> to_values(const std::string& file, const char* name, const std::string& text, int count) {
-  std::vector<double> values;
-  for (const std::string_view word : words(text)) {
-    double value = 0;
-    if (!parse_real(word, value))
-      fail_input("{}: header: {}: expected a number, found {}", file, name, in_quotes(word));
-    values.push_back(value);
-  }
-  if (values.size() != static_cast<std::size_t>(count))
-    fail_input("{}: header: {}: expected {} angles, found {}; the file is damaged", file, name, count,
-               values.size());
-  return values;
-}
-
 // Everything the file stores.
 std::string checksum(const RangeImage& image) {
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
-  XXH3_128bits_reset(state.get());
-  const auto add = [&](const auto& values) {
-    const std::uint64_t bytes = values.size() * sizeof(values[0]);
-    XXH3_128bits_update(state.get(), &bytes, sizeof bytes);
-    XXH3_128bits_update(state.get(), values.data(), bytes);
+  RangeChecksum sum(image.rows, image.cols, image.wraps, image.elevation_rad, image.azimuth_rad);
+  const auto add = [&](RangeChecksum::Channel channel, const auto& values) {
+    sum.add(channel, std::span(values));
   };
-  add(std::array<std::int32_t, 3>{image.rows, image.cols, image.wraps ? 1 : 0});
-  add(image.elevation_rad);
-  add(image.azimuth_rad);
-  for (const auto* values : {&image.range_m, &image.x, &image.y, &image.z, &image.intensity}) add(*values);
-  add(image.mask);
-  add(image.source);
-  add(image.rgb);
-  const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  add(RangeChecksum::range, image.range_m);
+  add(RangeChecksum::x, image.x);
+  add(RangeChecksum::y, image.y);
+  add(RangeChecksum::z, image.z);
+  add(RangeChecksum::intensity, image.intensity);
+  add(RangeChecksum::mask, image.mask);
+  add(RangeChecksum::source, image.source);
+  add(RangeChecksum::colour, image.rgb);
+  return sum.text();
 }
 
 Imf::Header make_header(const std::string& file, const RangeImage& image,
@@ -101,9 +73,10 @@ Imf::Header make_header(const std::string& file, const RangeImage& image,
   header.insert(kElevation, Imf::StringAttribute(to_text(image.elevation_rad)));
   header.insert(kAzimuth, Imf::StringAttribute(to_text(image.azimuth_rad)));
   header.insert(kWraps, Imf::IntAttribute(image.wraps ? 1 : 0));
+  header.insert(kExtra, Imf::IntAttribute(static_cast<int>(image.extra.size())));
   header.insert(kChecksum, Imf::StringAttribute(checksum(image)));
   for (const auto& [name, value] : attributes) {
-    if (is_own(kPrefix + name))
+    if (is_range_attribute(kPrefix + name) && kPrefix + name != kPose)
       fail(ErrorKind::failed, "{}: attribute {}: the format itself uses this name; choose another", file,
            name);
     header.insert(kPrefix + name, Imf::StringAttribute(value));
@@ -158,8 +131,11 @@ class Reader {
   RangeImage read() {
     const Imath::V2i last = header().dataWindow().max;
     // The angles first: as many of them stand in the file before memory is taken for the samples.
-    std::vector<double> elevation_rad = to_values(file_, kElevation, text(kElevation), last.y + 1);
-    std::vector<double> azimuth_rad = to_values(file_, kAzimuth, text(kAzimuth), last.x + 1);
+    std::vector<double> elevation_rad = angle_attribute(file_, header(), kElevationAttributes, last.y + 1);
+    std::vector<double> azimuth_rad = angle_attribute(file_, header(), kAzimuthAttributes, last.x + 1);
+    if (elevation_rad.empty() || azimuth_rad.empty())
+      fail_input("{}: header: expected the tables {} and {}, found none; this is no range image", file_,
+                 kElevation, kAzimuth);
     RangeImage image = make_range_image(last.y + 1, last.x + 1);
     image.elevation_rad = std::move(elevation_rad);
     image.azimuth_rad = std::move(azimuth_rad);
@@ -196,10 +172,7 @@ class Reader {
     }
   }
 
-  std::string text(const char* name) const {
-    const auto* attribute = header().findTypedAttribute<Imf::StringAttribute>(name);
-    return attribute ? attribute->value() : std::string();
-  }
+  std::string text(const char* name) const { return text_attribute(header(), name); }
 
   bool has_channel(const char* name, Imf::PixelType type) const {
     const Imf::Channel* channel = header().channels().findChannel(name);
@@ -246,7 +219,7 @@ std::map<std::string, std::string> read_range_exr_attributes(const std::filesyst
   for (auto at = reader.header().begin(); at != reader.header().end(); ++at) {
     const std::string name = at.name();
     const auto* text = dynamic_cast<const Imf::StringAttribute*>(&at.attribute());
-    if (text && name.starts_with(kPrefix) && !is_own(name))
+    if (text && name.starts_with(kPrefix) && (!is_range_attribute(name) || name == kPose))
       result[name.substr(std::string_view(kPrefix).size())] = text->value();
   }
   return result;

@@ -42,6 +42,10 @@ const std::vector<std::uint8_t>& srgb_table() {
 
 }  // namespace
 
+std::uint8_t srgb_byte(half linear) {
+  return srgb_table()[linear.bits()];
+}
+
 RangeExrBand::RangeExrBand(RangeImage& image)
     : image_(image), width_(static_cast<std::size_t>(image.cols)), mask_(width_ * kRangeTile_px) {
   if (!image.rgb.empty()) colour_.resize(3 * width_ * kRangeTile_px);
@@ -80,7 +84,7 @@ void RangeExrBand::take_from_image() {
 void RangeExrBand::give_to_image() {
   for (std::size_t i = 0; i < count_; ++i) image_.mask[first_ + i] = static_cast<std::uint8_t>(mask_[i]);
   for (std::size_t i = 0; i < count_ && !colour_.empty(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) image_.rgb[first_ + i][c] = srgb_table()[colour_[3 * i + c].bits()];
+    for (std::size_t c = 0; c < 3; ++c) image_.rgb[first_ + i][c] = srgb_byte(colour_[3 * i + c]);
 }
 
 }  // namespace hybrid::io

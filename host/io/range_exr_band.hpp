@@ -11,6 +11,9 @@ namespace hybrid::io {
 
 inline constexpr unsigned kRangeTile_px = 256;
 
+// sRGB, of linear light between 0 and 1.
+std::uint8_t srgb_byte(half linear);
+
 // The rows of one row of tiles on their way between a range image and a file: floats and ids go directly;
 // mask and colour, whose types differ, through a buffer of that many rows.
 class RangeExrBand {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "io/exr_scan.hpp"
 #include "io/las.hpp"
 #include "io/output.hpp"
 #include "io/pcd.hpp"
@@ -21,12 +22,19 @@ struct ScanFormat {
   Scan (*read)(const std::filesystem::path& file, const ScanEntry& entry);
 };
 
+// Its one scan, whose size the reader finds.
+std::vector<ScanEntry> list_exr(const std::filesystem::path& file) {
+  check_readable(file);
+  return {{.name = file.stem().string(), .structure = std::string("range image"), .unit = std::string("m")}};
+}
+
 constexpr ScanFormat kFormats[] = {
     {".pcd", list_pcd, [](const auto& file, const ScanEntry&) { return read_pcd(file); }},
     {".ply", list_ply, [](const auto& file, const ScanEntry&) { return read_ply(file); }},
     {".ptx", list_ptx, read_ptx},
     {".pts", list_pts, read_pts},
     {".las", list_las, read_las},
+    {".exr", list_exr, [](const auto& file, const ScanEntry&) { return read_exr_scan(file); }},
 };
 
 // Formats that are known and not read, and what to do.

@@ -22,7 +22,7 @@ Scan read_scan(const std::filesystem::path& file, std::size_t index);
 const ScanEntry& scan_at(const std::filesystem::path& file, const std::vector<ScanEntry>& entries,
                          std::size_t index);
 
-// ".pcd, .ply or .ptx", for messages and help.
+// ".pcd, .ply, .ptx ... or .exr", for messages and help.
 std::string scan_extensions();
 
 }  // namespace hybrid::io

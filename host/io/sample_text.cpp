@@ -61,6 +61,11 @@ void append_colour(std::string& text, const std::array<std::uint8_t, 3>& rgb) {
   }
 }
 
+std::size_t laid_out(const Scan& scan) {
+  if (!scan.organised()) return scan.points.size();
+  return static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
+}
+
 std::vector<std::uint32_t> returns_of(const Scan& scan) {
   std::vector<std::uint32_t> indices;
   for (std::size_t i = 0; i < scan.points.size(); ++i)

@@ -14,6 +14,8 @@ void append_number(std::string& text, float value);
 void append_point(std::string& text, const Scan& scan, std::size_t sample);
 void append_colour(std::string& text, const std::array<std::uint8_t, 3>& rgb);  // " r g b"
 
+// How many samples lie on the grid: those of a range image that lie beside it come after; unorganised, all.
+std::size_t laid_out(const Scan& scan);
 // The indices of samples with a finite point.
 std::vector<std::uint32_t> returns_of(const Scan& scan);
 bool is_return(const std::array<float, 3>& point);

@@ -7,7 +7,7 @@ namespace hybrid::io {
 // One scan of a file, as its headers tell it.
 struct ScanEntry {
   std::string name{};
-  std::uint64_t samples = 0;
+  std::uint64_t samples = 0;         // 0 also where the headers do not tell (EXR)
   int grid_rows = 0, grid_cols = 0;  // 0: not organised
   std::string structure{};           // for people: "LAS 1.2, point format 3", "x y z intensity"
   std::string crs{};                 // as in Scan

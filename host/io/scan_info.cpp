@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/error.hpp"
-#include "io/range_exr.hpp"
 #include "io/read_scan.hpp"
 #include "io/text_cursor.hpp"
 
@@ -19,22 +18,6 @@ void add_return(ScanInfo& info, const Vec3& point) {
   info.max_m = first ? point : Vec3(info.max_m.cwiseMax(point));
   info.min_range_m = first ? range : std::min(info.min_range_m, range);
   info.max_range_m = first ? range : std::max(info.max_range_m, range);
-}
-
-ScanInfo describe_range_image(const std::filesystem::path& file) {
-  const RangeImage image = read_range_exr(file);
-  ScanInfo info;
-  info.format = "EXR";
-  info.name = file.stem().string();
-  info.points = image.count();
-  info.grid_rows = image.rows;
-  info.grid_cols = image.cols;
-  info.has_intensity = !image.intensity.empty();
-  info.has_colour = !image.rgb.empty();
-  for (std::size_t i = 0; i < image.count(); ++i)
-    if (image.mask[i] == kMeasured) add_return(info, image.point(i));
-  for (const auto& [name, value] : read_range_exr_attributes(file)) info.notes.push_back(name + ": " + value);
-  return info;
 }
 
 ScanInfo describe_unread(const ScanEntry& entry, const std::string& format, const std::string& problem) {
@@ -72,7 +55,6 @@ std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file) {
   std::string format = file.extension().string();
   for (char& c : format)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  if (format == ".EXR") return {describe_range_image(file)};
   const auto entries = list_scans(file);
   std::vector<ScanInfo> result;
   std::optional<Error> last;

@@ -31,8 +31,8 @@ struct ScanInfo {
 
 ScanInfo describe(const Scan& scan, const std::string& format);
 
-// Of every scan in a file, one in memory at a time: scan_extensions() and range images (.exr, measured
-// samples). Throws as read_scan and read_range_exr do; of several scans, only when none can be read.
+// Of every scan in a file, one in memory at a time. Throws as read_scan does; of several scans, only when
+// none can be read.
 std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file);
 
 }  // namespace hybrid::io

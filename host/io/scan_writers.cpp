@@ -61,6 +61,11 @@ WriteLosses losses_of(const ScanWriter& writer, const Scan& scan) {
   WriteLosses losses;
   if (scan.organised() && !writer.grid)
     losses.dropped.push_back(fmt::format("grid ({} x {})", scan.grid_rows, scan.grid_cols));
+  if (scan.range_grid)
+    losses.dropped.push_back(
+        fmt::format("angle tables, interpolated nodes ({})", scan.range_grid->interpolated.size()));
+  if (const std::size_t beside = scan.points.size() - laid_out(scan); beside > 0 && writer.grid)
+    losses.dropped.push_back(fmt::format("samples beside the grid ({})", beside));
   if (scan.world_from_scan && !writer.pose) losses.dropped.emplace_back("pose");
   if (scan.world_from_scan && writer.pose && !writer.pose_scale && scan.world_from_scan->scale != 1)
     losses.dropped.push_back(fmt::format("the pose's scale ({})", scan.world_from_scan->scale));

@@ -226,6 +226,8 @@ SceneFile read_scene_file(const fs::path& file) {
 std::string default_scan_id(const fs::path& file, int index, int count,
                             const std::vector<std::string>& taken) {
   std::string id = file.stem().string();
+  // Every scan's range image has this name: its folder tells which one it is.
+  if (file.filename() == "range.exr" && file.has_parent_path()) id = file.parent_path().filename().string();
   if (id.empty() || id == "." || id == "..") id = "scan";
   if (count > 1) id += fmt::format("-{}", index);
   std::string unique = id;

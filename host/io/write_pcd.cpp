@@ -34,7 +34,7 @@ std::string header(const Scan& scan) {
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\nHEIGHT {}\n{}\n"
       "POINTS {}\nDATA binary\n",
       fields, sizes, types, counts, organised ? static_cast<std::size_t>(scan.grid_cols) : scan.points.size(),
-      organised ? scan.grid_rows : 1, viewpoint, scan.points.size());
+      organised ? scan.grid_rows : 1, viewpoint, laid_out(scan));
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ void write_pcd(const std::filesystem::path& file, const ScanSource& next) {
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);
     out.write(head.data(), head.size());
-    write_records(out, scan->points.size(), [&](std::size_t i, std::string& bytes) {
+    write_records(out, laid_out(*scan), [&](std::size_t i, std::string& bytes) {
       const std::size_t at =
           scan->organised() ? scan->grid_index(static_cast<int>(i / cols), static_cast<int>(i % cols)) : i;
       const auto& point = scan->points[at];

@@ -35,7 +35,7 @@ void append_scan(OutputFile& out, const Scan& scan) {
   const std::string head = header(scan, cols, rows);
   out.write(head.data(), head.size());
   const IntensityMap map = map_intensity(scan, kPtxIntensity);
-  write_records(out, scan.points.size(), [&](std::size_t i, std::string& text) {
+  write_records(out, laid_out(scan), [&](std::size_t i, std::string& text) {
     const std::size_t at =
         organised ? scan.grid_index(static_cast<int>(i % rows), static_cast<int>(i / rows)) : i;
     append_point(text, scan, at);

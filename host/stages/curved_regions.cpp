@@ -21,7 +21,8 @@ constexpr double kMostBulge = 2;         // times the scatter
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
-// Every stride-th sample of the region's squares that lies on its plane, as (a, b, height).
+// Every stride-th sample of the region's squares that lies on its plane, as its four neighbours do, as (a, b,
+// height). At its rim the region holds the first samples beyond an edge, which would bend a narrow strip.
 std::vector<Vec3> heights(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                           const SuperclusterOptions& options, const PlaneRegion& region) {
   const int n = squares.square;
@@ -35,11 +36,18 @@ std::vector<Vec3> heights(const RangeImage& image, const SquarePlanes& squares, 
     const int row = static_cast<int>(square) / grid.cols * n + inside / n;
     const int col = static_cast<int>(square) % grid.cols * n + inside % n;
     if (row >= image.rows || col >= image.cols) continue;
-    const Vec3 point = image.point(image.index(row, col));
-    const double height = region.fit.plane.distance(point);
-    if (!(std::abs(height) <= noise + options.waviness_m)) continue;
-    const Vec3 arm = point - region.fit.centroid;
-    samples.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), height);
+    const auto on_plane = [&](int r, int c) {
+      if (image.wraps) c = (c + image.cols) % image.cols;
+      if (r < 0 || r >= image.rows || c < 0 || c >= image.cols) return false;
+      const double height = region.fit.plane.distance(image.point(image.index(r, c)));
+      return std::abs(height) <= noise + options.waviness_m;
+    };
+    if (!(on_plane(row, col) && on_plane(row - 1, col) && on_plane(row + 1, col) && on_plane(row, col - 1) &&
+          on_plane(row, col + 1)))
+      continue;
+    const Vec3 point = image.point(image.index(row, col)), arm = point - region.fit.centroid;
+    samples.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
+                         region.fit.plane.distance(point));
   }
   return samples;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "stages/curved_regions.hpp"
@@ -108,8 +109,9 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
   return static_cast<double>(smooth) > share * static_cast<double>(flood.samples.size());
 }
 
-bool meets_curved_flood(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
-                        double sigma_m, std::uint32_t sample) {
+bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
+                          double sigma_m, std::uint32_t sample,
+                          const std::function<Vec3(std::uint32_t)>& blocked_normal) {
   const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
   for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, image.rows - 1); ++r)
     for (int step = -kReach; step <= kReach; ++step) {
@@ -118,6 +120,7 @@ bool meets_curved_flood(const RangeImage& image, const std::vector<std::uint8_t>
       if (c < 0 || c >= image.cols) continue;
       const std::size_t other = image.index(r, c);
       if (use[other] == kBlocked &&
+          std::abs(blocked_normal(static_cast<std::uint32_t>(other)).dot(normal)) > std::numbers::sqrt2 / 2 &&
           shallow(image.point(other) - image.point(sample), normal, kContinuitySigmas * sigma_m))
         return true;
     }

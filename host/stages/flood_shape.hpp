@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "stages/plane_floods.hpp"
 #include "stages/plane_regions.hpp"
 
@@ -22,9 +24,11 @@ bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRe
 bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood, double sigma_m,
                                 double share);
 
-// A sample of a curved flood (kBlocked) lies within two rows and columns of `sample`, less than 45 degrees
-// out of the plane with this normal.
-bool meets_curved_flood(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
-                        double sigma_m, std::uint32_t sample);
+// A sample of a curved surface (kBlocked) lies within two rows and columns of `sample`, less than 45 degrees
+// out of the plane with this normal, on a part of that surface that is turned against the plane by less than
+// that (`blocked_normal`: of the part a blocked sample is on): the surface may go on as this plane.
+bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
+                          double sigma_m, std::uint32_t sample,
+                          const std::function<Vec3(std::uint32_t)>& blocked_normal);
 
 }  // namespace hybrid::stages

@@ -12,7 +12,6 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kOpenGap = 3;      // columns: a turn with a wider gap is not a full one
 constexpr double kMostSteps = 0.9;  // of a table's steps that must go one way
 
 double median(std::vector<double>& values) {
@@ -116,7 +115,7 @@ std::vector<double> even_table(int count, double step) {
   return table;
 }
 
-void place(const Scan& scan, const SampleAngles& angles, bool flip_rows, bool flip_cols, RangeImage& image) {
+void place(const Scan& scan, bool flip_rows, bool flip_cols, RangeImage& image) {
   if (!scan.intensity.empty()) image.intensity.assign(image.count(), 0.0f);
   if (!scan.rgb.empty()) image.rgb.assign(image.count(), {0, 0, 0});
   parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t r) {
@@ -124,10 +123,11 @@ void place(const Scan& scan, const SampleAngles& angles, bool flip_rows, bool fl
     for (int col = 0; col < image.cols; ++col) {
       const std::size_t source =
           scan.grid_index(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col);
-      if (std::isnan(angles.elevation_rad[source])) continue;
-      const std::size_t i = image.index(row, col);
       const auto& p = scan.points[source];
       const Vec3 point = scan.origin + Vec3(p[0], p[1], p[2]);
+      const double length = point.squaredNorm();
+      if (!std::isfinite(length) || length == 0) continue;
+      const std::size_t i = image.index(row, col);
       image.x[i] = static_cast<float>(point.x());
       image.y[i] = static_cast<float>(point.y());
       image.z[i] = static_cast<float>(point.z());
@@ -140,19 +140,48 @@ void place(const Scan& scan, const SampleAngles& angles, bool flip_rows, bool fl
   });
 }
 
+[[noreturn]] void fail_no_return(const Scan& scan) {
+  fail_input("scan {}: expected returns, found none in a grid of {} x {}", scan.name, scan.grid_rows,
+             scan.grid_cols);
+}
+
+// A range image fed in again: tables, interpolated nodes and samples beside the grid as they were, so that
+// what follows gives what it gave the first time.
+RangeImage restore_grid(const Scan& scan) {
+  const RangeGrid& grid = *scan.range_grid;
+  RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols);
+  image.elevation_rad = grid.elevation_rad;
+  image.azimuth_rad = grid.azimuth_rad;
+  image.wraps = grid.wraps;
+  place(scan, false, false, image);
+  for (std::size_t k = 0; k < grid.interpolated.size(); ++k) {
+    const std::size_t i = grid.interpolated[k];
+    image.mask[i] = kInterpolated;
+    image.x[i] = grid.interpolated_point[k][0];
+    image.y[i] = grid.interpolated_point[k][1];
+    image.z[i] = grid.interpolated_point[k][2];
+    image.range_m[i] = grid.interpolated_point[k][3];
+  }
+  for (std::size_t i = image.count(); i < scan.points.size(); ++i)
+    if (scan.point(i).allFinite()) image.extra.push_back(static_cast<std::uint32_t>(i));
+  if (image.extra.empty() && std::find(image.mask.begin(), image.mask.end(), kMeasured) == image.mask.end())
+    fail_no_return(scan);
+  return image;
+}
+
 }  // namespace
 
 RangeImage arrange_grid(const Scan& scan) {
   const std::size_t nodes =
       static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
+  if (scan.range_grid) return restore_grid(scan);
   if (nodes != scan.points.size())
     fail_input("scan {}: expected {} samples for a grid of {} rows x {} columns, found {}", scan.name, nodes,
                scan.grid_rows, scan.grid_cols, scan.points.size());
   const SampleAngles angles = sample_angles(scan);
   if (std::all_of(angles.elevation_rad.begin(), angles.elevation_rad.end(),
                   [](double e) { return std::isnan(e); }))
-    fail_input("scan {}: expected returns, found none in a grid of {} x {}", scan.name, scan.grid_rows,
-               scan.grid_cols);
+    fail_no_return(scan);
 
   RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols);
   image.elevation_rad = row_elevations(scan, angles);
@@ -162,13 +191,13 @@ RangeImage arrange_grid(const Scan& scan) {
   if (rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn) {
     image.elevation_rad = even_table(image.rows, -typical_angle(scan, 1, 0));
     image.azimuth_rad = even_table(image.cols, typical_angle(scan, 0, 1));
-    place(scan, angles, false, false, image);
+    place(scan, false, false, image);
     return image;
   }
   if (rows_go > 0) std::reverse(image.elevation_rad.begin(), image.elevation_rad.end());
   if (cols_go < 0) std::reverse(image.azimuth_rad.begin(), image.azimuth_rad.end());
-  image.wraps = kTurn - std::abs(turn) <= kOpenGap * image.azimuth_step_rad();
-  place(scan, angles, rows_go > 0, cols_go < 0, image);
+  image.wraps = is_full_turn(image.azimuth_rad);
+  place(scan, rows_go > 0, cols_go < 0, image);
   return image;
 }
 

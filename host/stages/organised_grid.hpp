@@ -10,7 +10,7 @@ namespace hybrid::stages {
 // their neighbours. A grid whose rows and columns are not spherical about Z (a camera's depth image, columns
 // through the zenith) stays as it is, with even tables of the typical angles between neighbours around 0, so
 // that steps mean what they say. Throws ErrorKind::input when the grid does not match the sample count or
-// holds no return.
+// holds no return. With Scan::range_grid, everything about the grid is taken from there.
 RangeImage arrange_grid(const Scan& scan);
 
 }  // namespace hybrid::stages

@@ -187,7 +187,7 @@ const std::vector<OptionRow<ResampleOptions>>& resample_option_table() {
 }
 
 RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleOptions& options) {
-  if (scan.organised()) {
+  if (scan.organised() || scan.range_grid) {
     RangeImage image = arrange_grid(scan);
     set_aside_near(options.min_range_m, image);
     return image;

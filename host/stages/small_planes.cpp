@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <queue>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "core/parallel.hpp"
@@ -10,6 +11,7 @@
 #include "stages/coplanar_merge.hpp"
 #include "stages/flood_shape.hpp"
 #include "stages/plane_floods.hpp"
+#include "stages/sparse_seeds.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -19,18 +21,25 @@ constexpr float kWindowSigmas = 4;      // of chi2's standard deviation
 constexpr float kWindowCosine = 0.02f;  // noise along rays nearer to grazing leaves no plane
 constexpr double kLeastNoise_m = 1e-4;  // as estimate_range_noise(): what floats and the model leave
 constexpr int kBlock = 64;              // samples; floods of a block look one block around it
-constexpr double kMostChi2 = 1.25;      // per sample
+constexpr double kMostChi2 = 1.6;       // per sample
 constexpr double kMostBesideCurved = 0.3;
 
-std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels) {
+std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
+                                       const PlaneRegions& regions) {
   std::vector<std::uint8_t> use(image.count());
   parallel_for(
-      use.size(), [&](std::size_t i) { use[i] = image.mask[i] == kMeasured && labels[i] == 0; }, 1 << 14);
+      use.size(),
+      [&](std::size_t i) {
+        if (image.mask[i] != kMeasured) return;
+        use[i] = labels[i] == 0 ? kFree : regions.regions[labels[i] - 1].curved ? kBlocked : kNotFree;
+      },
+      1 << 14);
   return use;
 }
 
 std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image,
-                                   const std::vector<std::uint8_t>& use, double sigma_m, int tile_side) {
+                                   const std::vector<std::uint8_t>& use, const RangeNoise& noise,
+                                   int tile_side) {
   std::vector<WindowSeed> seeds;
   const auto width = static_cast<std::size_t>(image.cols);
   for (const Tile& tile : make_tiles(image.rows, image.cols, tile_side)) {
@@ -41,7 +50,7 @@ std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image
         static_cast<std::uint32_t>(std::min(tile.rows + WINDOW_REACH - 1, image.rows - tile.row));
     params.halo_cols =
         static_cast<std::uint32_t>(std::min(tile.cols + WINDOW_REACH - 1, image.cols - tile.col));
-    params.sigma_m = static_cast<float>(sigma_m);
+    params.noise = noise.record();
     params.chi2_sigmas = kWindowSigmas;
     params.min_share = kWindowShare;
     params.min_cosine = kWindowCosine;
@@ -63,7 +72,8 @@ std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image
       if (shapes[k] != 0) {
         const auto i = image.index(tile.row + static_cast<int>(k) / tile.cols,
                                    tile.col + static_cast<int>(k) % tile.cols);
-        seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1)});
+        seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1),
+                         static_cast<std::uint32_t>(i)});
       }
   }
   std::sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
@@ -100,7 +110,7 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& fl
                       std::min(col + 2 * kBlock, image.cols) - left};
     std::unordered_set<std::uint32_t> covered;
     for (const WindowSeed& seed : of_block[b]) {
-      if (covered.contains(seed.sample)) continue;
+      if (covered.contains(seed.member)) continue;
       const PlaneFlood flood = flooder.flood(seed, limits);
       if (flood.samples.size() < least) continue;
       covered.insert(flood.samples.begin(), flood.samples.end());
@@ -117,61 +127,22 @@ std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int sid
   return sample / cols / n * static_cast<std::uint32_t>(grid.cols) + sample % cols / n;
 }
 
-// Squares of curved regions and their neighbours.
-std::vector<std::uint8_t> beside_curved(const SquareGrid& grid, const PlaneRegions& regions) {
-  std::vector<std::uint8_t> beside(grid.count());
-  for (const PlaneRegion& region : regions.regions) {
-    if (!region.curved) continue;
-    for (const std::uint32_t square : region.squares) {
-      beside[square] = 1;
-      for (int direction = 0; direction < 4; ++direction)
-        if (const auto other = grid.neighbour(square, direction); other != SquareGrid::kNone)
-          beside[static_cast<std::size_t>(other)] = 1;
-    }
-  }
-  return beside;
+// What a flood becomes. kTaken: a plane; kBlocked: part of a curved surface; kFree: neither.
+SampleUse judge(const RangeImage& image, const std::vector<std::uint8_t>& use, const PlaneFlood& flood,
+                const PlaneRegion& region, double sigma_m, double min_curvature,
+                const std::function<Vec3(std::uint32_t)>& blocked_normal) {
+  const Vec3 normal = flood.plane.plane().normal;
+  const auto beside_curved = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
+    return meets_curved_surface(image, use, normal, sigma_m, i, blocked_normal);
+  });
+  const auto samples = static_cast<double>(flood.samples.size());
+  const bool scattered = flood.chi2 > kMostChi2 * (samples - 3);
+  if (static_cast<double>(beside_curved) > kMostBesideCurved * samples ||
+      is_strip_of_smooth_surface(image, flood, sigma_m, kMostBesideCurved) ||
+      flood_bends(image, flood, region, min_curvature, scattered))
+    return kBlocked;
+  return scattered ? kFree : kTaken;
 }
-
-// Which floods become small planes. Keeps the use of the samples.
-class SmallPlaneJudge {
- public:
-  SmallPlaneJudge(const RangeImage& image, const SquareGrid& grid, int side, const PlaneRegions& regions,
-                  double min_curvature, double sigma_m)
-      : image_(image),
-        grid_(grid),
-        side_(side),
-        beside_(beside_curved(grid, regions)),
-        min_curvature_(min_curvature),
-        sigma_m_(sigma_m) {}
-
-  // kTaken: a plane; kBlocked: part of a curved surface; kFree: neither.
-  SampleUse judge(const PlaneFlood& flood, const PlaneRegion& region,
-                  const std::vector<std::uint8_t>& use) const {
-    const auto freedom = static_cast<double>(flood.samples.size()) - 3;
-    const bool scattered = flood.plane.squares_m2() > kMostChi2 * sigma_m_ * sigma_m_ * freedom;
-    if (lies_beside_curved(flood, use) ||
-        is_strip_of_smooth_surface(image_, flood, sigma_m_, kMostBesideCurved) ||
-        flood_bends(image_, flood, region, min_curvature_, scattered))
-      return kBlocked;
-    return scattered ? kFree : kTaken;
-  }
-
- private:
-  bool lies_beside_curved(const PlaneFlood& flood, const std::vector<std::uint8_t>& use) const {
-    const Vec3 normal = flood.plane.plane().normal;
-    const auto count = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-      return beside_[square_of(image_, grid_, side_, i)] != 0 ||
-             meets_curved_flood(image_, use, normal, sigma_m_, i);
-    });
-    return static_cast<double>(count) > kMostBesideCurved * static_cast<double>(flood.samples.size());
-  }
-
-  const RangeImage& image_;
-  const SquareGrid& grid_;
-  int side_;
-  std::vector<std::uint8_t> beside_;
-  double min_curvature_, sigma_m_;
-};
 
 // Squares in which the flood has samples, sorted.
 std::vector<std::uint32_t> squares_of(const PlaneFlood& flood, const RangeImage& image,
@@ -196,43 +167,53 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
                                     std::vector<Plane>& planes) {
   const auto least = static_cast<std::size_t>(least_plane_samples(image, options));
   const double sigma_m = std::max(squares.sigma_m, kLeastNoise_m);
-  auto use = free_samples(image, labels);
-  const PlaneFlooder flooder(image, use, sigma_m);
-  const auto candidates =
-      try_seeds(image, flooder, find_seeds(queue, image, use, sigma_m, options.tile), least);
-  const SmallPlaneJudge judge(image, grid, squares.square, regions, options.min_curvature, sigma_m);
-  std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
+  auto use = free_samples(image, labels, regions);
+  const PlaneFlooder flooder(image, use, squares.noise);
+  std::unordered_map<std::uint32_t, Vec3> normal_of_blocked;  // by floods; regions' by their labels
+  const auto blocked_normal = [&](std::uint32_t i) -> Vec3 {
+    return labels[i] != 0 ? regions.regions[labels[i] - 1].fit.plane.normal : normal_of_blocked.at(i);
+  };
   SquarePresence presence;
-  while (!heap.empty()) {
-    Candidate best = heap.top();
-    heap.pop();
-    const PlaneFlood flood = flooder.flood(best.seed, {0, 0, image.rows, image.cols});
-    const std::size_t size = flood.samples.size();
-    if (size < least) continue;
-    if (size < best.size && !heap.empty() &&
-        size < heap.top().size) {  // others took samples: not its turn yet
-      best.size = size;
-      heap.push(best);
-      continue;
+  const auto recover = [&](const std::vector<WindowSeed>& seeds) {
+    const auto candidates = try_seeds(image, flooder, seeds, least);
+    std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
+    while (!heap.empty()) {
+      Candidate best = heap.top();
+      heap.pop();
+      const PlaneFlood flood = flooder.flood(best.seed, {0, 0, image.rows, image.cols});
+      const std::size_t size = flood.samples.size();
+      if (size < least) continue;
+      if (size < best.size && !heap.empty() &&
+          size < heap.top().size) {  // others took samples: not its turn yet
+        best.size = size;
+        heap.push(best);
+        continue;
+      }
+      PlaneRegion region = region_of_flood(image, flood);
+      const SampleUse verdict =
+          judge(image, use, flood, region, sigma_m, options.min_curvature, blocked_normal);
+      if (verdict == kFree) continue;
+      for (const std::uint32_t i : flood.samples) {
+        use[i] = verdict;
+        if (verdict == kBlocked) normal_of_blocked[i] = region.fit.plane.normal;
+      }
+      if (verdict == kBlocked) continue;
+      region.squares = squares_of(flood, image, grid, squares.square);
+      std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
+      if (id == 0) {
+        regions.regions.push_back(region);
+        planes.push_back(flood.plane.plane());
+        id = static_cast<std::uint32_t>(regions.regions.size());
+      } else if (PlaneRegion& continued = regions.regions[id - 1]; continued.small) {
+        continued.squares.insert(continued.squares.end(), region.squares.begin(), region.squares.end());
+        continued.moments.merge(region.moments);
+        continued.fit = fit_plane(continued.moments);
+      }
+      for (const std::uint32_t square : region.squares) presence.emplace_back(square, id);
     }
-    PlaneRegion region = region_of_flood(image, flood);
-    const SampleUse verdict = judge.judge(flood, region, use);
-    if (verdict == kFree) continue;
-    for (const std::uint32_t i : flood.samples) use[i] = verdict;
-    if (verdict == kBlocked) continue;
-    region.squares = squares_of(flood, image, grid, squares.square);
-    std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
-    if (id == 0) {
-      regions.regions.push_back(region);
-      planes.push_back(flood.plane.plane());
-      id = static_cast<std::uint32_t>(regions.regions.size());
-    } else if (PlaneRegion& continued = regions.regions[id - 1]; continued.small) {
-      continued.squares.insert(continued.squares.end(), region.squares.begin(), region.squares.end());
-      continued.moments.merge(region.moments);
-      continued.fit = fit_plane(continued.moments);
-    }
-    for (const std::uint32_t square : region.squares) presence.emplace_back(square, id);
-  }
+  };
+  recover(find_seeds(queue, image, use, squares.noise, options.tile));
+  recover(find_sparse_seeds(image, use, squares.noise));
   std::sort(presence.begin(), presence.end());
   presence.erase(std::unique(presence.begin(), presence.end()), presence.end());
   return presence;

@@ -89,7 +89,7 @@ SquarePlanes fit_square_planes(device::Queue& queue, const RangeImage& image,
                                const SquarePlaneOptions& options) {
   const int side = options.square;
   if (side < 3 || side > 16) fail_input("square: expected 3 to 16 samples, found {}", side);
-  SquarePlanes planes{side, squares_over(image.rows, side), squares_over(image.cols, side), 0, {}};
+  SquarePlanes planes{side, squares_over(image.rows, side), squares_over(image.cols, side), 0, {}, {}};
   planes.sigma_m = options.sigma_m > 0 ? options.sigma_m : estimate_range_noise(image);
   planes.squares.resize(static_cast<std::size_t>(planes.rows) * static_cast<std::size_t>(planes.cols));
 
@@ -119,6 +119,8 @@ SquarePlanes fit_square_planes(device::Queue& queue, const RangeImage& image,
                  params, x, y, z, triplets, records);
     queue.read_rect(records, planes.squares.data(), static_cast<std::size_t>(planes.cols), squares);
   }
+  planes.noise =
+      options.sigma_m > 0 ? RangeNoise{options.sigma_m} : fit_range_noise(planes.squares, planes.sigma_m);
   return planes;
 }
 

@@ -7,6 +7,7 @@
 #include "device/queue.hpp"
 #include "geometry/range_image.hpp"
 #include "shared/records.h"
+#include "stages/noise_model.hpp"
 
 namespace hybrid::stages {
 
@@ -32,6 +33,7 @@ struct SquarePlanes {
   int square = 5;
   int rows = 0, cols = 0;  // in squares: whole squares and the partial ones at the right and bottom edge
   double sigma_m = 0;      // used
+  RangeNoise noise;        // what the squares show; sigma_m everywhere when that was given
   std::vector<SquareRecord> squares;  // rows x cols
 };
 

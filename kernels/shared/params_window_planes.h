@@ -1,6 +1,6 @@
 #ifndef HYBRID_SHARED_PARAMS_WINDOW_PLANES_H
 #define HYBRID_SHARED_PARAMS_WINDOW_PLANES_H
-#include "shared/layout.h"
+#include "shared/range_noise.h"
 
 // Windows tried at each sample, which is their upper left corner: square, upright, lying. Rows and columns.
 #define WINDOW_SHAPES 5
@@ -14,11 +14,12 @@
 typedef struct WindowPlanesParams {
   HYBRID_UINT rows, cols;            // of the tile: the corners tried
   HYBRID_UINT halo_rows, halo_cols;  // of the arrays: the tile and up to WINDOW_REACH - 1 more
-  float sigma_m;                     // range noise along the ray
   float chi2_sigmas;  // chi2 may exceed its expectation by this many of its standard deviations
   float min_share;    // of a window's samples that must be free
   float min_cosine;   // planes seen at a flatter angle are none
+  float pad;
+  RangeNoiseRecord noise;
 } WindowPlanesParams;
-LAYOUT_CHECK(WindowPlanesParams, 32);
+LAYOUT_CHECK(WindowPlanesParams, 48);
 
 #endif

@@ -33,7 +33,15 @@ struct WindowPlanesCase {
     const auto cols = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(size))));
     const auto rows = cols ? static_cast<std::uint32_t>((size + cols - 1) / cols) : 0u;
     const std::uint32_t halo_rows = rows + 5, halo_cols = cols + WINDOW_REACH - 1;  // the image ends below
-    input.params = {rows, cols, rows ? halo_rows : 0, rows ? halo_cols : 0, 0.002f, 4.0f, 0.7f, 0.1f};
+    input.params = {rows,
+                    cols,
+                    rows ? halo_rows : 0,
+                    rows ? halo_cols : 0,
+                    4.0f,
+                    0.7f,
+                    0.1f,
+                    0,
+                    {0.001f, 0.0002f, 0.0001f, 0.00005f}};
     std::mt19937 random(seed);
     std::normal_distribution<float> noise(0, 1);
     std::uniform_real_distribution<float> uniform(0, 1);

@@ -6,6 +6,8 @@
 
 #include <stdexcept>
 
+#include "io/exr_scan.hpp"
+#include "io/foreign_exr.hpp"
 #include "io/picture.hpp"
 #include "io/range_exr.hpp"
 #include "io/reader_rows.hpp"
@@ -127,6 +129,50 @@ ReaderRow range_exr_row() {
   return row;
 }
 
+std::string tell_exr_scan(const fs::path& file) {
+  const Scan scan = io::read_exr_scan(file);
+  std::string text = fmt::format("{} x {}\n", scan.grid_rows, scan.grid_cols);
+  for (const auto& point : scan.points) tell(text, "point", point);
+  tell(text, "intensity", scan.intensity);
+  tell(text, "notes", scan.notes);
+  if (scan.range_grid) tell(text, "elevation", scan.range_grid->elevation_rad);
+  return text;
+}
+
+// Our own range image as a scan.
+ReaderRow range_exr_scan_row() {
+  ReaderRow row = range_exr_row();
+  row.name = "range_exr_as_scan";
+  row.read = tell_exr_scan;
+  return row;
+}
+
+// Another program's: ranges in lines, without a checksum.
+ReaderRow foreign_exr_row() {
+  ReaderRow row{.name = "foreign_exr", .file = "scan.exr"};
+  row.good = [](const fs::path& folder) {
+    ForeignExr exr(30, 20);
+    exr.add("range", Imf::FLOAT);
+    exr.add("intensity", Imf::HALF);
+    std::string elevation, azimuth;
+    for (int i = 0; i < 20; ++i) elevation += fmt::format("{} ", 0.5 - 0.03125 * i);
+    for (int i = 0; i < 30; ++i) azimuth += fmt::format("{} ", 0.0625 * i);
+    exr.attribute("hybrid:elevation_rad", elevation);
+    exr.attribute("hybrid:azimuth_rad", azimuth);
+    fs::create_directories(folder);
+    exr.write(folder / "scan.exr");
+    return file_bytes(folder / "scan.exr");
+  };
+  row.read = tell_exr_scan;
+  row.checked = false;
+  row.counts_too_high = {{window(30, 20), window(30, 21)}, {window(30, 20), window(300, 20)}};
+  row.counts_too_low = {{window(30, 20), window(30, 19)}, {window(30, 20), window(20, 30)}};
+  row.absurd_sizes = {{window(30, 20), window(2'000'000'000, 2'000'000'000)},
+                      {window(30, 20), window(30'000, 30'000)}};
+  row.non_finite = {{"0.46875 ", "nan     "}};
+  return row;
+}
+
 // Photographs of 40 x 30 pixels.
 
 std::uint32_t crc32(const std::string& bytes) {
@@ -180,7 +226,12 @@ ReaderRow photograph_row(const std::string& format, std::string (*header)(int wi
 }  // namespace
 
 std::vector<ReaderRow> image_reader_rows() {
-  return {truth_row(), truth_image_row(), range_exr_row(), photograph_row("png", png_header),
+  return {truth_row(),
+          truth_image_row(),
+          range_exr_row(),
+          range_exr_scan_row(),
+          foreign_exr_row(),
+          photograph_row("png", png_header),
           photograph_row("jpg", jpeg_header)};
 }
 

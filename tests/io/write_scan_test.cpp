@@ -200,6 +200,24 @@ TEST(WriteScan, LossesAreNamed) {
   EXPECT_EQ(losses("a.pcd", scaled), "the pose's scale (2), coordinate system | ");
 }
 
+// As a range image has them.
+TEST(WriteScan, SamplesBesideTheGridAreNoPartOfIt) {
+  const ScanFolder folder;
+  const Scan grid = full_scan(4, 5, true);
+  Scan scan = grid;
+  scan.range_grid = RangeGrid{};
+  scan.points.push_back({7, 8, 9});
+  scan.intensity.push_back(0.5f);
+  scan.rgb.push_back({1, 2, 3});
+  for (const char* name : {"a.ptx", "a.pcd"}) {
+    expect_same_grid(grid, through(folder, name, scan));
+    EXPECT_EQ(
+        io::losses_of(io::writer_for(name), scan).dropped,
+        (std::vector<std::string>{"angle tables, interpolated nodes (0)", "samples beside the grid (1)"}));
+  }
+  EXPECT_EQ(through(folder, "a.ply", scan).points.back(), (std::array<float, 3>{7, 8, 9}));
+}
+
 TEST(WriteScan, OtherExtensionsAreNamedWithThoseThereAre) {
   EXPECT_TRUE(holds(error_of(ErrorKind::usage, [] { io::writer_for("a.xyz"); }),
                     ".ptx, .pts, .ply, .pcd, .las, found .xyz"));

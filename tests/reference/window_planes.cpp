@@ -30,9 +30,12 @@ Verdict judge(const WindowPlanesCase::Input& input, std::size_t row, std::size_t
     system.row(static_cast<Eigen::Index>(i)) = points[i].norm() * points[i].transpose();
   }
   const Eigen::Vector3d m = system.colPivHouseholderQr().solve(range);
-  const double chi2 = (range - system * m).squaredNorm() / (params.sigma_m * params.sigma_m);
-  const double most = count - 3 + params.chi2_sigmas * std::sqrt(2 * (count - 3));
   const double cosine = m.dot(points[0].normalized()) / m.norm();
+  const double tangent = std::min(std::tan(std::acos(std::clamp(cosine, 1e-6, 1.0))), 20.0);
+  const double sigma_m = params.noise.base_m + params.noise.per_m * range[0] +
+                         (params.noise.per_tan_m + params.noise.per_m_tan * range[0]) * tangent;
+  const double chi2 = (range - system * m).squaredNorm() / (sigma_m * sigma_m);
+  const double most = count - 3 + params.chi2_sigmas * std::sqrt(2 * (count - 3));
   const double chi2_slack = (most - chi2) / most, cosine_slack = cosine / params.min_cosine - 1;
   return {chi2_slack >= 0 && cosine_slack >= 0, std::min(std::abs(chi2_slack), std::abs(cosine_slack))};
 }

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "score/measure/boundary.hpp"
+#include "score/measure/coplanar_pieces.hpp"
+#include "score/measure/labels.hpp"
 #include "score/measure/openings.hpp"
 #include "score/measure/polygon.hpp"
 #include "score/read/camera.hpp"
@@ -31,7 +33,55 @@ score::JoinedScan row_of(int cols, int border, int found, bool wraps) {
   return scan;
 }
 
+// Twelve samples a plane: planes 1 and 2 are pieces of z = 0, plane 3 lies 5 mm above them. `label`: by
+// plane.
+score::JoinedScan three_planes(const std::array<std::uint32_t, 3>& label) {
+  score::JoinedScan scan;
+  scan.rows = 1;
+  scan.cols = 36;
+  scan.min_samples = 1;
+  for (std::uint32_t i = 0; i < 36; ++i) {
+    scan.plane.push_back(1 + i / 12);
+    scan.kind.push_back(score::kPlanar);
+    scan.label.push_back(label[i / 12]);
+  }
+  scan.plane_size = {{1, 12}, {2, 12}, {3, 12}};
+  score::join_coplanar_pieces({{1, {1, "a", {Vec3::UnitZ(), 0}}},
+                               {2, {2, "b", {Vec3::UnitZ(), 0}}},
+                               {3, {3, "c", {Vec3::UnitZ(), 0.005}}}},
+                              scan);
+  return scan;
+}
+
 }  // namespace
+
+TEST(CoplanarPieces, one_region_makes_them_one_plane) {
+  const auto score = score::score_labels(three_planes({7, 7, 8}));
+  EXPECT_EQ(score.planes, 2);
+  EXPECT_EQ(score.found, 2);
+  EXPECT_EQ(score.right, 36);
+}
+
+TEST(CoplanarPieces, apart_in_the_result_they_stay_apart) {
+  const auto score = score::score_labels(three_planes({7, 9, 8}));
+  EXPECT_EQ(score.planes, 3);
+  EXPECT_EQ(score.found, 3);
+  EXPECT_EQ(score.right, 36);
+}
+
+TEST(CoplanarPieces, a_step_of_5_mm_is_none) {
+  const auto score = score::score_labels(three_planes({7, 8, 7}));
+  EXPECT_EQ(score.planes, 3);
+  EXPECT_EQ(score.found, 2);
+  EXPECT_EQ(score.right, 24);
+}
+
+TEST(CoplanarPieces, half_a_piece_is_not_held) {
+  auto scan = three_planes({7, 9, 8});
+  for (std::size_t i = 12; i < 18; ++i) scan.label[i] = 7;
+  score::join_coplanar_pieces({{1, {1, "a", {Vec3::UnitZ(), 0}}}, {2, {2, "b", {Vec3::UnitZ(), 0}}}}, scan);
+  EXPECT_EQ(scan.plane_size.size(), 3u);
+}
 
 TEST(Polygon, distance_to_a_square_with_a_hole) {
   const score::PlanePolygon polygon({Vec3::UnitZ(), 0}, {square(0, 10), square(4, 6)});

@@ -182,6 +182,7 @@ stages::SquarePlanes fit_squares(const RangeImage& image, int square, double sig
   result.rows = (image.rows + square - 1) / square;
   result.cols = (image.cols + square - 1) / square;
   result.sigma_m = sigma_m;
+  result.noise = {sigma_m};
   for (int row = 0; row < result.rows; ++row)
     for (int col = 0; col < result.cols; ++col) {
       std::vector<Vec3> points;

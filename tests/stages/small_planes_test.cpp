@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
 
 #include "box_room.hpp"
@@ -56,6 +57,42 @@ TEST(SmallPlanes, jambs_of_a_niche_are_found) {
   // The panel's edges, 3 cm, are too narrow; everything else is one of the four.
   EXPECT_GT(static_cast<double>(found),
             0.85 * static_cast<double>(count_truth(scan, kSmallFaces, false, segmentation)));
+}
+
+// A pane sends back a third of the rays, a third goes on to somewhere behind it, the rest is lost: no square
+// and no window of neighbours lies on it.
+TEST(SmallPlanes, a_pane_that_most_rays_pass_is_found) {
+  BoxRoom room;
+  auto scan = scan_room(room);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<std::uint8_t> kept(scan.image.count());
+  for (std::size_t i = 0; i < scan.image.count(); ++i) {
+    if (scan.truth[i] != kNicheBack) continue;
+    const float draw = uniform(random), factor = draw < 0.35f  ? 1
+                                                 : draw < 0.7f ? 1.2f + 2 * uniform(random)
+                                                               : NAN;
+    kept[i] = factor == 1;
+    for (auto* values : {&scan.image.x, &scan.image.y, &scan.image.z, &scan.image.range_m})
+      (*values)[i] *= factor;
+    if (std::isnan(factor)) scan.image.mask[i] = kEmpty;
+  }
+  const auto segmentation = segment_all(scan, room.noise_m);
+  std::map<std::uint32_t, std::int64_t> labels;
+  std::int64_t on_pane = 0, behind = 0, behind_labelled = 0;
+  for (std::size_t i = 0; i < scan.image.count(); ++i) {
+    if (scan.truth[i] != kNicheBack || scan.image.mask[i] == kEmpty) continue;
+    on_pane += kept[i];
+    behind += !kept[i];
+    behind_labelled += !kept[i] && segmentation.sample_label[i] != 0;
+    if (kept[i]) ++labels[segmentation.sample_label[i]];
+  }
+  labels.erase(0);
+  std::int64_t most = 0;
+  for (const auto& [label, count] : labels) most = std::max(most, count);
+  EXPECT_GT(on_pane, 500);
+  EXPECT_GT(static_cast<double>(most), 0.95 * static_cast<double>(on_pane));
+  EXPECT_LT(static_cast<double>(behind_labelled), 0.02 * static_cast<double>(behind));
 }
 
 TEST(SmallPlanes, switched_off_only_superclusters_of_squares_are_left) {

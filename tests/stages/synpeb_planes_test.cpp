@@ -49,10 +49,10 @@ TEST(SynpebPlanes, faces_seen_at_less_than_sixty_degrees_are_found) {
     found += all >= 100 && 2 * own >= all;
   }
   EXPECT_EQ(faces, 10);
-  // Measured 6 of 10 faces, 82 % of the samples (2 and 54 % before small planes were recovered). The other
-  // four are seen at 54 to 84 degrees of incidence, where this sensor's noise along the ray is 2 to 10 mm
-  // against 1 mm elsewhere: one sigma for the whole scan, the model here, does not cover them.
-  EXPECT_GE(found, 6);
+  // Measured 7 of 10 faces, 83 % of the samples (2 and 54 % before small planes were recovered). The others
+  // are seen at 54 to 84 degrees of incidence, where this sensor's noise along the ray is 2 to 10 mm against
+  // 1 mm elsewhere; 289 squares are too few to learn that from.
+  EXPECT_GE(found, 7);
   EXPECT_GT(right, 0.8 * samples);
   for (const auto& [label, counts] : by_label) {
     int all = 0;

@@ -29,10 +29,10 @@ struct Front {
   }
 
   Outline lancet(double side, double grown_by) const {
-    return grown(arched(side * plan.lancet_x, 0.42, 1.9, 4.0, 0.95, 12), grown_by);
+    return grown(arched(side * plan.lancet_x, 0.42, 1.9, 4.0, 0.95), grown_by);
   }
 
-  Outline rose(double grown_by) const { return circle({0, plan.rose_z}, plan.rose_radius + grown_by, 64); }
+  Outline rose(double grown_by) const { return circle({0, plan.rose_z}, plan.rose_radius + grown_by); }
 
   void open(const std::string& name, const Outline& mouth, double depth) {
     Opening opening{name, "front", depth, {}};
@@ -98,13 +98,13 @@ struct Front {
               Material::dressed_stone,
               Material::dressed_stone,
               {}};
-    disc.holes.push_back({"tracery-eye", circle({0, plan.rose_z}, 0.30 * radius, 32)});
+    disc.holes.push_back({"tracery-eye", circle({0, plan.rose_z}, 0.30 * radius)});
     for (int k = 0; k < 8; ++k) {
       const double angle = 2 * std::numbers::pi * (k + 0.5) / 8;
       disc.holes.push_back(
           {"tracery-light-" + std::to_string(k + 1),
            circle(Vec2(0, plan.rose_z) + 0.66 * radius * Vec2(std::cos(angle), std::sin(angle)),
-                  0.22 * radius, 24)});
+                  0.22 * radius)});
     }
     add_slab(world.mesh, disc);
   }

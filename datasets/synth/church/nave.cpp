@@ -36,7 +36,7 @@ struct Nave {
       profile.push_back({r - 0.02 + 0.20 * t * t, neck + 0.10 + 0.28 * t});
     }
     profile.push_back({0, neck + 0.385});
-    add_turned(world.mesh, name, shaft, {x, y, foot}, profile, 48);
+    add_turned(world.mesh, name, shaft, {x, y, foot}, profile, pieces_of_arc(r, 2 * kPi));
     note_clutter(world, name, "cylinder", first);
     add_box(world.mesh, name + "-abacus", Material::dressed_stone, {x, y, top - 0.065},
             {2 * r + 0.42, 2 * r + 0.42, 0.13 + 2 * kSunk}, 0);
@@ -57,9 +57,8 @@ struct Nave {
     wall.outline.line_to({plan.inner_y(0) - 0.02, plan.springing});
     for (int bay = 0; bay < plan.bays; ++bay) {
       const double c = plan.inner_y((bay + 0.5) * plan.bay());
-      wall.outline.arc({c + reach, plan.springing}, r, kPi, kPi - top, 16, 2 * bay + 1);
-      wall.outline.arc({c - reach, plan.springing}, r, top, 0, 16,
-                       sharpness > 0.5 ? 2 * bay + 2 : 2 * bay + 1);
+      wall.outline.arc({c + reach, plan.springing}, r, kPi, kPi - top, 2 * bay + 1);
+      wall.outline.arc({c - reach, plan.springing}, r, top, 0, sharpness > 0.5 ? 2 * bay + 2 : 2 * bay + 1);
       wall.outline.line_to({c + half, plan.springing});
     }
     wall.outline.line_to({plan.inner_y(plan.length) + 0.02, plan.springing});
@@ -93,9 +92,9 @@ struct Nave {
     const Vec2 centre(0, plan.vault_springing);
     Slab slab{name, {{0, y, 0}, Vec3::UnitX(), Vec3::UnitZ()}, {}, thickness, material, material, material,
               {}};
-    slab.outline.arc(centre, high, 0, kPi, 48, 1);
+    slab.outline.arc(centre, high, 0, kPi, 1);
     slab.outline.line_to(centre - Vec2(high, 0));
-    slab.outline.arc(centre, low, kPi, 0, 48, 2);
+    slab.outline.arc(centre, low, kPi, 0, 2);
     slab.outline.line_to(centre + Vec2(low, 0));
     add_slab(world.mesh, slab);
   }

@@ -48,7 +48,7 @@ Outline Plan::cross_section() const {
   ring.line_to({half_width, aisle_ceiling});
   ring.line_to({n, aisle_ceiling});
   if (vaulted) {
-    ring.arc({0, vault_springing}, n, 0, std::numbers::pi, 48, 1);
+    ring.arc({0, vault_springing}, n, 0, std::numbers::pi, 1);
   } else {
     ring.line_to({n, vault_springing});
     ring.line_to({0, crown()});
@@ -60,11 +60,11 @@ Outline Plan::cross_section() const {
 }
 
 Outline Plan::portal_outline(double half) const {
-  return arched(0, half, 0.2, portal_springing, 0.85, 16);
+  return arched(0, half, 0.2, portal_springing, 0.85);
 }
 
 Outline Plan::window_outline(double middle, double grown_by) const {
-  return grown(arched(middle, window_half, window_sill, window_springing, arch_sharpness, 12), grown_by);
+  return grown(arched(middle, window_half, window_sill, window_springing, arch_sharpness), grown_by);
 }
 
 }  // namespace synth

@@ -102,7 +102,7 @@ struct Walls {
     for (const Vec2& p : {Vec2(-half, 0), Vec2(half, 0), Vec2(half, plan.eaves + 0.35),
                           Vec2(0, plan.ridge + 0.35), Vec2(-half, plan.eaves + 0.35)})
       gable.line_to(p);
-    const Outline window = arched(0, 1.35, 2.9, 5.0, 0.85, 16);
+    const Outline window = arched(0, 1.35, 2.9, 5.0, 0.85);
     Slab wall{"end-wall",       frame, gable, plan.wall, Material::limewash, Material::rubble,
               Material::ashlar, {}};
     wall.holes = {{"east-window", window, Material::dressed_stone}};
@@ -123,8 +123,8 @@ struct Walls {
     const double top = apex(0.42, 4.75, 0.9);
     for (int k = -1; k <= 1; ++k)
       tracery.holes.push_back(
-          {"east-light-" + std::to_string(k + 2), arched(0.87 * k, 0.36, 3.0, k == 0 ? 5.1 : 4.6, 0.9, 10)});
-    tracery.holes.push_back({"east-eye", circle({0, top + 0.95}, 0.36, 32)});
+          {"east-light-" + std::to_string(k + 2), arched(0.87 * k, 0.36, 3.0, k == 0 ? 5.1 : 4.6, 0.9)});
+    tracery.holes.push_back({"east-eye", circle({0, top + 0.95}, 0.36)});
     add_slab(world.mesh, tracery);
     Opening opening{"east-window", "inner-end", 0.36, {}};
     for (const Vec2& p : window.points) opening.ring.push_back(frame.at(p));

@@ -3,6 +3,15 @@
 #include <algorithm>
 
 namespace synth {
+namespace {
+
+int next_plane_id(const Mesh& mesh) {
+  int last = 0;
+  for (const Surface& s : mesh.surfaces) last = std::max(last, s.plane_id);
+  return last + 1;
+}
+
+}  // namespace
 
 std::uint32_t add_vertex(Mesh& mesh, const Vec3& p) {
   return add_vertex(mesh, p, Vec3::Zero(), Eigen::Vector2d::Zero());
@@ -30,8 +39,7 @@ std::uint32_t add_plane(Mesh& mesh, const std::string& name, Material material, 
   surface.v_axis = v_axis;
   surface.normal = u_axis.cross(v_axis);
   surface.offset_m = surface.normal.dot(origin);
-  for (const Surface& s : mesh.surfaces) surface.plane_id = std::max(surface.plane_id, s.plane_id);
-  ++surface.plane_id;
+  surface.plane_id = next_plane_id(mesh);
   mesh.surfaces.push_back(surface);
   return static_cast<std::uint32_t>(mesh.surfaces.size() - 1);
 }
@@ -43,6 +51,17 @@ std::uint32_t add_free_surface(Mesh& mesh, const std::string& name, Material mat
   surface.shape = Shape::free;
   mesh.surfaces.push_back(surface);
   return static_cast<std::uint32_t>(mesh.surfaces.size() - 1);
+}
+
+std::uint32_t add_flat_free_surface(Mesh& mesh, const std::string& name, Material material, const Vec3& point,
+                                    const Vec3& normal) {
+  const int id = next_plane_id(mesh);
+  const std::uint32_t s = add_free_surface(mesh, name, material);
+  Surface& surface = mesh.surfaces[s];
+  surface.plane_id = id;
+  surface.normal = normal;
+  surface.offset_m = normal.dot(point);
+  return s;
 }
 
 }  // namespace synth

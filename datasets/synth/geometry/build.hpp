@@ -13,4 +13,9 @@ std::uint32_t add_plane(Mesh&, const std::string& name, Material, const Vec3& or
 
 std::uint32_t add_free_surface(Mesh&, const std::string& name, Material);
 
+// A plane with the next free id whose light and texture come from its vertices, as a free surface's do: a
+// flat face of something bent.
+std::uint32_t add_flat_free_surface(Mesh&, const std::string& name, Material, const Vec3& point,
+                                    const Vec3& normal);
+
 }  // namespace synth

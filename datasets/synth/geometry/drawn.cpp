@@ -1,6 +1,9 @@
 // Solids drawn along a path or around an axis.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -38,17 +41,22 @@ struct Skin {
     return sum.squaredNorm() > 0 ? sum.normalized() : own;
   }
 
-  void append(Mesh& mesh, std::uint32_t s) const {
+  // `surface` tells each cell's, by row and column.
+  template <typename SurfaceOfCell>
+  void append(Mesh& mesh, const SurfaceOfCell& surface) const {
     for (int r = 0; r < cell_rows(); ++r) {
       for (int c = 0; c < columns; ++c) {
         const Vec3 normal = cell_normal(r, c);
         if (normal.squaredNorm() == 0) continue;
         const Vec3 own = normal.normalized();
+        const std::uint32_t s = surface(r, c);
+        const bool flat = mesh.surfaces[s].plane_id != 0;
         const auto corner = [&](int row, int column) {
           Vec2 place = coordinates[static_cast<std::size_t>((row % rows) * columns + column % columns)];
           if (column == columns) place.x() += width;
           if (row == rows) place.y() += length;
-          return add_vertex(mesh, at(row, column), smooth(row % rows, column % columns, own), place);
+          return add_vertex(mesh, at(row, column), flat ? own : smooth(row % rows, column % columns, own),
+                            place);
         };
         const auto a = corner(r, c), b = corner(r, c + 1), d = corner(r + 1, c + 1), e = corner(r + 1, c);
         if (at(r, c) != at(r, c + 1)) add_triangle(mesh, s, a, b, d);
@@ -57,6 +65,35 @@ struct Skin {
     }
   }
   double width = 0, length = 0;  // once around, and along closed rows, in texture coordinates
+};
+
+// What is flat of a moulding is a plane of the truth: the faces parallel to its drawing, which run along the
+// whole path, and those of long straight pieces of the path. The rest is bent.
+struct MouldingFaces {
+  static constexpr double kLongPiece_m = 0.25;
+
+  Mesh& mesh;
+  const std::string& name;
+  Material material;
+  const Skin& skin;
+  std::uint32_t bent;
+  std::map<std::pair<int, int>, std::uint32_t> planes;  // by row (-1: all) and column
+
+  std::uint32_t surface(int row, int column) {
+    const auto normal = [&](int r) { return skin.cell_normal(r, column).normalized(); };
+    const int rows = skin.cell_rows();
+    const Vec3 own = normal(row);
+    const bool all = rows > 1 && (own - normal(0)).norm() < 1e-9 && (own - normal(rows / 2)).norm() < 1e-9 &&
+                     (own - normal(rows - 1)).norm() < 1e-9;
+    const double length = std::min((skin.at(row + 1, column) - skin.at(row, column)).norm(),
+                                   (skin.at(row + 1, column + 1) - skin.at(row, column + 1)).norm());
+    if (!all && length < kLongPiece_m) return bent;
+    const auto [place, added] = planes.insert({{all ? -1 : row, column}, 0});
+    if (added)
+      place->second = add_flat_free_surface(mesh, fmt::format("{}-face-{}", name, planes.size()), material,
+                                            skin.at(row, column), own);
+    return place->second;
+  }
 };
 
 }  // namespace
@@ -79,7 +116,8 @@ void add_turned(Mesh& mesh, const std::string& name, Material material, const Ve
       skin.coordinates.push_back({angle * widest, run});
     }
   }
-  skin.append(mesh, add_free_surface(mesh, name, material));
+  const std::uint32_t surface = add_free_surface(mesh, name, material);
+  skin.append(mesh, [&](int, int) { return surface; });
   check_closed(mesh, first);
 }
 
@@ -101,8 +139,8 @@ void add_moulding(Mesh& mesh, const std::string& name, Material material, const 
     }
   }
   if (closed) skin.length = 0;
-  const std::uint32_t s = add_free_surface(mesh, name, material);
-  skin.append(mesh, s);
+  MouldingFaces faces{mesh, name, material, skin, add_free_surface(mesh, name, material), {}};
+  skin.append(mesh, [&](int row, int column) { return faces.surface(row, column); });
   if (!closed) {
     const auto end = [&](int row, bool last) {
       const Vec3 normal =
@@ -112,9 +150,9 @@ void add_moulding(Mesh& mesh, const std::string& name, Material material, const 
                    b = add_vertex(mesh, skin.at(row, c), normal, {0.1, 0}),
                    d = add_vertex(mesh, skin.at(row, c + 1), normal, {0, 0.1});
         if (last)
-          add_triangle(mesh, s, a, b, d);
+          add_triangle(mesh, faces.bent, a, b, d);
         else
-          add_triangle(mesh, s, a, d, b);
+          add_triangle(mesh, faces.bent, a, d, b);
       }
     };
     end(0, false);
@@ -148,8 +186,8 @@ void add_tube(Mesh& mesh, const std::string& name, Material material, const std:
     }
   }
   skin.width = 2 * std::numbers::pi * radius_m;
-  const std::uint32_t s = add_free_surface(mesh, name, material);
-  skin.append(mesh, s);
+  MouldingFaces faces{mesh, name, material, skin, add_free_surface(mesh, name, material), {}};
+  skin.append(mesh, [&](int row, int column) { return faces.surface(row, column); });
   if (!closed) {
     for (const bool last : {false, true}) {
       const int row = last ? skin.rows - 1 : 0;
@@ -159,9 +197,9 @@ void add_tube(Mesh& mesh, const std::string& name, Material material, const std:
                    b = add_vertex(mesh, skin.at(row, c), normal, {0, 0}),
                    d = add_vertex(mesh, skin.at(row, c + 1), normal, {0, 0});
         if (last)
-          add_triangle(mesh, s, a, b, d);
+          add_triangle(mesh, faces.bent, a, b, d);
         else
-          add_triangle(mesh, s, a, d, b);
+          add_triangle(mesh, faces.bent, a, d, b);
       }
     }
   }

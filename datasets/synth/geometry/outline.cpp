@@ -6,7 +6,13 @@
 
 namespace synth {
 
-void Outline::arc(const Vec2& centre, double radius, double from, double to, int pieces, int number) {
+int pieces_of_arc(double radius, double angle) {
+  const double chord = 2 * std::acos(std::max(0.5, 1 - kSagitta_m / radius));
+  return std::max(1, static_cast<int>(std::ceil(std::abs(angle) / chord)));
+}
+
+void Outline::arc(const Vec2& centre, double radius, double from, double to, int number) {
+  const int pieces = pieces_of_arc(radius, to - from);
   for (int k = 0; k < pieces; ++k) {
     const double angle = from + (to - from) * k / pieces;
     points.push_back(centre + radius * Vec2(std::cos(angle), std::sin(angle)));
@@ -18,9 +24,9 @@ Outline rectangle(double left, double bottom, double right, double top) {
   return {{{left, bottom}, {right, bottom}, {right, top}, {left, top}}, {0, 0, 0, 0}};
 }
 
-Outline circle(const Vec2& centre, double radius, int pieces) {
+Outline circle(const Vec2& centre, double radius) {
   Outline ring;
-  ring.arc(centre, radius, 0, 2 * std::numbers::pi, pieces, 1);
+  ring.arc(centre, radius, 0, 2 * std::numbers::pi, 1);
   return ring;
 }
 
@@ -29,15 +35,14 @@ double apex(double half_width, double springing, double sharpness) {
   return springing + std::sqrt(radius * radius - reach * reach);
 }
 
-Outline arched(double middle, double half_width, double bottom, double springing, double sharpness,
-               int pieces) {
+Outline arched(double middle, double half_width, double bottom, double springing, double sharpness) {
   const double radius = 2 * half_width * sharpness, reach = radius - half_width;
   const double top = std::acos(reach / radius);  // angle of the apex seen from an arc's centre
   Outline ring;
   ring.line_to({middle - half_width, bottom});
   ring.line_to({middle + half_width, bottom});
-  ring.arc({middle - reach, springing}, radius, 0, top, pieces, 1);
-  ring.arc({middle + reach, springing}, radius, std::numbers::pi - top, std::numbers::pi, pieces,
+  ring.arc({middle - reach, springing}, radius, 0, top, 1);
+  ring.arc({middle + reach, springing}, radius, std::numbers::pi - top, std::numbers::pi,
            sharpness > 0.5 ? 2 : 1);
   ring.line_to({middle - half_width, springing});
   return ring;

@@ -8,6 +8,11 @@ namespace synth {
 
 using Vec2 = Eigen::Vector2d;
 
+// How far a chord may lie off its arc: what is called curved must not be facets that a scan can tell apart.
+inline constexpr double kSagitta_m = 0.0002;
+// Chords for `angle` radians of an arc.
+int pieces_of_arc(double radius, double angle);
+
 // A simple ring, counter-clockwise. curve[k] tells the edge from point k on: 0 straight, else the number of
 // the arc it is a piece of.
 struct Outline {
@@ -19,15 +24,14 @@ struct Outline {
     curve.push_back(0);
   }
   // Appends the arc's points from angle `from` to `to`, the last one left out; its edges are pieces of `arc`.
-  void arc(const Vec2& centre, double radius, double from, double to, int pieces, int arc);
+  void arc(const Vec2& centre, double radius, double from, double to, int arc);
 };
 
 Outline rectangle(double left, double bottom, double right, double top);
-Outline circle(const Vec2& centre, double radius, int pieces);
+Outline circle(const Vec2& centre, double radius);
 // Straight sides up to `springing`, closed by two arcs whose radius is `sharpness` times the width (0.5: one
 // half circle).
-Outline arched(double middle, double half_width, double bottom, double springing, double sharpness,
-               int pieces);
+Outline arched(double middle, double half_width, double bottom, double springing, double sharpness);
 double apex(double half_width, double springing, double sharpness);
 
 // Moved outwards everywhere (inwards where negative) with mitred corners.

@@ -39,7 +39,7 @@ std::optional<Return> Beam::on_solid(const Hit& centre, const Vec3& direction) c
                 centre.distance_m,
                 strength,
                 static_cast<std::uint32_t>(surface.plane_id),
-                surface.shape == Shape::plane ? SampleKind::planar : SampleKind::curved,
+                surface.plane_id != 0 ? SampleKind::planar : SampleKind::curved,
                 std::sqrt(1 - std::min(1.0, cosine * cosine)) / cosine};
 
   const Vec3 side =

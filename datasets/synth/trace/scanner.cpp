@@ -21,9 +21,6 @@ constexpr double kLowestRad = -60 * kDegree;  // the tripod hides what is below
 constexpr double kHighestRad = 89.5 * kDegree;
 constexpr std::size_t kSamplesAtATime = 1 << 20;
 
-const Sample kNoReturn{Eigen::Vector3f::Zero(), 0, 0, std::numeric_limits<float>::quiet_NaN(),
-                       SampleKind::planar};
-
 struct Sweep {
   const Beam& beam;
   const ScannerPose& pose;
@@ -36,7 +33,7 @@ struct Sweep {
     Random random(options.seed, purpose::scan_column + 100 * (scan_index + 1),
                   static_cast<std::uint64_t>(column));
     Random chance(options.seed, purpose::optics + 100 * (scan_index + 1), static_cast<std::uint64_t>(column));
-    const double step = (kHighestRad - kLowestRad) / rows;
+    const double step = row_step_rad(options.preset);
     const double azimuth = 2 * std::numbers::pi * (column + 0.5 + 0.004 * random.normal()) / columns;
     double start = kLowestRad + step * random.uniform(0, 2.5),
            end = kHighestRad - step * random.uniform(0, 3);
@@ -45,6 +42,7 @@ struct Sweep {
       end = std::numeric_limits<double>::infinity();
     }
     const Eigen::Matrix3d rotation = pose.world_from_scan.rotation();
+    const int first_row = static_cast<int>(std::floor((start - kLowestRad) / step));
     std::vector<Sample> samples;
     for (int k = 0;; ++k) {
       const double jitter = std::clamp(0.04 * random.normal(), -0.2, 0.2);
@@ -58,10 +56,7 @@ struct Sweep {
       const Vec3 in_scan(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                          std::sin(elevation));
       const auto hit = dropped ? std::nullopt : beam.measure(rotation * in_scan, optics);
-      if (!hit) {
-        if (pose.grid) samples.push_back(kNoReturn);
-        continue;
-      }
+      if (!hit) continue;
       const double spread = model.incidence_gain * (kBeamRadiusM + kBeamSpreadRad * hit->range_m) *
                             std::min(8.0, hit->tan_incidence);
       const double sigma = model.noise_m + model.noise_per_m * hit->range_m + spread;
@@ -69,7 +64,7 @@ struct Sweep {
       samples.push_back(
           {((hit->range_m + sigma * range_noise) * in_scan).cast<float>(),
            static_cast<float>(std::clamp(hit->reflectance * fading * 1.3 + intensity_noise, 0.0, 1.0)),
-           hit->plane_id, static_cast<float>(hit->true_range_m), hit->kind});
+           hit->plane_id, static_cast<float>(hit->true_range_m), hit->kind, first_row + k});
     }
   }
 };
@@ -79,15 +74,35 @@ void count(ScanCounts& counts, const std::vector<Sample>& column) {
       counts.columns == 0 ? column.size() : std::min(counts.shortest_column, column.size());
   counts.longest_column = std::max(counts.longest_column, column.size());
   ++counts.columns;
-  counts.samples += column.size();
-  for (const Sample& sample : column) {
-    if (!sample.returned()) continue;
-    ++counts.returns;
-    ++counts.returns_of_kind[static_cast<std::size_t>(sample.kind)];
-  }
+  counts.returns += column.size();
+  for (const Sample& sample : column) ++counts.returns_of_kind[static_cast<std::size_t>(sample.kind)];
 }
 
 }  // namespace
+
+Sample no_return() {
+  return {Eigen::Vector3f::Zero(), 0, 0, std::numeric_limits<float>::quiet_NaN(), SampleKind::planar};
+}
+
+int grid_rows(const ScannerPose& pose, const Preset& preset) {
+  return preset.scan_rows + (pose.grid ? 0 : 1);
+}
+
+double row_step_rad(const Preset& preset) {
+  return (kHighestRad - kLowestRad) / preset.scan_rows;
+}
+
+double lowest_row_rad(const Preset& preset) {
+  return kLowestRad + row_step_rad(preset) / 2;
+}
+
+double column_step_rad(const Preset& preset) {
+  return 2 * std::numbers::pi / preset.scan_columns;
+}
+
+double first_column_rad(const Preset& preset) {
+  return column_step_rad(preset) / 2;
+}
 
 ScanCounts simulate_scan(const World& world, const Tracer& tracer, const ScannerPose& pose,
                          const Options& options, std::uint64_t scan_index,

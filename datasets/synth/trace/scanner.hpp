@@ -20,18 +20,33 @@ struct Sample {
   std::uint32_t plane_id;  // 0: curved, mixed or ghost
   float true_range_m;      // of the beam's centre ray to the first surface, no noise; NaN: no return
   SampleKind kind;
+  int row = 0;  // of the grid, from the lowest: see grid_rows()
 
   bool returned() const { return true_range_m == true_range_m; }
 };
 
+// In place of samples that did not return.
+Sample no_return();
+
+// The grid that holds every sample of every column, each on a row of its own: a step of the mirror is a row,
+// and a column that starts higher has its samples up there. What a sample measured is not moved; its
+// elevation is off its row's by up to half a step, as columns start between rows, and the mirror's jitter.
+int grid_rows(const ScannerPose&, const Preset&);
+double lowest_row_rad(const Preset&);  // its elevation
+double row_step_rad(const Preset&);
+double first_column_rad(const Preset&);  // its azimuth
+double column_step_rad(const Preset&);
+
 struct ScanCounts {
   ScannerPose pose;
-  std::size_t samples = 0, returns = 0;  // samples without a return stand in grids only
+  std::size_t samples = 0;  // in the scan's file, a grid's empty places included
+  std::size_t returns = 0;
   std::array<std::size_t, kSampleKinds> returns_of_kind{};
   std::size_t columns = 0, shortest_column = 0, longest_column = 0;
 };
 
-// Hands the columns to `take` in acquisition order, rising samples within each. Memory holds a few columns a
+// Hands the returns to `take` column by column in acquisition order, rising within each; ScanCounts::samples
+// stays 0. Memory holds a few columns a
 // time, whatever the scan's size.
 ScanCounts simulate_scan(const World&, const Tracer&, const ScannerPose&, const Options&,
                          std::uint64_t scan_index,

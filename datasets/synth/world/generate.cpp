@@ -52,14 +52,15 @@ std::vector<ScanCounts> write_scans(const std::filesystem::path& out, const Worl
   std::vector<ScanCounts> scans;
   for (std::size_t i = 0; i < world.scanners.size(); ++i) {
     const ScannerPose& pose = world.scanners[i];
-    const auto file = open_scan_file(out / "scans" / scan_file_name(pose), pose, options.preset);
-    TruthFile truth(out / "truth" / (pose.id + ".exr"));
+    const auto file = open_scan_file(out / "scans" / scan_file_name(pose, options), pose, options);
+    const auto truth = open_truth_file(out / "truth" / (pose.id + ".exr"), pose, options);
     scans.push_back(simulate_scan(world, tracer, pose, options, i, [&](const std::vector<Sample>& column) {
       file->add(column);
-      truth.add(column);
+      truth->add(column);
     }));
+    scans.back().samples = file_samples(pose, options, scans.back().returns);
     file->finish();
-    truth.finish();
+    truth->finish();
   }
   return scans;
 }
@@ -93,8 +94,11 @@ Summary summarise(const std::string& folder, const Options& options, const World
 double estimate_bytes(const World& world, const Options& options) {
   const Preset& p = options.preset;
   double bytes = 64.0 * static_cast<double>(world.mesh.triangles.size()) + 1e6;
-  for (const ScannerPose& pose : world.scanners)  // points, truth, and the truth on its way
-    bytes += static_cast<double>(p.scan_columns) * p.scan_rows * ((pose.grid ? 33 : 16) + 5 + 12);
+  for (const ScannerPose& pose : world.scanners) {  // points, truth, and what is on its way
+    const ScanFormat format = format_of(pose, options);
+    const double of_a_point = format == ScanFormat::ply ? 16 : format == ScanFormat::ptx ? 33 : 16 + 24;
+    bytes += static_cast<double>(p.scan_columns) * p.scan_rows * (of_a_point + 5 + 12);
+  }
   bytes +=
       0.8 * p.photograph_width_px * p.photograph_height_px * static_cast<double>(world.photographs.size());
   return bytes + 3.0 * p.view_width_px * p.view_height_px * static_cast<double>(world.views.size());

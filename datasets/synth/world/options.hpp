@@ -23,10 +23,14 @@ struct ScannerModel {
   bool optics = false;          // dark and glossy surfaces drop out more; glass: ghosts and looks through
 };
 
+// own: PTX for a scanner that keeps a grid, else PLY. The samples are the same in every format.
+enum class ScanFormat : std::uint8_t { own, ply, ptx, exr };
+
 struct Options {
   std::uint64_t seed = 1;
   Preset preset;
   ScannerModel scanner;
+  ScanFormat scan_format = ScanFormat::own;
   double proxy_error_m = 0;         // standard deviation of each proxy face's displacement along its normal
   double camera_error = 0;          // pixels, standard deviation, as the written cameras' directions err
   double photograph_variation = 0;  // 1: exposure +-10 %, white balance +-4 %, corners 25 % darker

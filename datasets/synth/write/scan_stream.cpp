@@ -6,6 +6,8 @@
 #include <iterator>
 
 #include "write/files.hpp"
+#include "write/range_exr_file.hpp"
+#include "write/truth_file.hpp"
 
 namespace synth {
 namespace {
@@ -49,14 +51,14 @@ class PlyFile : public ScanFile {
 
 class PtxFile : public ScanFile {
  public:
-  PtxFile(const std::filesystem::path& path, const Preset& preset) : file_(path) {
+  PtxFile(const std::filesystem::path& path, int columns, int rows) : file_(path), rows_(rows) {
     file_.write(fmt::format("{}\n{}\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
-                            preset.scan_columns, preset.scan_rows));
+                            columns, rows));
   }
 
   void add(const std::vector<Sample>& column) override {
     std::string lines;
-    for (const Sample& s : column) {
+    for (const Sample& s : on_grid(column, rows_)) {
       const Eigen::Vector3f& p = s.point_in_scan;
       if (s.returned())
         fmt::format_to(std::back_inserter(lines), "{:.5f} {:.5f} {:.5f} {:.4f}\n", p.x(), p.y(), p.z(),
@@ -71,18 +73,46 @@ class PtxFile : public ScanFile {
 
  private:
   OutputFile file_;
+  int rows_;
 };
 
 }  // namespace
 
-std::string scan_file_name(const ScannerPose& pose) {
-  return pose.id + (pose.grid ? ".ptx" : ".ply");
+ScanFormat format_of(const ScannerPose& pose, const Options& options) {
+  if (options.scan_format != ScanFormat::own) return options.scan_format;
+  return pose.grid ? ScanFormat::ptx : ScanFormat::ply;
+}
+
+std::string scan_file_name(const ScannerPose& pose, const Options& options) {
+  const ScanFormat format = format_of(pose, options);
+  return pose.id + (format == ScanFormat::ply ? ".ply" : format == ScanFormat::ptx ? ".ptx" : ".exr");
+}
+
+std::vector<Sample> on_grid(const std::vector<Sample>& column, int rows) {
+  std::vector<Sample> placed(static_cast<std::size_t>(rows), no_return());
+  for (const Sample& s : column) placed.at(static_cast<std::size_t>(s.row)) = s;
+  return placed;
+}
+
+std::size_t file_samples(const ScannerPose& pose, const Options& options, std::size_t returns) {
+  if (format_of(pose, options) == ScanFormat::ply) return returns;
+  return static_cast<std::size_t>(options.preset.scan_columns) *
+         static_cast<std::size_t>(grid_rows(pose, options.preset));
 }
 
 std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path, const ScannerPose& pose,
-                                         const Preset& preset) {
-  if (pose.grid) return std::make_unique<PtxFile>(path, preset);
-  return std::make_unique<PlyFile>(path);
+                                         const Options& options) {
+  const ScanFormat format = format_of(pose, options);
+  if (format == ScanFormat::exr) return open_range_exr(path, pose, options.preset);
+  if (format == ScanFormat::ply) return std::make_unique<PlyFile>(path);
+  return std::make_unique<PtxFile>(path, options.preset.scan_columns, grid_rows(pose, options.preset));
+}
+
+std::unique_ptr<ScanFile> open_truth_file(const std::filesystem::path& path, const ScannerPose& pose,
+                                          const Options& options) {
+  const ScanFormat format = format_of(pose, options);
+  if (format == ScanFormat::exr) return open_truth_of_range_exr(path, pose, options.preset);
+  return std::make_unique<TruthFile>(path, format == ScanFormat::ptx ? grid_rows(pose, options.preset) : 0);
 }
 
 }  // namespace synth

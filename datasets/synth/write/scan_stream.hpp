@@ -7,33 +7,33 @@
 
 namespace synth {
 
-// A scan's file, written as its columns come: x y z intensity in the scan frame, acquisition order.
+// A scan's file, written as its columns come: points in the scan frame and intensity.
 class ScanFile {
  public:
   virtual ~ScanFile() = default;
+  // The returns of the next column, rising.
   virtual void add(const std::vector<Sample>& column) = 0;
   virtual void finish() = 0;
 };
 
-std::string scan_file_name(const ScannerPose&);  // id.ply, or id.ptx for a grid
+// id.ply: returns in acquisition order, no grid. id.ptx, id.exr: a grid as of grid_rows(), its empty places
+// included, for scanners with uneven columns too. `own` becomes one of these.
+std::string scan_file_name(const ScannerPose&, const Options&);
+ScanFormat format_of(const ScannerPose&, const Options&);
 
-// PLY (binary, no grid) or PTX (text, grid, identity as pose).
-std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path&, const ScannerPose&, const Preset&);
+// PLY (binary), PTX (text, identity as pose) or EXR (tiled range image, no pose).
+std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path&, const ScannerPose&, const Options&);
 
-// Channels plane (uint), range (float), kind (uint: 0 planar, 1 curved, 2 mixed, 3 ghost) per input sample,
-// row-major at width 1024; samples without a return, and the rest of the last row, hold 0 and NaN. Waits on
-// disk until the number of samples, which the image's header states, is known.
-class TruthFile {
- public:
-  explicit TruthFile(const std::filesystem::path&);
-  ~TruthFile();
-  void add(const std::vector<Sample>& column);
-  void finish();
+// Channels plane (uint), range (float), kind (uint: 0 planar, 1 curved, 2 mixed, 3 ghost) per sample of the
+// scan's file, whose index in row-major order is the sample's: as large as the range image for EXR; else of
+// width 1024, in rows, its last row filled up. Places without a return hold 0 and NaN. Waits on disk until
+// all samples are known.
+std::unique_ptr<ScanFile> open_truth_file(const std::filesystem::path&, const ScannerPose&, const Options&);
 
- private:
-  struct Spill;
-  std::filesystem::path path_;
-  std::unique_ptr<Spill> spill_;
-};
+// How many samples the file has when the scan has so many returns.
+std::size_t file_samples(const ScannerPose&, const Options&, std::size_t returns);
+
+// The column on its grid, empty places filled.
+std::vector<Sample> on_grid(const std::vector<Sample>& column, int rows);
 
 }  // namespace synth

@@ -46,7 +46,7 @@ void write_scene_toml(const std::filesystem::path& path, const World& world, con
       world.kind, options.seed, options.preset.name);
   for (std::size_t i = 0; i < world.scanners.size(); ++i) {
     text += fmt::format("\n[[scan]]\nid = \"{}\"\nfile = \"scans/{}\"\nlandmarks = [\n", world.scanners[i].id,
-                        scan_file_name(world.scanners[i]));
+                        scan_file_name(world.scanners[i], options));
     for (const Landmark& l : landmarks_of_scan[i])
       text +=
           fmt::format("  {{ scan = {}, model = {} }},\n", array(l.point_in_scan, 3), exact(l.model_vertex));

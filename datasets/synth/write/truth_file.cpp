@@ -1,15 +1,16 @@
+#include "write/truth_file.hpp"
+
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfOutputFile.h>
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
+#include "write/exr_stream.hpp"
 #include "write/files.hpp"
-#include "write/scan_stream.hpp"
 
 namespace synth {
 namespace {
@@ -21,18 +22,6 @@ struct Record {
   float range = std::numeric_limits<float>::quiet_NaN();
 };
 
-// Lets OpenEXR write through OutputFile, which notices a full disk.
-class Stream : public Imf::OStream {
- public:
-  explicit Stream(OutputFile& file) : OStream("truth"), file_(file) {}
-  void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
-  std::uint64_t tellp() override { return file_.position(); }
-  void seekp(std::uint64_t position) override { file_.seek(position); }
-
- private:
-  OutputFile& file_;
-};
-
 }  // namespace
 
 struct TruthFile::Spill {
@@ -40,17 +29,17 @@ struct TruthFile::Spill {
   std::size_t samples = 0;
 };
 
-TruthFile::TruthFile(const std::filesystem::path& path)
-    : path_(path), spill_(new Spill{OutputFile(path.string() + ".samples"), 0}) {}
+TruthFile::TruthFile(const std::filesystem::path& path, int rows_of_grid)
+    : path_(path), rows_(rows_of_grid), spill_(new Spill{OutputFile(path.string() + ".samples"), 0}) {}
 
 TruthFile::~TruthFile() = default;
 
 void TruthFile::add(const std::vector<Sample>& column) {
   std::vector<Record> records;
-  for (const Sample& s : column)
+  for (const Sample& s : rows_ > 0 ? on_grid(column, rows_) : column)
     records.push_back({s.plane_id, static_cast<std::uint32_t>(s.kind), s.true_range_m});
   spill_->file.write(records.data(), sizeof(Record) * records.size());
-  spill_->samples += column.size();
+  spill_->samples += records.size();
 }
 
 void TruthFile::finish() {
@@ -64,7 +53,7 @@ void TruthFile::finish() {
   header.channels().insert("kind", Imf::Channel(Imf::UINT));
   OutputFile file(path_);
   {
-    Stream stream(file);
+    ExrStream stream(file);
     Imf::OutputFile image(stream, header);
     std::size_t left = spill_->samples;
     for (std::size_t row = 0; row < height; row += kRowsAtATime) {

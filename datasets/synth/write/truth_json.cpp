@@ -35,9 +35,9 @@ Json camera_entry(const Camera& camera) {
           {"world_from_camera", row_major(world_from_camera)}};
 }
 
-Json scan_entry(const ScanCounts& scan) {
+Json scan_entry(const ScanCounts& scan, const Options& options) {
   Json entry = {{"id", scan.pose.id},
-                {"file", "scans/" + scan_file_name(scan.pose)},
+                {"file", "scans/" + scan_file_name(scan.pose, options)},
                 {"world_from_scan", row_major(scan.pose.world_from_scan.matrix())},
                 {"truth_image", "truth/" + scan.pose.id + ".exr"},
                 {"samples", scan.samples},
@@ -45,7 +45,8 @@ Json scan_entry(const ScanCounts& scan) {
                 {"planar", scan.returns_of_kind[0]},
                 {"curved", scan.returns_of_kind[1]},
                 {"mixed", scan.returns_of_kind[2]}};
-  if (scan.pose.grid) entry["returns"] = scan.returns;  // `samples` counts the grid's places
+  if (format_of(scan.pose, options) != ScanFormat::ply)
+    entry["returns"] = scan.returns;  // `samples` counts the grid's places
   if (scan.returns_of_kind[3] > 0) entry["ghost"] = scan.returns_of_kind[3];
   return entry;
 }
@@ -79,7 +80,7 @@ void write_truth_json(const std::filesystem::path& path, const World& world, con
   Json truth = options_entry(world, options);
   for (const char* list : {"scans", "planes", "cameras", "views", "clutter", "openings"})
     truth[list] = Json::array();
-  for (const ScanCounts& scan : scans) truth["scans"].push_back(scan_entry(scan));
+  for (const ScanCounts& scan : scans) truth["scans"].push_back(scan_entry(scan, options));
   std::set<int> told;  // surfaces may share a plane
   for (const Surface& surface : world.mesh.surfaces) {
     if (surface.plane_id == 0 || !told.insert(surface.plane_id).second) continue;

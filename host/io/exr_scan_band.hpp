@@ -1,0 +1,50 @@
+#pragma once
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <half.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/range_checksum.hpp"
+#include "io/range_exr_band.hpp"
+
+namespace hybrid::io {
+
+// Which channels of a range image by whatever program are there and used.
+struct ExrScanChannels {
+  bool points = false, range = false, mask = false, source = false, intensity = false, colour = false;
+  std::vector<std::string> notes;  // channels that are there and cannot be used
+};
+
+// Throws ErrorKind::input naming the channel that is missing or of another kind than measurements need.
+ExrScanChannels find_exr_scan_channels(const std::string& file, const Imf::Header& header);
+
+// A band of rows in memory: whole rows of tiles, or whole blocks of lines.
+class ExrScanBand {
+ public:
+  ExrScanBand(const ExrScanChannels& channels, int cols, const Imf::Header& header);
+
+  int rows() const { return rows_; }
+  std::size_t index(int band_row, int col) const {
+    return static_cast<std::size_t>(band_row) * width_ + static_cast<std::size_t>(col);
+  }
+  // Rows from `first_row` on, counted from the top of the data window. Lets the library's exceptions pass.
+  void read(Imf::InputFile& file, int first_row, int rows);
+  // What was read last.
+  void add_to(RangeChecksum& sum) const;
+
+  // Of the channels that are there.
+  std::vector<float> x, y, z, range, intensity;
+  std::vector<std::uint32_t> mask, source;
+  std::vector<half> colour;  // three per node
+
+ private:
+  ExrScanChannels channels_;
+  Imath::V2i corner_;  // of the data window
+  int rows_;
+  std::size_t width_, count_ = 0;
+};
+
+}  // namespace hybrid::io
