@@ -37,6 +37,7 @@ void add_run(CLI::App& program, int& exit_code);
 void add_planes(CLI::App& program, int& exit_code);
 void add_register(CLI::App& program, int& exit_code);
 void add_render(CLI::App& program, int& exit_code);
+void add_convert(CLI::App& program, int& exit_code);
 void add_info(CLI::App& program, int& exit_code);
 void add_devices(CLI::App& program, int& exit_code);
 

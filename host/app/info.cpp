@@ -14,14 +14,19 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
+constexpr int kSomeFailed = 3;
+
 Json json_of(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
 Json scan_json(const io::ScanInfo& scan) {
-  Json json = {{"format", scan.format},
-               {"name", scan.name},
-               {"points", scan.points},
+  Json json = {{"format", scan.format}, {"name", scan.name}, {"structure", scan.structure}};
+  if (!scan.problem.empty()) {
+    json.update({{"points", scan.points}, {"damage", scan.problem}});
+    return json;
+  }
+  json.update({{"points", scan.points},
                {"returns", scan.returns},
                {"rows", scan.grid_rows},
                {"cols", scan.grid_cols},
@@ -30,7 +35,9 @@ Json scan_json(const io::ScanInfo& scan) {
                {"range_m", {scan.min_range_m, scan.max_range_m}},
                {"intensity", scan.has_intensity},
                {"colour", scan.has_colour},
-               {"notes", scan.notes}};
+               {"unit", scan.unit.empty() ? Json() : Json(scan.unit)},
+               {"crs", scan.crs.empty() ? Json() : Json(scan.crs)},
+               {"notes", scan.notes}});
   json["world_from_scan"] = scan.world_from_scan ? Json(row_major(*scan.world_from_scan)) : Json();
   return json;
 }
@@ -111,7 +118,9 @@ void print_text(const Json& value, const std::string& name, std::string& text) {
                               return item.is_structured();
                             }));
   if (!nested) {
-    text += fmt::format("{}: {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
+    text += fmt::format("{}: {}\n", name,
+                        value.is_string() ? value.get<std::string>()
+                                          : value.dump(-1, ' ', false, Json::error_handler_t::replace));
     return;
   }
   for (const auto& [key, inner] : value.items())
@@ -120,18 +129,21 @@ void print_text(const Json& value, const std::string& name, std::string& text) {
 
 }  // namespace
 
-void add_info(CLI::App& program, int&) {
-  auto* command = program.add_subcommand(
-      "info", "what is in a scan (.pcd .ply .ptx .exr), a model (.obj) or a file or folder of cameras");
+void add_info(CLI::App& program, int& exit_code) {
+  auto* command =
+      program.add_subcommand("info", "what is in a scan file, a model (.obj) or a file or folder of cameras");
   auto common = std::make_shared<CommonOptions>();
   auto file = std::make_shared<fs::path>();
   command->add_option("file", *file, "the file or folder")->required();
   add_common_options(*command, *common);
-  command->callback([=] {
+  command->callback([=, &exit_code] {
     apply(*common);
     const Json json = describe(*file);
+    if (json.contains("scans"))
+      for (const auto& scan : json["scans"])
+        if (scan.contains("damage")) exit_code = kSomeFailed;
     if (common->json) {
-      std::cout << json.dump(1) << "\n";
+      std::cout << json.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
       return;
     }
     std::string text;

@@ -57,6 +57,7 @@ int run_command(int argc, char** argv) {
   app::add_planes(program, code);
   app::add_register(program, code);
   app::add_render(program, code);
+  app::add_convert(program, code);
   app::add_info(program, code);
   app::add_devices(program, code);
   try {

@@ -14,13 +14,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json process_one(device::Queue& queue, const PlanesRequest& request, const std::string& id,
-                 const std::filesystem::path& file, const io::FileFingerprint& print, const Scan& scan,
+                 const std::filesystem::path& file, const io::FileFingerprint& print, Scan scan,
                  Progress& progress) {
   const auto product = process_scan(queue, id, scan, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;
-  write_plane_outputs(folder, product, scan, {{"source", file.filename().string()}, {"hash", print.xxh3}});
-  write_detail(folder, product, scan, nullptr);
+  const auto remains = keep_remains(std::move(scan), product.image);
+  write_plane_outputs(folder, product, remains, {{"source", file.filename().string()}, {"hash", print.xxh3}});
+  write_detail(folder, product, remains, nullptr);
   Json figures = scan_figures(product);
   figures["file"] = file.filename().string();
   figures["xxh3"] = print.xxh3;
@@ -51,13 +52,17 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
   for (const auto& file : request.files) {
     guarded("scan " + file.string(), [&] {
       progress.step("read", file.filename().string());
-      const auto read = io::read_scans(file);
+      const auto entries = io::list_scans(file);
       const auto print = io::fingerprint(file);
-      for (std::size_t i = 0; i < read.size(); ++i) {
-        ids.push_back(io::default_scan_id(file, static_cast<int>(i), static_cast<int>(read.size()), ids));
+      progress.expect(7 * (static_cast<int>(entries.size()) - 1));
+      for (std::size_t i = 0; i < entries.size(); ++i) {
+        ids.push_back(io::default_scan_id(file, static_cast<int>(i), static_cast<int>(entries.size()), ids));
         const std::string id = ids.back();
-        guarded("scan " + id,
-                [&] { scans.push_back(process_one(queue, request, id, file, print, read[i], progress)); });
+        guarded("scan " + id, [&] {
+          if (i > 0) progress.step("read", "scan " + id);
+          scans.push_back(
+              process_one(queue, request, id, file, print, io::read_scan(file, entries[i]), progress));
+        });
       }
     });
   }

@@ -51,30 +51,35 @@ std::int64_t count_returns(const Scan& scan) {
   });
 }
 
-io::PlyPoint detail_point(const Vec3& position) {
+io::PlyPoint sample_point(const Scan& scan, std::uint32_t source) {
   io::PlyPoint point;
-  for (int axis = 0; axis < 3; ++axis) point.position[static_cast<std::size_t>(axis)] = position[axis];
+  const Vec3 position = scan.point(source);
+  point.position = {position.x(), position.y(), position.z()};
+  if (!scan.intensity.empty()) point.intensity = scan.intensity[source];
+  if (!scan.rgb.empty()) point.rgb = scan.rgb[source];
+  return point;
+}
+
+io::PlyPoint node_point(const RangeImage& image, std::size_t i) {
+  io::PlyPoint point;
+  point.position = {image.x[i], image.y[i], image.z[i]};
+  if (!image.intensity.empty()) point.intensity = image.intensity[i];
+  if (!image.rgb.empty()) point.rgb = image.rgb[i];
   return point;
 }
 
 // Samples that no grid node took, beside range.exr, which counts them.
-void write_extra(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan) {
+void write_extra(const std::filesystem::path& folder, const ScanRemains& scan) {
   const auto file = folder / "extra.ply";
-  if (product.image.extra.empty()) {
+  if (scan.extra.empty()) {
     std::filesystem::remove(file);  // an older run's
     return;
   }
-  std::vector<io::PlyPoint> points;
-  for (const std::uint32_t source : product.image.extra) {
-    points.push_back(detail_point(scan.point(source)));
-    if (!scan.intensity.empty()) points.back().intensity = scan.intensity[source];
-    if (!scan.rgb.empty()) points.back().rgb = scan.rgb[source];
-  }
   io::PlyContent content;
-  content.intensity = !scan.intensity.empty();
-  content.colour = !scan.rgb.empty();
-  content.double_precision = !scan.origin.isZero();
-  io::write_ply(file, points, content);
+  content.intensity = scan.intensity;
+  content.colour = scan.colour;
+  content.double_precision = scan.georeferenced.has_value();
+  io::write_ply(file, scan.extra, content);
 }
 
 }  // namespace
@@ -106,12 +111,12 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
   return product;
 }
 
-void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
-                         std::map<std::string, std::string> attributes) {
+void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
+                         const ScanRemains& scan, std::map<std::string, std::string> attributes) {
   const auto& image = product.image;
   if (product.recorded_pose)  // unless a better one is given
     attributes.try_emplace("world_from_scan", nlohmann::json(row_major(*product.recorded_pose)).dump());
-  write_extra(folder, product, scan);
+  write_extra(folder, scan);
   io::write_range_exr(folder / "range.exr", image, attributes);
   io::write_png(folder / "range.png", stages::range_picture(image));
   io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));
@@ -120,32 +125,37 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
   io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n");
 }
 
-void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
+ScanRemains keep_remains(Scan scan, const RangeImage& image) {
+  ScanRemains remains{.intensity = !scan.intensity.empty(), .colour = !scan.rgb.empty()};
+  for (const std::uint32_t source : image.extra) remains.extra.push_back(sample_point(scan, source));
+  if (!scan.origin.isZero()) remains.georeferenced = std::move(scan);
+  return remains;
+}
+
+void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,
                   const NodeColours* colours) {
   const auto& image = product.image;
   io::PlyContent content;
-  content.intensity = !scan.intensity.empty();
-  content.colour = colours != nullptr || !scan.rgb.empty();
+  content.intensity = scan.intensity;
+  content.colour = colours != nullptr || scan.colour;
   content.stray = true;
-  content.double_precision = !scan.origin.isZero();
+  content.double_precision = scan.georeferenced.has_value();
   std::vector<io::PlyPoint> points;
-  const auto add = [&](std::uint32_t source, io::PlyPoint point) {
-    if (!scan.intensity.empty()) point.intensity = scan.intensity[source];
-    if (!colours && !scan.rgb.empty()) point.rgb = scan.rgb[source];
-    points.push_back(point);
-  };
   for (std::size_t i = 0; i < image.count(); ++i) {
     if (product.decimation.fate[i] <= stages::kDiscarded) continue;
-    const std::uint32_t source = image.source[i];
-    auto point = detail_point(scan.point(source));
+    auto point =
+        scan.georeferenced ? sample_point(*scan.georeferenced, image.source[i]) : node_point(image, i);
     point.stray = product.stray[i];
     if (colours)
       for (std::size_t channel = 0; channel < 3; ++channel)
         point.rgb[channel] = srgb_byte_from_linear(colours->colour.pixels[3 * i + channel]);
-    add(source, point);
+    points.push_back(point);
   }
   // Samples that no grid node took are data too: they stay, without a colour from photographs (black).
-  for (std::uint32_t source : image.extra) add(source, detail_point(scan.point(source)));
+  for (io::PlyPoint point : scan.extra) {
+    if (colours) point.rgb = {};
+    points.push_back(point);
+  }
   io::write_ply(folder / "detail.ply", points, content);
 }
 

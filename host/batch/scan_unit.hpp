@@ -9,6 +9,7 @@
 #include "device/queue.hpp"
 #include "geometry/image.hpp"
 #include "geometry/scan.hpp"
+#include "io/ply.hpp"
 #include "stages/contour_faces.hpp"
 #include "stages/stray_samples.hpp"
 
@@ -36,16 +37,25 @@ struct ScanProduct {
 ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
                          const StageOptions& options, Progress& progress);
 
+// What detail.ply needs of a scan and its range image does not hold. A georeferenced scan stays whole: the
+// image's floats are too coarse for its coordinates.
+struct ScanRemains {
+  bool intensity = false, colour = false;
+  std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
+  std::optional<Scan> georeferenced{};
+};
+ScanRemains keep_remains(Scan scan, const RangeImage& image);
+
 // Colours of the range image's nodes, when photographs were projected on them.
 using NodeColours = stages::Renderer::ColouredRange;
 
 // scans/<id>/: range.exr, extra.ply (where samples lie beside the grid), range.png, classes.png, labels.exr,
 // planes.json. `attributes` and the recorded pose go to range.exr's header.
-void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
-                         std::map<std::string, std::string> attributes);
+void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
+                         const ScanRemains& scan, std::map<std::string, std::string> attributes);
 // scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours
 // when given. The property `stray` says why a sample is not drawn (stages::Stray), 0 for the others.
-void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const Scan& scan,
+void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,
                   const NodeColours* colours);
 // scans/<id>/colour.exr.
 void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product,

@@ -144,26 +144,18 @@ class Run {
     }
   }
 
-  // An entry without an index stands for every scan of its file.
+  // An entry without an index stands for every scan of its file. One scan is in memory at a time.
   void process_file(const io::SceneScan& entry) {
     const std::string name = entry.id.empty() ? entry.file.filename().string() : entry.id;
-    std::vector<Scan> scans;
+    std::vector<io::ScanEntry> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      auto read = io::read_scans(entry.file);
+      scans = io::list_scans(entry.file);
       add_input(entry.file);
-      if (entry.index && static_cast<std::size_t>(*entry.index) >= read.size())
-        fail_input("{}: index {}: the file holds {} scans (0-based)", entry.file.string(), *entry.index,
-                   read.size());
-      if (entry.index)
-        scans.push_back(std::move(read[static_cast<std::size_t>(*entry.index)]));
-      else
-        scans = std::move(read);
+      if (entry.index) scans = {io::scan_at(entry.file, scans, static_cast<std::size_t>(*entry.index))};
     });
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-      process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry,
-              std::move(scans[i]));
-    }
+    for (std::size_t i = 0; i < scans.size(); ++i)
+      process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry, scans[i]);
   }
 
   std::string scan_id(const io::SceneScan& entry, int index, int count) {
@@ -173,10 +165,11 @@ class Run {
     return ids_.back();
   }
 
-  void process(const std::string& id, const io::SceneScan& entry, Scan scan) {
+  void process(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
     unit("scan " + id, [&] {
+      Scan scan = io::read_scan(entry.file, scan_entry);
       run_.products.push_back(process_scan(queue_, id, scan, options_, progress_));
-      sources_.push_back(std::move(scan));
+      remains_.push_back(keep_remains(std::move(scan), run_.products.back().image));
       entries_.push_back(entry);
     });
     run_.registrations.resize(run_.products.size());
@@ -207,8 +200,8 @@ class Run {
         const auto& product = run_.products[i];
         progress_.step("write", "scan " + product.id);
         if (wants("planes"))
-          write_plane_outputs(scan_folder(product.id), product, sources_[i], exr_attributes(i));
-        write_detail(scan_folder(product.id), product, sources_[i], nullptr);
+          write_plane_outputs(scan_folder(product.id), product, remains_[i], exr_attributes(i));
+        write_detail(scan_folder(product.id), product, remains_[i], nullptr);
       });
   }
 
@@ -253,7 +246,7 @@ class Run {
             renderer.colour_range_image(product.image, product.segmentation,
                                         run_.registrations[i]->world_from_scan(), options_.decimate.tile);
         write_node_colours(scan_folder(product.id), product, colours);
-        write_detail(scan_folder(product.id), product, sources_[i], &colours);
+        write_detail(scan_folder(product.id), product, remains_[i], &colours);
       });
     }
   }
@@ -313,7 +306,7 @@ class Run {
   std::set<std::string> stages_;
   Progress progress_;
   StageOptions options_;
-  std::vector<Scan> sources_;           // one per product
+  std::vector<ScanRemains> remains_;    // one per product
   std::vector<io::SceneScan> entries_;  // one per product
   std::vector<std::string> ids_;        // no longer free
   std::optional<io::SceneTruth> truth_;

@@ -9,6 +9,12 @@
 
 namespace hybrid {
 
+// A record of a LAS file that says what its coordinates refer to (user id LASF_Projection), carried as it is.
+struct CrsRecord {
+  std::uint16_t id = 0;
+  std::string bytes;
+};
+
 // What a range image says of its grid beyond the samples: a scan read from one is laid out as that image was.
 struct RangeGrid {
   std::vector<double> elevation_rad;  // per row, decreasing
@@ -41,7 +47,12 @@ struct Scan {
            static_cast<std::size_t>(fast);
   }
   std::optional<Pose> world_from_scan;  // as recorded in the file, if it was
-  std::vector<std::string> notes;       // oddities worth telling the user (dropped fields, ...)
+  // Least and greatest value that `intensity` can have, where the format says.
+  std::optional<std::array<float, 2>> intensity_limits;
+  // What georeferenced coordinates refer to, WKT or "EPSG:27700", else "": carried, never interpreted.
+  std::string crs;
+  std::vector<CrsRecord> crs_records;  // the same as a LAS file holds it
+  std::vector<std::string> notes;      // oddities worth telling the user (dropped fields, ...)
 };
 
 }  // namespace hybrid

@@ -9,6 +9,7 @@
 #include "io/pcd_header.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
+#include "io/text_samples.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -56,15 +57,17 @@ UsedFields find_fields(const std::string& file, const PcdHeader& header, std::st
 
 // One sample: number(field) is its value, bits(field) the 32 bits of a packed colour.
 template <typename Number, typename Bits>
-void add_sample(ScanBuilder& builder, const UsedFields& used, const Number& number, const Bits& bits) {
-  builder.add_point(number(*used.x), number(*used.y), number(*used.z));
-  if (used.intensity) builder.add_intensity(number(*used.intensity));
+ScanSample make_sample(const UsedFields& used, const Number& number, const Bits& bits) {
+  ScanSample sample{number(*used.x), number(*used.y), number(*used.z), 0, {}};
+  if (used.intensity) sample.intensity = number(*used.intensity);
   if (used.packed) {
     const std::uint32_t colour = bits(*used.packed);
-    builder.add_colour((colour >> 16) & 255, (colour >> 8) & 255, colour & 255);
+    sample.rgb = {static_cast<double>((colour >> 16) & 255), static_cast<double>((colour >> 8) & 255),
+                  static_cast<double>(colour & 255)};
   } else if (used.three_colours()) {
-    builder.add_colour(number(*used.red), number(*used.green), number(*used.blue));
+    sample.rgb = {number(*used.red), number(*used.green), number(*used.blue)};
   }
+  return sample;
 }
 
 class PcdReader {
@@ -108,30 +111,34 @@ class PcdReader {
     check_count_fits(file_, fmt::format("line {}", header_.data_line), "points", header_.points,
                      2 * header_.point_values, data_bytes_ + 1);
     ScanBuilder result = builder();
-    TextCursor cursor(input_, data_, header_.data_line);
-    std::vector<double> values(header_.points > 0 ? header_.point_values : 0);
-    const auto number = [&](const PcdField& field) { return values[field.value_offset]; };
-    const auto bits = [&](const PcdField& field) {
-      if (is_real(field.type)) return std::bit_cast<std::uint32_t>(static_cast<float>(number(field)));
-      const bool fits = number(field) > -2147483649.0 && number(field) < 4294967296.0;
-      return fits ? static_cast<std::uint32_t>(static_cast<std::int64_t>(number(field))) : 0u;
+    const auto to_sample = [&](const double* row) {
+      const auto number = [&](const PcdField& field) { return row[field.value_offset]; };
+      const auto bits = [&](const PcdField& field) {
+        if (is_real(field.type)) return std::bit_cast<std::uint32_t>(static_cast<float>(number(field)));
+        const bool fits = number(field) > -2147483649.0 && number(field) < 4294967296.0;
+        return fits ? static_cast<std::uint32_t>(static_cast<std::int64_t>(number(field))) : 0u;
+      };
+      return make_sample(used_, number, bits);
     };
-    for (std::uint64_t i = 0; i < header_.points; ++i) {
-      cursor.skip_blank_lines();
-      const std::uint64_t line = cursor.line();
-      if (cursor.at_end())
+    const auto read_line = [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
+      const std::uint64_t line = at.line();
+      if (at.at_end())
         fail_input(
             "{}: line {}: expected {} points, found {}; the file is cut short: copy or export it again",
-            file_, line, header_.points, i);
-      const std::size_t found = cursor.read_numbers(values);
+            file_, line, header_.points, done);
+      const std::size_t found = at.read_numbers(values);
       if (found != values.size())
         fail_input(
             "{}: line {}: expected {} values as FIELDS and COUNT say, found {}; correct or remove that line",
             file_, line, values.size(), found);
-      add_sample(result, used_, number, bits);
-    }
-    if (cursor.commas_seen())
-      result.add_note("values are separated by commas, which PCD does not provide for");
+    };
+    bool commas = false;
+    TextPlace place{data_, header_.data_line};
+    if (header_.points > 0)
+      place = add_text_samples(input_, place, header_.points, header_.point_values, result, commas, to_sample,
+                               read_line);
+    if (commas) result.add_note("values are separated by commas, which PCD does not provide for");
+    TextCursor cursor(input_, place.offset, place.line);
     note_rest(result, cursor);
     return result.finish();
   }
@@ -155,7 +162,7 @@ class PcdReader {
     std::uint64_t i = 0;
     const auto number = [&](const PcdField& field) { return load_scalar(at(field, i), field.type, false); };
     const auto bits = [&](const PcdField& field) { return load_as<std::uint32_t>(at(field, i), false); };
-    for (; i < header_.points; ++i) add_sample(result, used_, number, bits);
+    for (; i < header_.points; ++i) result.add(make_sample(used_, number, bits));
   }
 
   // PCL's writer fills the last page with zeros, which are worth no note.
@@ -228,10 +235,30 @@ class PcdReader {
   UsedFields used_;
 };
 
+const char* name_of(PcdData data) {
+  return data == PcdData::ascii ? "ascii" : data == PcdData::binary ? "binary" : "binary_compressed";
+}
+
 }  // namespace
 
 Scan read_pcd(const std::filesystem::path& file) {
   return PcdReader(file).read();
+}
+
+std::vector<ScanEntry> list_pcd(const std::filesystem::path& file) {
+  InputFile input(file);
+  const PcdHeader header = read_pcd_header(input);
+  ScanEntry entry{.name = file.stem().string(), .samples = header.points};
+  if (header.width > 1 && header.height > 1) {
+    entry.grid_rows = static_cast<int>(header.height);
+    entry.grid_cols = static_cast<int>(header.width);
+  }
+  entry.structure = fmt::format("{},", name_of(header.data));
+  for (const PcdField& field : header.fields) entry.structure += " " + field.name;
+  entry.offset = header.data_offset;
+  entry.line = header.data_line;
+  entry.end = input.size();
+  return {entry};
 }
 
 }  // namespace hybrid::io

@@ -1,7 +1,9 @@
 #pragma once
 #include <filesystem>
+#include <vector>
 
 #include "geometry/scan.hpp"
+#include "io/scan_entry.hpp"
 
 namespace hybrid::io {
 
@@ -14,5 +16,7 @@ namespace hybrid::io {
 // and CloudCompare's writer read it so; PCL's normal estimation takes the points to be in the frame the
 // viewpoint is given in. The choice is told in Scan::notes.
 Scan read_pcd(const std::filesystem::path& file);
+// Its one scan, by the header alone.
+std::vector<ScanEntry> list_pcd(const std::filesystem::path& file);
 
 }  // namespace hybrid::io

@@ -1,5 +1,6 @@
 #include "io/ply.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -8,6 +9,7 @@
 #include "io/ply_header.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
+#include "io/text_samples.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -54,10 +56,11 @@ UsedProperties find_properties(const std::string& file, const PlyElement& vertex
 
 // One sample: number(i) is the value of property i.
 template <typename Number>
-void add_sample(ScanBuilder& builder, const UsedProperties& used, const Number& number) {
-  builder.add_point(number(*used.x), number(*used.y), number(*used.z));
-  if (used.intensity) builder.add_intensity(number(*used.intensity));
-  if (used.colour()) builder.add_colour(number(*used.red), number(*used.green), number(*used.blue));
+ScanSample make_sample(const UsedProperties& used, const Number& number) {
+  ScanSample sample{number(*used.x), number(*used.y), number(*used.z), 0, {}};
+  if (used.intensity) sample.intensity = number(*used.intensity);
+  if (used.colour()) sample.rgb = {number(*used.red), number(*used.green), number(*used.blue)};
+  return sample;
 }
 
 class PlyReader {
@@ -109,11 +112,13 @@ class PlyReader {
                         {.intensity = used.intensity.has_value(), .colour = colour});
     if (!unused.empty()) builder.add_note("properties not used: " + unused);
     places_.assign(vertex.properties.size(), 0);
-    if (ascii()) {
+    if (ascii() && !vertex.has_lists()) {
+      read_number_rows(vertex, used, builder);
+    } else if (ascii()) {
       const auto number = [&](std::size_t i) { return values_[places_[i]]; };
       for (std::uint64_t row = 0; row < vertex.count; ++row) {
         read_line(vertex, row);
-        add_sample(builder, used, number);
+        builder.add(make_sample(used, number));
       }
     } else {
       const auto number = [&](std::size_t i) {
@@ -122,10 +127,25 @@ class PlyReader {
       };
       for (std::uint64_t row = 0; row < vertex.count; ++row) {
         find_places(vertex, row);
-        add_sample(builder, used, number);
+        builder.add(make_sample(used, number));
       }
     }
     return builder;
+  }
+
+  // As many numbers on every line.
+  void read_number_rows(const PlyElement& vertex, const UsedProperties& used, ScanBuilder& builder) {
+    if (vertex.count == 0) return;
+    const TextPlace after = add_text_samples(
+        input_, {cursor_.offset(), cursor_.line()}, vertex.count, vertex.properties.size(), builder, commas_,
+        [&](const double* row) { return make_sample(used, [&](std::size_t i) { return row[i]; }); },
+        [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
+          cursor_.move_to(at.offset(), at.line());
+          read_line(vertex, done);
+          std::copy(values_.begin(), values_.end(), values.begin());
+          at.move_to(cursor_.offset(), cursor_.line());
+        });
+    cursor_.move_to(after.offset, after.line);
   }
 
   void skip(const PlyElement& element) {
@@ -212,7 +232,7 @@ class PlyReader {
     const bool countable = last.name == "vertex" && !last.has_lists();
     if (ascii()) {
       cursor_.skip_blank_lines();
-      if (cursor_.commas_seen())
+      if (commas_ || cursor_.commas_seen())
         builder.add_note("values are separated by commas, which PLY does not provide for");
       if (cursor_.at_end()) return;
       const std::uint64_t line = cursor_.line(), bytes = cursor_.remaining();
@@ -238,15 +258,37 @@ class PlyReader {
   PlyHeader header_;
   std::uint64_t at_;   // binary: in the file
   TextCursor cursor_;  // ascii
+  bool commas_ = false;
   std::string name_;
   std::vector<double> values_;
   std::vector<std::uint64_t> places_;
 };
 
+const char* name_of(PlyFormat format) {
+  return format == PlyFormat::ascii           ? "ascii"
+         : format == PlyFormat::little_endian ? "binary little endian"
+                                              : "binary big endian";
+}
+
 }  // namespace
 
 Scan read_ply(const std::filesystem::path& file) {
   return PlyReader(file).read();
+}
+
+std::vector<ScanEntry> list_ply(const std::filesystem::path& file) {
+  InputFile input(file);
+  const PlyHeader header = read_ply_header(input);
+  ScanEntry entry{.name = file.stem().string(), .structure = fmt::format("{},", name_of(header.format))};
+  for (const PlyElement& element : header.elements) {
+    if (element.name != "vertex") continue;
+    entry.samples = element.count;
+    for (const PlyProperty& property : element.properties) entry.structure += " " + property.name;
+  }
+  entry.offset = header.data_offset;
+  entry.line = header.data_line;
+  entry.end = input.size();
+  return {entry};
 }
 
 }  // namespace hybrid::io

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "geometry/scan.hpp"
+#include "io/scan_entry.hpp"
 
 namespace hybrid::io {
 
@@ -11,6 +12,8 @@ namespace hybrid::io {
 // reals); names in any case; the rest is listed in Scan::notes. Throws ErrorKind::input naming file, line or
 // byte.
 Scan read_ply(const std::filesystem::path& file);
+// Its one scan, by the header alone.
+std::vector<ScanEntry> list_ply(const std::filesystem::path& file);
 
 // A point of detail.ply.
 struct PlyPoint {

@@ -7,6 +7,7 @@
 #include "io/input_file.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
+#include "io/text_samples.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -82,55 +83,109 @@ void set_pose(Scan& scan, const std::string& file, const PtxHeader& header) {
                                      header.cols * header.rows, header.cols, header.rows, found));
 }
 
-Scan read_one(TextCursor& cursor, const std::string& name) {
-  const PtxHeader header = read_header(cursor);
-  const std::uint64_t count = header.cols * header.rows;
-  cursor.skip_blank_lines();
-  const std::uint64_t first_line = cursor.line();
-  check_count_fits(cursor.file(), fmt::format("line {}", header.line), "points", count, kShortestLine,
-                   cursor.remaining() + 1);
+std::uint64_t point_count(const PtxHeader& header) {
+  return header.cols * header.rows;
+}
 
+// The header at the cursor, whose points the rest of the file can hold.
+PtxHeader read_checked_header(TextCursor& cursor) {
+  const PtxHeader header = read_header(cursor);
+  check_count_fits(cursor.file(), fmt::format("line {}", header.line), "points", point_count(header),
+                   kShortestLine, cursor.remaining() + 1);
+  return header;
+}
+
+// How many numbers the first point has, without moving past it.
+std::size_t count_columns(InputFile& input, const TextCursor& before, const PtxHeader& header) {
+  TextCursor cursor(input, before.offset(), before.line());
   std::array<double, 7> values{};
+  cursor.skip_blank_lines();
   if (cursor.at_end()) fail_points_missing(cursor, header, 0);
-  const std::size_t columns = cursor.read_numbers(values);  // the first point tells
+  const std::uint64_t line = cursor.line();
+  const std::size_t columns = cursor.read_numbers(values);
   if (columns != 4 && columns != 7)
     fail_input("{}: line {}: expected 4 or 7 numbers (x y z intensity [red green blue]), found {}",
-               cursor.file(), first_line, columns);
-  const bool colour = columns == 7;
-  ScanBuilder builder(
-      cursor.file(), name, count,
-      {.intensity = true, .colour = colour ? ColourKind::byte : ColourKind::none, .zero_is_no_return = true});
-  const auto line_values = std::span(values).first(columns);
-  for (std::uint64_t i = 0; i < count; ++i) {
-    if (i > 0) {
-      cursor.skip_blank_lines();
-      if (cursor.at_end()) fail_points_missing(cursor, header, i);
-      read_line(cursor, line_values, colour ? "x y z intensity red green blue" : "x y z intensity");
-    }
-    builder.add_point(values[0], values[1], values[2]);
-    builder.add_intensity(values[3]);
-    if (colour) builder.add_colour(values[4], values[5], values[6]);
+               cursor.file(), line, columns);
+  return columns;
+}
+
+// The entry of the scan at `place`, which moves behind it.
+ScanEntry list_one(InputFile& input, TextPlace& place) {
+  ScanEntry entry{.offset = place.offset, .line = place.line};
+  TextCursor cursor(input, place.offset, place.line);
+  const PtxHeader header = read_checked_header(cursor);
+  entry.samples = point_count(header);
+  entry.grid_cols = static_cast<int>(header.cols);
+  entry.grid_rows = static_cast<int>(header.rows);
+  entry.structure =
+      count_columns(input, cursor, header) == 7 ? "x y z intensity red green blue" : "x y z intensity";
+  entry.unit = std::string("m");
+  const PassedRows points = pass_rows(input, {cursor.offset(), cursor.line()}, input.size(), entry.samples);
+  if (points.rows < entry.samples) {
+    TextCursor end(input, points.after.offset, points.after.line);
+    fail_points_missing(end, header, points.rows);
   }
-  Scan scan = builder.finish();
-  scan.grid_cols = static_cast<int>(header.cols);
-  scan.grid_rows = static_cast<int>(header.rows);
-  set_pose(scan, cursor.file(), header);
-  return scan;
+  place = points.after;
+  entry.end = place.offset;
+  return entry;
 }
 
 }  // namespace
 
-std::vector<Scan> read_ptx(const std::filesystem::path& file) {
+std::vector<ScanEntry> list_ptx(const std::filesystem::path& file) {
   InputFile input(file);
-  TextCursor cursor(input, start_of_text(input));
-  const std::string stem = file.stem().string();
-  std::vector<Scan> scans;
-  do {
-    scans.push_back(read_one(cursor, fmt::format("{}-{}", stem, scans.size())));
+  TextPlace place{start_of_text(input)};
+  std::vector<ScanEntry> entries;
+  for (bool more = true; more;) {
+    const TextPlace start = place;
+    try {
+      entries.push_back(list_one(input, place));
+    } catch (const Error& error) {
+      if (entries.empty() || error.kind() != ErrorKind::input) throw;
+      entries.push_back({.problem = error.what(), .offset = start.offset, .line = start.line});
+      break;
+    }
+    TextCursor cursor(input, place.offset, place.line);
     cursor.skip_blank_lines();
-  } while (!cursor.at_end());
-  if (scans.size() == 1) scans[0].name = stem;
-  return scans;
+    place = {cursor.offset(), cursor.line()};
+    more = !cursor.at_end();
+  }
+  const std::string stem = file.stem().string();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    entries[i].index = i;
+    entries[i].name = entries.size() == 1 ? stem : fmt::format("{}-{}", stem, i);
+  }
+  return entries;
+}
+
+Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
+  InputFile input(file);
+  TextCursor cursor(input, entry.offset, entry.line);
+  const PtxHeader header = read_checked_header(cursor);
+  const std::size_t columns = count_columns(input, cursor, header);
+  ScanBuilder builder(cursor.file(), entry.name, point_count(header),
+                      {.intensity = true,
+                       .colour = columns == 7 ? ColourKind::byte : ColourKind::none,
+                       .zero_is_no_return = true});
+  const bool colour = columns == 7;
+  bool commas = false;
+  add_text_samples(
+      input, {cursor.offset(), cursor.line()}, point_count(header), columns, builder, commas,
+      [&](const double* row) {
+        ScanSample sample{row[0], row[1], row[2], row[3], {}};
+        if (colour) sample.rgb = {row[4], row[5], row[6]};
+        return sample;
+      },
+      [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
+        if (at.at_end()) fail_points_missing(at, header, done);
+        read_line(at, values, colour ? "x y z intensity red green blue" : "x y z intensity");
+      });
+  Scan scan = builder.finish();
+  if (within(scan.intensity, 0, 1)) scan.intensity_limits = {0.0f, 1.0f};
+  scan.grid_cols = static_cast<int>(header.cols);
+  scan.grid_rows = static_cast<int>(header.rows);
+  set_pose(scan, cursor.file(), header);
+  return scan;
 }
 
 }  // namespace hybrid::io

@@ -3,11 +3,18 @@
 #include <vector>
 
 #include "geometry/scan.hpp"
+#include "io/scan_entry.hpp"
 
 namespace hybrid::io {
 
 // Leica PTX: one or more scans, 4 or 7 columns (x y z intensity [r g b]); points stay in the scanner's frame
-// and the 4x4 becomes world_from_scan; "0 0 0" lines are no-returns (NaN points). grid_rows/cols set.
-std::vector<Scan> read_ptx(const std::filesystem::path& file);
+// and the 4x4 becomes world_from_scan, unless it is the identity; "0 0 0" lines are no-returns (NaN points).
+// grid_rows/cols set.
+//
+// Lists the scans by their headers and by counting lines. A header that is wrong ends the list: of the first
+// scan it throws ErrorKind::input, of a later one it becomes that entry's problem.
+std::vector<ScanEntry> list_ptx(const std::filesystem::path& file);
+// One of them, parsed on all threads. Throws ErrorKind::input naming file and line.
+Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry);
 
 }  // namespace hybrid::io

@@ -1,34 +1,89 @@
 #include "io/read_scan.hpp"
 
+#include <utility>
+
 #include "core/error.hpp"
 #include "io/exr_scan.hpp"
+#include "io/las.hpp"
 #include "io/output.hpp"
 #include "io/pcd.hpp"
 #include "io/ply.hpp"
+#include "io/pts.hpp"
 #include "io/ptx.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
+namespace {
 
-std::vector<Scan> read_scans(const std::filesystem::path& file) {
+// One format per row; a new one is one row more.
+struct ScanFormat {
+  const char* extension;
+  std::vector<ScanEntry> (*list)(const std::filesystem::path& file);
+  Scan (*read)(const std::filesystem::path& file, const ScanEntry& entry);
+};
+
+// Its one scan, whose size the reader finds.
+std::vector<ScanEntry> list_exr(const std::filesystem::path& file) {
+  check_readable(file);
+  return {{.name = file.stem().string(), .structure = std::string("range image"), .unit = std::string("m")}};
+}
+
+constexpr ScanFormat kFormats[] = {
+    {".pcd", list_pcd, [](const auto& file, const ScanEntry&) { return read_pcd(file); }},
+    {".ply", list_ply, [](const auto& file, const ScanEntry&) { return read_ply(file); }},
+    {".ptx", list_ptx, read_ptx},
+    {".pts", list_pts, read_pts},
+    {".las", list_las, read_las},
+    {".exr", list_exr, [](const auto& file, const ScanEntry&) { return read_exr_scan(file); }},
+};
+
+// Formats that are known and not read, and what to do.
+constexpr std::pair<const char*, const char*> kRemedies[] = {
+    {".e57", "this format is coming: until then convert it to .ptx or .ply"},
+    {".laz",
+     "LAZ is compressed LAS: decompress it first (laszip -i a.laz -o a.las, or pdal translate a.laz "
+     "a.las)"},
+};
+
+const ScanFormat& format_of(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  if (extension == ".ptx") return read_ptx(file);
-  std::vector<Scan> scans;
-  if (extension == ".pcd") {
-    scans.push_back(read_pcd(file));
-  } else if (extension == ".ply") {
-    scans.push_back(read_ply(file));
-  } else if (extension == ".exr") {
-    scans.push_back(read_exr_scan(file));
-  } else {
-    check_readable(file);
-    const bool coming = extension == ".e57" || extension == ".las" || extension == ".laz";
-    fail_input("{}: expected a scan as .pcd, .ply, .ptx or .exr, found {}; {}", file.string(),
-               extension.empty() ? "no extension" : extension,
-               coming ? "this format is coming: until then convert it to .ptx or .ply"
-                      : "convert it, or correct its extension");
-  }
-  return scans;
+  for (const ScanFormat& format : kFormats)
+    if (extension == format.extension) return format;
+  check_readable(file);
+  const char* remedy = "convert it, or correct its extension";
+  for (const auto& [known, what] : kRemedies)
+    if (extension == known) remedy = what;
+  fail_input("{}: expected a scan as {}, found {}; {}", file.string(), scan_extensions(),
+             extension.empty() ? "no extension" : extension, remedy);
+}
+
+}  // namespace
+
+std::vector<ScanEntry> list_scans(const std::filesystem::path& file) {
+  return format_of(file).list(file);
+}
+
+Scan read_scan(const std::filesystem::path& file, const ScanEntry& entry) {
+  if (!entry.problem.empty()) throw Error(ErrorKind::input, entry.problem);
+  return format_of(file).read(file, entry);
+}
+
+Scan read_scan(const std::filesystem::path& file, std::size_t index) {
+  return read_scan(file, scan_at(file, list_scans(file), index));
+}
+
+const ScanEntry& scan_at(const std::filesystem::path& file, const std::vector<ScanEntry>& entries,
+                         std::size_t index) {
+  if (index >= entries.size())
+    fail_input("{}: index {}: the file holds {} scans (0-based)", file.string(), index, entries.size());
+  return entries[index];
+}
+
+std::string scan_extensions() {
+  std::string text;
+  for (std::size_t i = 0; i < std::size(kFormats); ++i)
+    text += (i == 0 ? "" : i + 1 < std::size(kFormats) ? ", " : " or ") + std::string(kFormats[i].extension);
+  return text;
 }
 
 }  // namespace hybrid::io

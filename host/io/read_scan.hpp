@@ -3,13 +3,26 @@
 #include <vector>
 
 #include "geometry/scan.hpp"
+#include "io/scan_entry.hpp"
 
 namespace hybrid::io {
 
-// Every scan in a file, chosen by its extension (.pcd .ply .ptx, and .exr: a range image; in any case).
-// Throws ErrorKind::input naming the file, the place (line or byte), what
-// was expected, what was found and the remedy. Allocates nothing before the header's counts are checked
-// against the file's size.
-std::vector<Scan> read_scans(const std::filesystem::path& file);
+// The scans of a file, whose format follows from its extension (in any case; scan_extensions()), by their
+// headers; samples are not read, in text only counted. Throws ErrorKind::input naming the file, the place
+// (line or byte), what was expected, what was found and the remedy. An entry with a `problem` stands for a
+// scan that is there and cannot be read, while the others can.
+std::vector<ScanEntry> list_scans(const std::filesystem::path& file);
+
+// One scan, without the others; the entry comes from list_scans of this file. Throws as list_scans does, and
+// the entry's problem. Allocates nothing before the header's counts are checked against the file's size.
+Scan read_scan(const std::filesystem::path& file, const ScanEntry& entry);
+// The same by its number, from 0.
+Scan read_scan(const std::filesystem::path& file, std::size_t index);
+// Entries[index] of a file, or the error that it has no such scan.
+const ScanEntry& scan_at(const std::filesystem::path& file, const std::vector<ScanEntry>& entries,
+                         std::size_t index);
+
+// ".pcd, .ply, .ptx ... or .exr", for messages and help.
+std::string scan_extensions();
 
 }  // namespace hybrid::io

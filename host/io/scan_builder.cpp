@@ -53,10 +53,14 @@ ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_
   }
 }
 
+bool ScanBuilder::is_return(bool finite, double x, double y, double z) const {
+  const bool zero = x == 0 && y == 0 && z == 0;
+  return finite && !(zero && (options_.zero_is_no_return || !scan_.origin.isZero()));
+}
+
 void ScanBuilder::add_point(double x, double y, double z) {
   const bool finite = fits_float(x) && fits_float(y) && fits_float(z);
-  const bool zero = x == 0 && y == 0 && z == 0;
-  const bool no_return = !finite || (zero && (options_.zero_is_no_return || !scan_.origin.isZero()));
+  const bool no_return = !is_return(finite, x, y, z);
   if (!finite) ++not_finite_;
   if (no_return || !origin_chosen_) {
     if (!no_return) {
@@ -68,6 +72,27 @@ void ScanBuilder::add_point(double x, double y, double z) {
   } else {
     scan_.points.push_back(relative({x, y, z}));
   }
+}
+
+void ScanBuilder::grow(std::size_t count) {
+  scan_.points.resize(count);
+  if (options_.intensity) scan_.intensity.resize(count);
+  if (options_.colour == ColourKind::byte) scan_.rgb.resize(count);
+  if (options_.colour > ColourKind::byte) colours_.resize(count);
+}
+
+bool ScanBuilder::put(std::size_t at, const ScanSample& sample) {
+  const bool finite = fits_float(sample.x) && fits_float(sample.y) && fits_float(sample.z);
+  scan_.points[at] = is_return(finite, sample.x, sample.y, sample.z)
+                         ? relative({sample.x, sample.y, sample.z})
+                         : std::array{kNaN, kNaN, kNaN};
+  if (options_.intensity) scan_.intensity[at] = static_cast<float>(sample.intensity);
+  const auto& [red, green, blue] = sample.rgb;
+  if (options_.colour == ColourKind::byte)
+    scan_.rgb[at] = {to_byte(red), to_byte(green), to_byte(blue)};
+  else if (options_.colour > ColourKind::byte)
+    colours_[at] = {static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)};
+  return finite;
 }
 
 std::array<float, 3> ScanBuilder::relative(const Point& point) const {
@@ -128,6 +153,10 @@ Scan ScanBuilder::finish() {
     add_note(fmt::format("coordinates are large: kept relative to ({}, {}, {})", scan_.origin.x(),
                          scan_.origin.y(), scan_.origin.z()));
   return std::move(scan_);
+}
+
+bool within(const std::vector<float>& values, float least, float greatest) {
+  return std::none_of(values.begin(), values.end(), [=](float v) { return v < least || v > greatest; });
 }
 
 bool names_intensity(const std::string& lower_case_name) {

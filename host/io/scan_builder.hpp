@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/parallel.hpp"
 #include "geometry/scan.hpp"
 #include "io/scalar_type.hpp"
 
@@ -13,6 +14,12 @@ namespace hybrid::io {
 // 0..255).
 enum class ColourKind { none, byte, word, real };
 ColourKind colour_kind(ScalarType type);
+
+// A sample as a file writes it; what the file does not have stays 0.
+struct ScanSample {
+  double x = 0, y = 0, z = 0, intensity = 0;
+  std::array<double, 3> rgb{};
+};
 
 // Turns a reader's samples, in double and in file order, into a Scan. Georeferenced coordinates (centroid of
 // the first returns beyond 1 km) become relative to Scan::origin. Non-finite samples become NaN points
@@ -31,6 +38,14 @@ class ScanBuilder {
   void add_point(double x, double y, double z);
   void add_intensity(double value) { scan_.intensity.push_back(static_cast<float>(value)); }
   void add_colour(double red, double green, double blue);
+  void add(const ScanSample& sample) {
+    add_point(sample.x, sample.y, sample.z);
+    if (options_.intensity) add_intensity(sample.intensity);
+    if (options_.colour != ColourKind::none) add_colour(sample.rgb[0], sample.rgb[1], sample.rgb[2]);
+  }
+  // counts[0] samples, then counts[1] ..., made on all threads by sample(part, index): a ScanSample.
+  template <typename Sample>
+  void add_parts(const std::vector<std::size_t>& counts, const Sample& sample);
   void add_note(std::string note) { scan_.notes.push_back(std::move(note)); }
 
   Scan finish();
@@ -38,8 +53,12 @@ class ScanBuilder {
  private:
   using Point = std::array<double, 3>;
   std::array<float, 3> relative(const Point& point) const;
+  bool is_return(bool finite, double x, double y, double z) const;
   void choose_origin();
   void scale_colours();
+  // For samples whose places are known, once the origin is.
+  void grow(std::size_t count);
+  bool put(std::size_t at, const ScanSample& sample);  // false: not finite
 
   Options options_;
   Scan scan_;
@@ -50,6 +69,33 @@ class ScanBuilder {
   std::vector<std::array<float, 3>> colours_;  // as written, for kinds whose scale only the whole file shows
   std::uint64_t not_finite_ = 0;
 };
+
+template <typename Sample>
+void ScanBuilder::add_parts(const std::vector<std::size_t>& counts, const Sample& sample) {
+  // The origin follows from the first returns: until it is chosen, one after the other.
+  std::size_t part = 0, done = 0;
+  while (part < counts.size() && !origin_chosen_) {
+    for (done = 0; done < counts[part] && !origin_chosen_; ++done) add(sample(part, done));
+    if (done == counts[part]) ++part, done = 0;
+  }
+  if (part == counts.size()) return;
+  std::vector<std::size_t> first(counts.size()), not_finite(counts.size());
+  std::size_t end = scan_.points.size();
+  for (std::size_t k = part; k < counts.size(); ++k) {
+    first[k] = end - (k == part ? done : 0);
+    end = first[k] + counts[k];
+  }
+  grow(end);
+  parallel_for(counts.size() - part, [&](std::size_t k) {
+    k += part;
+    for (std::size_t i = k == part ? done : 0; i < counts[k]; ++i)
+      not_finite[k] += put(first[k] + i, sample(k, i)) ? 0 : 1;
+  });
+  for (const std::size_t count : not_finite) not_finite_ += count;
+}
+
+// Whether all values lie between two; NaN does not count.
+bool within(const std::vector<float>& values, float least, float greatest);
 
 // Whether a lower-case field name means intensity.
 bool names_intensity(const std::string& lower_case_name);

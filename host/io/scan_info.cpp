@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.hpp"
 #include "io/read_scan.hpp"
 #include "io/text_cursor.hpp"
 
@@ -19,6 +20,17 @@ void add_return(ScanInfo& info, const Vec3& point) {
   info.max_range_m = first ? range : std::max(info.max_range_m, range);
 }
 
+ScanInfo describe_unread(const ScanEntry& entry, const std::string& format, const std::string& problem) {
+  ScanInfo info;
+  info.format = format;
+  info.name = entry.name;
+  info.points = entry.samples;
+  info.grid_rows = entry.grid_rows;
+  info.grid_cols = entry.grid_cols;
+  info.problem = problem;
+  return info;
+}
+
 }  // namespace
 
 ScanInfo describe(const Scan& scan, const std::string& format) {
@@ -33,6 +45,7 @@ ScanInfo describe(const Scan& scan, const std::string& format) {
   info.has_intensity = !scan.intensity.empty();
   info.has_colour = !scan.rgb.empty();
   info.world_from_scan = scan.world_from_scan;
+  info.crs = scan.crs;
   info.notes = scan.notes;
   for (const auto& point : scan.points) add_return(info, scan.origin + Vec3(point[0], point[1], point[2]));
   return info;
@@ -42,8 +55,23 @@ std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file) {
   std::string format = file.extension().string();
   for (char& c : format)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  const auto entries = list_scans(file);
   std::vector<ScanInfo> result;
-  for (const Scan& scan : read_scans(file)) result.push_back(describe(scan, format.substr(1)));
+  std::optional<Error> last;
+  for (const ScanEntry& entry : entries) {
+    try {
+      result.push_back(describe(read_scan(file, entry), format.substr(1)));
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      last = error;
+      result.push_back(describe_unread(entry, format.substr(1), error.what()));
+    }
+    result.back().structure = entry.structure;
+    result.back().unit = entry.unit;
+  }
+  const bool none =
+      std::none_of(result.begin(), result.end(), [](const auto& i) { return i.problem.empty(); });
+  if (last && none) throw Error(*last);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "core/error.hpp"
+#include "io/decimal.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -14,19 +15,6 @@ bool is_line_end(char c) {
 
 bool is_separator(char c) {
   return c == ' ' || c == '\t' || c == ',';
-}
-
-// std::from_chars, which knows nan and inf, and the plus sign it does not know.
-const char* parse(const char* at, const char* end, double& value) {
-  if (end - at > 1 && *at == '+' && at[1] != '-') ++at;
-  const auto [next, code] = std::from_chars(at, end, value);
-  if (code == std::errc::result_out_of_range) {  // too small for double is 0; too large stays an error
-    const std::string_view digits(at, static_cast<std::size_t>(next - at));
-    if (digits.find("e-") == digits.npos && digits.find("E-") == digits.npos) return nullptr;
-    value = 0;
-    return next;
-  }
-  return code == std::errc{} ? next : nullptr;
 }
 
 }  // namespace
@@ -96,7 +84,7 @@ bool TextCursor::next_number(double& value) {
     end_line();
     return false;
   }
-  const char* next = parse(at_, end_, value);
+  const char* next = parse_number(at_, end_, value);
   if (next != nullptr && (next == end_ || is_separator(*next) || is_line_end(*next))) {
     at_ = next;
     return true;
@@ -158,7 +146,8 @@ bool parse_whole(std::string_view word, std::uint64_t& value) {
 }
 
 bool parse_real(std::string_view word, double& value) {
-  return !word.empty() && parse(word.data(), word.data() + word.size(), value) == word.data() + word.size();
+  return !word.empty() &&
+         parse_number(word.data(), word.data() + word.size(), value) == word.data() + word.size();
 }
 
 std::string lower_case(std::string_view text) {

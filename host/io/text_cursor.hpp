@@ -28,6 +28,12 @@ class TextCursor {
     return window_offset_ + static_cast<std::uint64_t>(at_ - begin_);
   }  // in the file
   std::uint64_t remaining() const { return input_.size() - offset(); }
+  // Goes to the start of a line that others have found.
+  void move_to(std::uint64_t offset, std::uint64_t line) {
+    begin_ = at_ = end_ = whole_lines_end_ = nullptr;
+    window_offset_ = offset;
+    line_ = line;
+  }
   bool commas_seen() const { return commas_seen_; }
   const std::string& file() const { return input_.name(); }
   // "\n", "\r", "\r\n" or, at the end of the file, "": what ended the line before this one.

@@ -66,7 +66,7 @@ TEST_F(Church, planar_samples_lie_on_their_plane_within_the_noise) {
   const auto scans = io::read_truth(folder() / "truth.json").scans;
   ASSERT_EQ(scans.size(), 3u);
   for (std::size_t s = 0; s < scans.size(); ++s) {
-    const auto scan = io::read_scans(folder() / truth_["scans"][s]["file"].get<std::string>()).at(0);
+    const auto scan = io::read_scan(folder() / truth_["scans"][s]["file"].get<std::string>(), 0);
     ASSERT_EQ(scan.points.size(), scans[s].plane.size());
     std::array<std::size_t, 4> kinds{};
     double squares = 0;

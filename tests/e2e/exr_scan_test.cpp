@@ -87,8 +87,8 @@ TEST_F(ExrScene, formats_hold_the_same_samples) {
   ASSERT_EQ(of_exr.size(), 3u);
   for (std::size_t s = 0; s < 3; ++s) {
     SCOPED_TRACE(of_exr[s].id);
-    const Scan ptx = io::read_scans(scan("ptx", of_ptx[s].id)).at(0);
-    const Scan exr = io::read_scans(scan("exr", of_exr[s].id)).at(0);
+    const Scan ptx = io::read_scan(scan("ptx", of_ptx[s].id), 0);
+    const Scan exr = io::read_scan(scan("exr", of_exr[s].id), 0);
     ASSERT_EQ(of_exr[s].plane.size(), exr.points.size());
     ASSERT_EQ(exr.grid_rows, ptx.grid_rows);
     ASSERT_EQ(exr.grid_cols, ptx.grid_cols);

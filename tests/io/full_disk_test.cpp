@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <functional>
+#include <utility>
 
 #include "io/exr.hpp"
 #include "io/files.hpp"
@@ -15,6 +16,7 @@
 #include "io/picture.hpp"
 #include "io/ply.hpp"
 #include "io/range_exr.hpp"
+#include "io/write_scan.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -59,6 +61,15 @@ std::vector<float> noise(std::size_t count) {
   return values;
 }
 
+ScanSource one_scan() {
+  return [given = false]() mutable -> std::optional<Scan> {
+    if (std::exchange(given, true)) return std::nullopt;
+    Scan scan;
+    for (const float value : noise(5000)) scan.points.push_back({value * 1e-6f, 1, 2});
+    return scan;
+  };
+}
+
 std::vector<Writer> writers() {
   return {
       {"write_text", [](const fs::path& file) { write_text(file, std::string(300000, 'x')); }},
@@ -76,6 +87,11 @@ std::vector<Writer> writers() {
          const auto values = noise(200 * 100);
          write_exr(file, 200, 100, {{"R", values.data(), nullptr, 1}});
        }},
+      {"write_ptx", [](const fs::path& file) { write_ptx(file, one_scan()); }},
+      {"write_pts", [](const fs::path& file) { write_pts(file, one_scan()); }},
+      {"write_ply_scan", [](const fs::path& file) { write_ply_scan(file, one_scan()); }},
+      {"write_pcd", [](const fs::path& file) { write_pcd(file, one_scan()); }},
+      {"write_las", [](const fs::path& file) { write_las(file, one_scan()); }},
       {"write_range_exr",
        [](const fs::path& file) {
          RangeImage image = make_range_image(100, 300);

@@ -21,6 +21,8 @@ std::string joined(const std::vector<std::string>& parts, const char* between) {
 }
 
 std::string tell_scan(const io::ScanInfo& info) {
+  if (!info.problem.empty())
+    return fmt::format("{} points that cannot be read: {}", info.points, info.problem);
   std::vector<std::string> parts{fmt::format("{} points", info.points)};
   if (info.returns != info.points) parts.push_back(fmt::format("{} returns", info.returns));
   if (info.grid_rows > 0) parts.push_back(fmt::format("grid {} x {}", info.grid_rows, info.grid_cols));
@@ -52,14 +54,15 @@ std::string tell_model(const fs::path& file) {
 // One row: what `read` tells of the file, or its error without the path.
 template <typename Read>
 std::string told(const fs::path& file, const Read& read) {
+  std::string text;
   try {
-    return read(file);
+    text = read(file);
   } catch (const Error& error) {
-    std::string message = error.what();
-    for (std::string start : {file.string() + ": ", file.string() + ":"})
-      if (message.starts_with(start)) message.erase(0, start.size());
-    return "refused: " + message;
+    text = std::string("refused: ") + error.what();
   }
+  for (const std::string& path : {file.string() + ": ", file.string() + ":"})
+    for (std::size_t at = text.find(path); at != text.npos; at = text.find(path)) text.erase(at, path.size());
+  return text;
 }
 
 // Files without a reader share the row of their folder and extension.
@@ -71,11 +74,11 @@ std::map<std::string, std::string> rows_of(const fs::path& data) {
       const fs::path& file = entry.path();
       const std::string name = fs::relative(file, data).string(),
                         extension = io::lower_case(file.extension().string());
-      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx")
+      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx" || extension == ".pts")
         rows[name] = told(file, tell_scans);
       else if (extension == ".obj")
         rows[name] = told(file, tell_model);
-      else if (extension == ".e57" || extension == ".pts")
+      else if (extension == ".e57")
         ++unread[(fs::relative(file.parent_path(), data) / ("*" + extension)).string()];
     }
   }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "io/read_scans.hpp"
 #include "io/scan_files.hpp"
 
 namespace hybrid::testing {
@@ -16,7 +17,7 @@ TEST(Ptx, ColumnsOfRowsWithNoReturns) {
   const auto file =
       folder.write("a.ptx", "2\n3\n" + std::string(kIdentity) +
                                 "1 0 -1 0.1\n1 0 0 0.2\n0 0 0 0.5\n0 1 -1 0.3\n0 1 0 0.4\n0 1 1 0.5\n");
-  const auto scans = io::read_ptx(file);
+  const auto scans = read_scans(file);
   ASSERT_EQ(scans.size(), 1u);
   const Scan& scan = scans[0];
   EXPECT_EQ(scan.name, "a");
@@ -38,7 +39,7 @@ TEST(Ptx, MatrixIsTransposedAndScansAreNumbered) {
       "1\n2\n10 20 30\n0 1 0\n-1 0 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n500010.5 180020.25 30 1\n"
       "1 0 0 0.1 255 0 1\n2 0 0 0.2 300 -4 77\n";
   const auto file = folder.write("two.ptx", turned + "1\n1\n" + kIdentity + "\n 1 2 3 0.5 \n\n");
-  const auto scans = io::read_ptx(file);
+  const auto scans = read_scans(file);
   ASSERT_EQ(scans.size(), 2u);
   EXPECT_EQ(scans[0].name, "two-0");
   EXPECT_EQ(scans[1].name, "two-1");
@@ -55,14 +56,14 @@ TEST(Ptx, FewerPointsThanPromisedIsFoundAtTheNextHeader) {
   const auto file =
       folder.write("short.ptx", "2\n2\n" + std::string(kIdentity) + "1 0 0 0.1\n1 0 1 0.2\n1 1 0 0.3\n" +
                                     "1\n1\n" + kIdentity + "1 2 3 0.5\n");
-  expect_input_error([&] { io::read_ptx(file); }, {file.string(), "line 14", "4 numbers", "found 1"});
+  expect_input_error([&] { read_scans(file); }, {file.string(), "line 14", "4 numbers", "found 1"});
 }
 
 TEST(Ptx, ColumnsMayNotChangeWithinAScan) {
   const ScanFolder folder;
   const auto file =
       folder.write("mixed.ptx", "1\n2\n" + std::string(kIdentity) + "1 0 0 0.1 1 2 3\n1 0 1 0.2\n");
-  expect_input_error([&] { io::read_ptx(file); }, {file.string(), "line 12", "7 numbers", "found 4"});
+  expect_input_error([&] { read_scans(file); }, {file.string(), "line 12", "7 numbers", "found 4"});
 }
 
 }  // namespace

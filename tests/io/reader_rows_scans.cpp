@@ -1,6 +1,8 @@
+#include <cmath>
 #include <limits>
 
-#include "io/read_scan.hpp"
+#include "io/las_samples.hpp"
+#include "io/read_scans.hpp"
 #include "io/reader_rows.hpp"
 #include "io/scan_samples.hpp"
 
@@ -24,7 +26,7 @@ std::string tell_scan(const Scan& scan) {
 
 std::string read_scan_file(const fs::path& file) {
   std::string text;
-  for (const Scan& scan : io::read_scans(file)) text += tell_scan(scan);
+  for (const Scan& scan : read_scans(file)) text += tell_scan(scan);
   return text;
 }
 
@@ -83,6 +85,32 @@ ReaderRow ptx_row() {
   return row;
 }
 
+ReaderRow pts_row() {
+  ReaderRow row = scan_row("pts", "pts", "");
+  row.counts_too_high = {{"4\n1.5", "5\n1.5"}, {"4\n1.5", "14\n1.5"}};
+  row.counts_too_low = {{"4\n1.5", "3\n1.5"}, {"4\n1.5", "0\n1.5"}};
+  row.absurd_sizes = {{"4\n1.5", "4000000000\n1.5"}, {"4\n1.5", "1e300\n1.5"}, {"4\n1.5", "-4\n1.5"}};
+  row.non_finite = {{"4\n1.5", "nan\n1.5"}};
+  return row;
+}
+
+// Point format 2 (LAS 1.2) or 7 (1.4, with a coordinate system).
+ReaderRow las_row(const std::string& name, int minor) {
+  ReaderRow row{.name = name, .file = "west wall.las", .good = fixed_file(las_sample(minor))};
+  row.read = read_scan_file;
+  row.checked = false;
+  const auto count = [&](std::uint64_t points) {
+    if (minor == 4) return raw(std::uint32_t{0}) + raw(points) + raw(points);
+    return raw(static_cast<std::uint32_t>(points)) + raw(static_cast<std::uint32_t>(points));
+  };
+  const double infinity = std::numeric_limits<double>::infinity();
+  row.counts_too_high = {{count(4), count(5)}, {count(4), count(1000)}};
+  row.counts_too_low = {{count(4), count(3)}, {count(4), count(0)}};
+  row.absurd_sizes = {{count(4), count(4'000'000'000)}};
+  row.non_finite = {{raw(0.125), raw(std::nan(""))}, {raw(-1.0), raw(infinity)}};
+  return row;
+}
+
 }  // namespace
 
 std::vector<ReaderRow> scan_reader_rows() {
@@ -92,7 +120,10 @@ std::vector<ReaderRow> scan_reader_rows() {
           ply_row("ply_ascii", "ascii"),
           ply_row("ply_little_endian", "binary_little_endian"),
           ply_row("ply_big_endian", "binary_big_endian"),
-          ptx_row()};
+          ptx_row(),
+          pts_row(),
+          las_row("las_1_2", 2),
+          las_row("las_1_4", 4)};
 }
 
 }  // namespace hybrid::testing

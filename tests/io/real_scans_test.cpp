@@ -24,7 +24,7 @@ TEST(RealScansInDetail, GridNeighboursAreClose) {
   const auto file = real_data("planes/synpeb/test_100.pcd");
   if (!std::filesystem::exists(file))
     GTEST_SKIP() << "needs planes/synpeb under ../shared/data or HYBRID_DATA";
-  const Scan scan = io::read_scans(file).at(0);
+  const Scan scan = io::read_scan(file, 0);
   const auto direction = [&](int row, int col) {
     const auto& p = scan.points[scan.grid_index(row, col)];
     return Vec3(Vec3(p[0], p[1], p[2]).normalized());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "io/files.hpp"
 #include "io/scan_samples.hpp"
 
 namespace hybrid::testing {
@@ -35,11 +36,6 @@ class ScanFolder {
  private:
   std::filesystem::path path_;
 };
-
-inline std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // body() throws ErrorKind::input, and its message has every one of `parts`.
 inline void expect_input_error(const std::function<void()>& body, const std::vector<std::string>& parts) {

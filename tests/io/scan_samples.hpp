@@ -34,13 +34,13 @@ inline constexpr float kSampleIntensity[4] = {0.5f, 0.25f, 0.75f, 1};
 inline constexpr std::uint8_t kSampleRgb[4][3] = {{1, 2, 3}, {254, 255, 0}, {10, 20, 30}, {128, 64, 32}};
 
 // The same scan in each format: "pcd ascii", "pcd binary", "pcd binary_compressed", "ply ascii", "ply
-// binary_little_endian", "ply binary_big_endian", "ptx" (2 x 2).
+// binary_little_endian", "ply binary_big_endian", "ptx" (2 x 2), "pts".
 inline std::string sample_file(const std::string& format, const std::string& data_kind) {
   std::string data;
   for (int i = 0; i < 4; ++i) {
     const auto* p = kSamplePoints[i];
     const auto* c = kSampleRgb[i];
-    if (format == "ptx" || data_kind == "ascii") {
+    if (format == "ptx" || format == "pts" || data_kind == "ascii") {
       data += fmt::format("{} {} {} {}", p[0], p[1], p[2], kSampleIntensity[i]);
       if (format == "pcd")
         data += fmt::format(" {}\n", c[0] << 16 | c[1] << 8 | c[2]);
@@ -59,6 +59,7 @@ inline std::string sample_file(const std::string& format, const std::string& dat
     data += record;
   }
   if (format == "ptx") return "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n5 6 7 1\n" + data;
+  if (format == "pts") return "4\n" + data;
   if (format == "ply")
     return fmt::format(
         "ply\nformat {} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "

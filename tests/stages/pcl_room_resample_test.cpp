@@ -28,7 +28,7 @@ TEST(PclRoomResample, sweeps_are_found_and_no_sample_is_lost) {
     const auto file = room_folder() / name;
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "no real scans at " << file << "; set HYBRID_DATA";
     SCOPED_TRACE(name);
-    const Scan scan = io::read_scans(file).at(0);
+    const Scan scan = io::read_scan(file, 0);
     const stages::ScanColumns columns = stages::recover_columns(scan);
     EXPECT_EQ(columns.sweeps, 636u);
     EXPECT_EQ(columns.count(), 314);

@@ -19,7 +19,7 @@ TEST(SynpebPlanes, faces_seen_at_less_than_sixty_degrees_are_found) {
                     "planes/synpeb/test_100.pcd";
   if (!std::filesystem::exists(file))
     GTEST_SKIP() << "needs planes/synpeb under ../shared/data or HYBRID_DATA";
-  const auto scan = io::read_scans(file).at(0);
+  const auto scan = io::read_scan(file, 0);
   const auto image = stages::resample_scan(queue(), scan);
   stages::SquarePlaneOptions options;
   options.square = 6;  // what square = "auto" chooses

@@ -1,0 +1,128 @@
+// Times listing and reading of scan files, and of a text file's numbers alone, by our parser and by
+// std::from_chars on one thread. Prints JSON. CPU seconds tell what a busy machine's wall clock does not.
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "core/timer.hpp"
+#include "io/decimal.hpp"
+#include "io/input_file.hpp"
+#include "io/read_scan.hpp"
+
+namespace {
+using Json = nlohmann::ordered_json;
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+long peak_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss >> 10;
+}
+
+struct Seconds {
+  double wall = 0, cpu = 0;
+};
+
+// The fastest of some runs.
+template <typename Body>
+Seconds fastest(int runs, const Body& body) {
+  Seconds best{1e9, 1e9};
+  for (int i = 0; i < runs; ++i) {
+    const double before = cpu_seconds();
+    const hybrid::Timer timer;
+    body();
+    best = {std::min(best.wall, timer.seconds()), std::min(best.cpu, cpu_seconds() - before)};
+  }
+  return best;
+}
+
+Json read_figures(const std::filesystem::path& file, int runs) {
+  std::vector<hybrid::io::ScanEntry> entries;
+  const Seconds list = fastest(runs, [&] { entries = hybrid::io::list_scans(file); });
+  std::size_t samples = 0;
+  const Seconds read = fastest(runs, [&] {
+    samples = 0;
+    for (const auto& entry : entries) samples += hybrid::io::read_scan(file, entry).points.size();
+  });
+  return {{"file", file.filename().string()},
+          {"scans", entries.size()},
+          {"samples", samples},
+          {"list_s", list.wall},
+          {"list_cpu_s", list.cpu},
+          {"read_s", read.wall},
+          {"read_cpu_s", read.cpu},
+          {"million_samples_per_s", 1e-6 * static_cast<double>(samples) / read.wall},
+          {"million_samples_per_cpu_s", 1e-6 * static_cast<double>(samples) / read.cpu},
+          {"peak_mib", peak_mib()}};
+}
+
+// Numbers per second of the text's first MiB's, parsed by parse(at, end, value).
+template <typename Parse>
+double numbers_per_cpu_s(const std::string& text, int runs, const Parse& parse) {
+  std::size_t count = 0;
+  double sum = 0;
+  const Seconds time = fastest(runs, [&] {
+    count = 0;
+    const char *at = text.data(), *end = at + text.size();
+    while (at != end) {
+      double value = 0;
+      const char* next = static_cast<unsigned char>(*at) > ' ' ? parse(at, end, value) : nullptr;
+      count += next != nullptr;
+      sum += value;
+      at = next != nullptr ? next : at + 1;
+    }
+  });
+  if (sum == 0.5) std::cerr << "\n";  // so that nothing is left out
+  return static_cast<double>(count) / time.cpu;
+}
+
+Json parser_figures(const std::filesystem::path& file, int runs) {
+  const hybrid::io::InputFile input(file);
+  std::string text(std::min<std::uint64_t>(input.size(), 64 << 20), '\0');
+  input.read(0, text);
+  const auto library = [](const char* at, const char* end, double& value) {
+    const auto [next, code] = std::from_chars(at, end, value);
+    return code == std::errc{} ? next : nullptr;
+  };
+  return {{"file", file.filename().string()},
+          {"parse_number_million_per_s", 1e-6 * numbers_per_cpu_s(text, runs, hybrid::io::parse_number)},
+          {"from_chars_million_per_s", 1e-6 * numbers_per_cpu_s(text, runs, library)}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Times the reading of scan files; prints JSON, the fastest of --runs"};
+  std::vector<std::filesystem::path> files;
+  int runs = 5, threads = 0;
+  bool numbers = false;
+  app.add_option("files", files, "scan files")->required();
+  app.add_option("--runs", runs, "counted runs")->check(CLI::Range(1, 1000));
+  app.add_option("--threads", threads, "threads, 0 = all cores");
+  app.add_flag("--numbers", numbers, "of text files: their numbers alone, on one thread");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    hybrid::set_thread_count(threads);
+    Json rows = Json::array();
+    for (const auto& file : files)
+      rows.push_back(numbers ? parser_figures(file, runs) : read_figures(file, runs));
+    std::cout << rows.dump(1) << "\n";
+  } catch (const hybrid::Error& error) {
+    std::cerr << error.what() << "\n";
+    return hybrid::exit_code(error.kind());
+  }
+}

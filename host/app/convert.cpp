@@ -1,0 +1,35 @@
+#include <iostream>
+
+#include "app/commands.hpp"
+#include "batch/convert_run.hpp"
+#include "io/read_scan.hpp"
+
+namespace hybrid::app {
+
+void add_convert(CLI::App& program, int& exit_code) {
+  auto* command =
+      program.add_subcommand("convert", "a scan file into another format, chosen by its extension");
+  auto common = std::make_shared<CommonOptions>();
+  auto request = std::make_shared<batch::ConvertRequest>();
+  command->add_option("in", request->in, "the scan file: " + io::scan_extensions())->required();
+  command->add_option("out", request->out, "the file to write: .ptx, .pts, .ply, .pcd or .las")->required();
+  command->add_option("--index", request->index, "this scan of the file alone, from 0");
+  add_common_options(*command, *common);
+  command->get_option("--force")->description("replace files that are there");
+  command->callback([=, &exit_code] {
+    apply(*common);
+    request->force = common->force;
+    if (common->dry_run) {
+      std::cout << batch::describe_convert(*request);
+      return;
+    }
+    const auto run = batch::run_convert(*request);
+    if (common->json)
+      std::cout << run.summary.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+    else
+      std::cout << batch::text_of(run);
+    exit_code = run.exit_code;
+  });
+}
+
+}  // namespace hybrid::app

@@ -1,0 +1,162 @@
+#include "batch/convert_run.hpp"
+
+#include <fmt/ranges.h>
+
+#include "core/error.hpp"
+#include "core/log.hpp"
+#include "io/read_scan.hpp"
+#include "io/scan_writers.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+struct Output {
+  fs::path file;
+  std::vector<io::ScanEntry> scans;
+};
+
+void check_output(const fs::path& file, const ConvertRequest& request) {
+  std::error_code code;
+  const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+  if (!fs::is_directory(folder, code))
+    fail(ErrorKind::usage, "{}: expected a folder {} to write into, found none; make it first", file.string(),
+         folder.string());
+  if (!fs::exists(file, code)) return;
+  if (fs::is_directory(file, code))
+    fail(ErrorKind::usage, "{}: expected the name of a file, found a folder; add a name with an extension",
+         file.string());
+  if (fs::equivalent(file, request.in, code))
+    fail(ErrorKind::usage, "{}: is the input itself; choose another name", file.string());
+  if (!request.force)
+    fail(ErrorKind::usage, "{}: is there already; choose another name or add --force to replace it",
+         file.string());
+}
+
+// What goes where, all names checked before anything is read or written.
+std::vector<Output> plan(const ConvertRequest& request, const io::ScanWriter& writer) {
+  auto entries = io::list_scans(request.in);
+  if (request.index) entries = {io::scan_at(request.in, entries, *request.index)};
+  std::vector<Output> outputs;
+  if (writer.several || entries.size() == 1) {
+    outputs.push_back({request.out, std::move(entries)});
+  } else {
+    for (const auto& entry : entries)
+      outputs.push_back(
+          {request.out.parent_path() / fmt::format("{}-{}{}", request.out.stem().string(), entry.index,
+                                                   request.out.extension().string()),
+           {entry}});
+  }
+  for (const Output& output : outputs) check_output(output.file, request);
+  return outputs;
+}
+
+class Conversion {
+ public:
+  Conversion(const ConvertRequest& request, const io::ScanWriter& writer)
+      : request_(request), writer_(writer) {}
+
+  ConvertRun go() {
+    ConvertRun run;
+    Json written = Json::array();
+    for (const Output& output : plan(request_, writer_)) {
+      try {
+        written.push_back(write(output));
+      } catch (const Error& error) {
+        if (error.kind() != ErrorKind::input) throw;
+      }
+    }
+    if (written.empty()) throw Error(last_failure_.value());
+    run.summary = {{"input", request_.in.string()}, {"outputs", written}, {"failures", failures_}};
+    run.exit_code = failures_.empty() ? 0 : 3;
+    return run;
+  }
+
+ private:
+  // The scans of one output that can be read, one after the other; throws when that is none.
+  Json write(const Output& output) {
+    scans_ = Json::array();
+    std::size_t at = 0;
+    writer_.write(output.file, [&]() -> std::optional<Scan> {
+      while (at < output.scans.size())
+        if (auto scan = read(output.scans[at++])) return scan;
+      if (scans_.empty()) throw Error(last_failure_.value());
+      return std::nullopt;
+    });
+    return {{"file", output.file.string()},
+            {"format", writer_.name},
+            {"bytes", fs::file_size(output.file)},
+            {"scans", scans_}};
+  }
+
+  std::optional<Scan> read(const io::ScanEntry& entry) {
+    try {
+      Scan scan = io::read_scan(request_.in, entry);
+      tell(scan);
+      return scan;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      log::error("scan {}: {}", entry.name, error.what());
+      failures_.push_back({{"scan", entry.name}, {"error", error.what()}});
+      last_failure_ = error;
+      return std::nullopt;
+    }
+  }
+
+  void tell(const Scan& scan) {
+    const auto losses = io::losses_of(writer_, scan);
+    for (const auto& note : scan.notes) log::warning("scan {}: {}", scan.name, note);
+    if (!losses.dropped.empty())
+      log::warning("scan {}: dropped, {} cannot hold it: {}", scan.name, writer_.name,
+                   fmt::join(losses.dropped, ", "));
+    for (const auto& change : losses.changed) log::warning("scan {}: {}", scan.name, change);
+    scans_.push_back({{"name", scan.name},
+                      {"samples", scan.points.size()},
+                      {"dropped", losses.dropped},
+                      {"changed", losses.changed},
+                      {"notes", scan.notes}});
+  }
+
+  const ConvertRequest& request_;
+  const io::ScanWriter& writer_;
+  Json scans_ = Json::array(), failures_ = Json::array();
+  std::optional<Error> last_failure_;
+};
+
+}  // namespace
+
+ConvertRun run_convert(const ConvertRequest& request) {
+  return Conversion(request, io::writer_for(request.out)).go();
+}
+
+std::string describe_convert(const ConvertRequest& request) {
+  std::string text;
+  for (const Output& output : plan(request, io::writer_for(request.out))) {
+    text += fmt::format("would write {}:", output.file.string());
+    for (const auto& entry : output.scans)
+      text += entry.problem.empty()
+                  ? fmt::format(" {} ({} samples)", entry.name, entry.samples)
+                  : fmt::format(" not {}, which cannot be read ({})", entry.name, entry.problem);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string text_of(const ConvertRun& run) {
+  std::string text;
+  for (const auto& output : run.summary["outputs"]) {
+    std::uint64_t samples = 0;
+    for (const auto& scan : output["scans"]) samples += scan["samples"].get<std::uint64_t>();
+    text += fmt::format("{}: {} scan{}, {} samples, {} bytes\n", output["file"].get<std::string>(),
+                        output["scans"].size(), output["scans"].size() == 1 ? "" : "s", samples,
+                        output["bytes"].get<std::uint64_t>());
+  }
+  for (const auto& failure : run.summary["failures"])
+    text += fmt::format("failed: scan {}: {}\n", failure["scan"].get<std::string>(),
+                        failure["error"].get<std::string>());
+  return text;
+}
+
+}  // namespace hybrid::batch

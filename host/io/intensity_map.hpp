@@ -1,0 +1,19 @@
+#pragma once
+#include <array>
+#include <optional>
+
+#include "geometry/scan.hpp"
+
+namespace hybrid::io {
+
+// Takes a scan's intensities to a format's range. Those that have the same limits, or none and lie within,
+// stay; the others are scaled from their limits, or else from the least and greatest there are.
+struct IntensityMap {
+  double scale = 1, shift = 0;
+  std::array<float, 2> from{}, to{};
+  bool identity() const { return scale == 1 && shift == 0; }
+  double operator()(float value) const { return scale * static_cast<double>(value) + shift; }
+};
+IntensityMap map_intensity(const Scan& scan, const std::optional<std::array<float, 2>>& limits);
+
+}  // namespace hybrid::io

@@ -1,0 +1,13 @@
+#pragma once
+#include "io/las_header.hpp"
+
+namespace hybrid::io {
+
+// Fills crs ("EPSG:27700" from GeoTIFF keys, WKT as it is) and unit from crs_records.
+void describe_las_crs(LasHeader& header);
+
+// The records that say `crs` in a LAS file: WKT as it is, "EPSG:n" as GeoTIFF keys; none where it is neither.
+std::vector<CrsRecord> las_crs_records(const std::string& crs);
+bool is_wkt(const std::string& crs);
+
+}  // namespace hybrid::io

@@ -1,0 +1,180 @@
+#include "io/pts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/error.hpp"
+#include "io/input_file.hpp"
+#include "io/scan_builder.hpp"
+#include "io/text_cursor.hpp"
+#include "io/text_samples.hpp"
+
+namespace hybrid::io {
+namespace {
+
+constexpr std::uint64_t kShortestLine = 6;  // "0 0 0\n"
+constexpr std::size_t kMostColumns = 7;
+constexpr const char* kColumns[] = {
+    "", "", "", "x y z", "x y z intensity", "", "x y z red green blue", "x y z intensity red green blue"};
+
+struct Line {
+  TextPlace place;  // where it starts
+  std::array<double, kMostColumns> values{};
+  std::size_t numbers = 0;
+};
+
+// The next line that holds something.
+Line read_line(TextCursor& cursor) {
+  cursor.skip_blank_lines();
+  Line line{{cursor.offset(), cursor.line()}};
+  if (!cursor.at_end()) line.numbers = cursor.read_numbers(line.values);
+  return line;
+}
+
+std::uint64_t to_count(const std::string& file, const Line& line) {
+  const double value = line.values[0];
+  if (!(value >= 0 && value < std::numeric_limits<std::uint32_t>::max()) || value != std::floor(value))
+    fail_input("{}: line {}: expected the number of points that follow, found {}; is this a PTS file?", file,
+               line.place.line, value);
+  return static_cast<std::uint64_t>(value);
+}
+
+std::size_t check_columns(const std::string& file, const Line& line) {
+  if (line.numbers <= kMostColumns && kColumns[line.numbers][0] != '\0') return line.numbers;
+  fail_input(
+      "{}: line {}: expected 3, 4, 6 or 7 numbers (x y z [intensity] [red green blue]), found {}; is this a "
+      "PTS file?",
+      file, line.place.line, line.numbers);
+}
+
+[[noreturn]] void fail_points_missing(const std::string& file, std::uint64_t line, std::uint64_t expected,
+                                      std::uint64_t count_line, std::uint64_t found) {
+  fail_input(
+      "{}: line {}: expected {} points as line {} says, found {} and the end of the file; it is cut short, "
+      "or "
+      "the count wrong: copy or export it again, or correct the count",
+      file, line, expected, count_line, found);
+}
+
+// Points without a count: all lines to the end.
+ScanEntry list_all(InputFile& input, const Line& first) {
+  ScanEntry entry{.structure = kColumns[check_columns(input.name(), first)]};
+  const PassedRows points = pass_rows(input, first.place, input.size(), ~std::uint64_t{0});
+  entry.samples = points.rows;
+  entry.offset = first.place.offset;
+  entry.line = first.place.line;
+  return entry;
+}
+
+// The points after the line of a count, which the cursor has read; `place` goes behind them.
+ScanEntry list_counted(InputFile& input, TextCursor& cursor, const Line& count_line, TextPlace& place) {
+  ScanEntry entry;
+  entry.samples = to_count(input.name(), count_line);
+  check_count_fits(input.name(), fmt::format("line {}", count_line.place.line), "points", entry.samples,
+                   kShortestLine, cursor.remaining() + 1);
+  cursor.skip_blank_lines();
+  place = {cursor.offset(), cursor.line()};
+  entry.offset = place.offset;
+  entry.line = place.line;
+  if (entry.samples == 0) return entry;
+  const Line first = read_line(cursor);
+  if (first.numbers == 0)
+    fail_points_missing(input.name(), first.place.line, entry.samples, count_line.place.line, 0);
+  entry.structure = kColumns[check_columns(input.name(), first)];
+  const PassedRows points = pass_rows(input, place, input.size(), entry.samples);
+  if (points.rows < entry.samples)
+    fail_points_missing(input.name(), points.after.line, entry.samples, count_line.place.line, points.rows);
+  place = points.after;
+  return entry;
+}
+
+// The scans from the count in `line` on, one after the other.
+std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, Line line) {
+  std::vector<ScanEntry> entries;
+  TextPlace place;
+  for (std::uint64_t count_line = 0; line.numbers > 0; line = read_line(cursor)) {
+    try {
+      if (line.numbers != 1)
+        fail_input(
+            "{}: line {}: expected the end of the file or another count after the points that line {} "
+            "counts, "
+            "found {} numbers; correct the count",
+            input.name(), line.place.line, count_line, line.numbers);
+      count_line = line.place.line;
+      entries.push_back(list_counted(input, cursor, line, place));
+      entries.back().end = place.offset;
+      cursor.move_to(place.offset, place.line);
+    } catch (const Error& error) {
+      if (entries.empty() || error.kind() != ErrorKind::input) throw;
+      entries.push_back({.problem = error.what()});
+      break;
+    }
+  }
+  return entries;
+}
+
+}  // namespace
+
+std::vector<ScanEntry> list_pts(const std::filesystem::path& file) {
+  InputFile input(file);
+  TextCursor cursor(input, start_of_text(input));
+  const Line first = read_line(cursor);
+  if (first.numbers == 0)
+    fail_input(
+        "{}: line {}: expected the number of points or a point, found the end of the file; copy or export it "
+        "again",
+        input.name(), first.place.line);
+  std::vector<ScanEntry> entries;
+  if (first.numbers == 1)
+    entries = list_all_counted(input, cursor, first);
+  else
+    entries.push_back(list_all(input, first));
+  const std::string stem = file.stem().string();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    entries[i].index = i;
+    entries[i].unit = std::string("m");
+    entries[i].name = entries.size() == 1 ? stem : fmt::format("{}-{}", stem, i);
+  }
+  return entries;
+}
+
+Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry) {
+  InputFile input(file);
+  TextCursor cursor(input, entry.offset, entry.line);
+  const std::size_t columns = entry.samples == 0 ? 3 : check_columns(input.name(), read_line(cursor));
+  const bool intensity = columns == 4 || columns == 7, colour = columns >= 6;
+  ScanBuilder builder(input.name(), entry.name, entry.samples,
+                      {.intensity = intensity, .colour = colour ? ColourKind::byte : ColourKind::none});
+  bool commas = false;
+  add_text_samples(
+      input, {entry.offset, entry.line}, entry.samples, columns, builder, commas,
+      [&](const double* row) {
+        ScanSample sample{row[0], row[1], row[2], intensity ? row[3] : 0, {}};
+        if (colour) sample.rgb = {row[columns - 3], row[columns - 2], row[columns - 1]};
+        return sample;
+      },
+      [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
+        const std::uint64_t line = at.line();
+        if (at.at_end())
+          fail_input(
+              "{}: line {}: expected {} points, found {}; another process shortened the file: read it again",
+              input.name(), line, entry.samples, done);
+        const std::size_t found = at.read_numbers(values);
+        if (found != values.size())
+          fail_input(
+              "{}: line {}: expected {} ({} numbers) as on the scan's first line, found {}; correct that "
+              "line, "
+              "or the count",
+              input.name(), line, kColumns[columns], columns, found);
+      });
+  if (commas) builder.add_note("values are separated by commas, which PTS does not provide for");
+  Scan scan = builder.finish();
+  const bool whole = std::all_of(scan.intensity.begin(), scan.intensity.end(),
+                                 [](float value) { return value == std::floor(value); });
+  if (intensity && whole && within(scan.intensity, -2048, 2047)) scan.intensity_limits = {-2048.0f, 2047.0f};
+  return scan;
+}
+
+}  // namespace hybrid::io

@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "geometry/scan.hpp"
+
+namespace hybrid::io {
+
+// The shortest decimal that is this number again.
+void append_number(std::string& text, double value);
+void append_number(std::string& text, float value);
+// "x y z", the shortest decimals that a reader turns into the same sample: where the scan has an origin, of
+// that sum no more digits than the sample has. A no-return is "0 0 0".
+void append_point(std::string& text, const Scan& scan, std::size_t sample);
+void append_colour(std::string& text, const std::array<std::uint8_t, 3>& rgb);  // " r g b"
+
+// How many samples lie on the grid: those of a range image that lie beside it come after; unorganised, all.
+std::size_t laid_out(const Scan& scan);
+// The indices of samples with a finite point.
+std::vector<std::uint32_t> returns_of(const Scan& scan);
+bool is_return(const std::array<float, 3>& point);
+
+}  // namespace hybrid::io

@@ -1,0 +1,88 @@
+#include "io/scan_writers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "io/intensity_map.hpp"
+#include "io/sample_text.hpp"
+#include "io/text_cursor.hpp"
+#include "io/write_scan.hpp"
+
+namespace hybrid::io {
+
+const std::vector<ScanWriter>& scan_writers() {
+  static const std::vector<ScanWriter> writers = {
+      {.extension = ".ptx",
+       .name = "PTX",
+       .several = true,
+       .grid = true,
+       .pose = true,
+       .pose_scale = true,
+       .no_returns = true,
+       .intensity_limits = kPtxIntensity,
+       .write = write_ptx},
+      {.extension = ".pts",
+       .name = "PTS",
+       .several = true,
+       .intensity_limits = kPtsIntensity,
+       .whole_intensity = true,
+       .write = write_pts},
+      {.extension = ".ply", .name = "PLY", .write = write_ply_scan},
+      {.extension = ".pcd",
+       .name = "PCD",
+       .grid = true,
+       .pose = true,
+       .no_returns = true,
+       .write = write_pcd},
+      {.extension = ".las",
+       .name = "LAS",
+       .crs = true,
+       .intensity_limits = kLasIntensity,
+       .whole_intensity = true,
+       .step_m = 1e-5,
+       .write = write_las},
+  };
+  return writers;
+}
+
+const ScanWriter& writer_for(const std::filesystem::path& file) {
+  const std::string extension = lower_case(file.extension().string());
+  std::string known;
+  for (const ScanWriter& writer : scan_writers()) {
+    if (extension == writer.extension) return writer;
+    known += (known.empty() ? "" : ", ") + std::string(writer.extension);
+  }
+  fail(ErrorKind::usage, "{}: expected a name that ends in one of {}, found {}", file.string(), known,
+       extension.empty() ? "no extension" : extension);
+}
+
+WriteLosses losses_of(const ScanWriter& writer, const Scan& scan) {
+  WriteLosses losses;
+  if (scan.organised() && !writer.grid)
+    losses.dropped.push_back(fmt::format("grid ({} x {})", scan.grid_rows, scan.grid_cols));
+  if (scan.range_grid)
+    losses.dropped.push_back(
+        fmt::format("angle tables, interpolated nodes ({})", scan.range_grid->interpolated.size()));
+  if (const std::size_t beside = scan.points.size() - laid_out(scan); beside > 0 && writer.grid)
+    losses.dropped.push_back(fmt::format("samples beside the grid ({})", beside));
+  if (scan.world_from_scan && !writer.pose) losses.dropped.emplace_back("pose");
+  if (scan.world_from_scan && writer.pose && !writer.pose_scale && scan.world_from_scan->scale != 1)
+    losses.dropped.push_back(fmt::format("the pose's scale ({})", scan.world_from_scan->scale));
+  if (!scan.crs.empty() && !writer.crs) losses.dropped.emplace_back("coordinate system");
+  if (!writer.no_returns)
+    if (const std::size_t count = scan.points.size() - returns_of(scan).size(); count > 0)
+      losses.dropped.push_back(fmt::format("no-returns ({})", count));
+  const IntensityMap map = map_intensity(scan, writer.intensity_limits);
+  if (!map.identity())
+    losses.changed.push_back(fmt::format("intensity scaled from {}..{} to {}..{}", map.from[0], map.from[1],
+                                         map.to[0], map.to[1]));
+  if (writer.whole_intensity && std::any_of(scan.intensity.begin(), scan.intensity.end(), [&](float value) {
+        return map(value) != std::round(map(value));
+      }))
+    losses.changed.emplace_back("intensity rounded to whole numbers");
+  if (writer.step_m > 0) losses.changed.push_back(fmt::format("coordinates rounded to {} m", writer.step_m));
+  return losses;
+}
+
+}  // namespace hybrid::io

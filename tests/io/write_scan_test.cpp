@@ -1,0 +1,237 @@
+// What is written reads back as the same values, in each format what it can hold.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "io/read_scans.hpp"
+#include "io/scan_files.hpp"
+#include "io/scan_writers.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// A grid of several blocks with everything a scan can hold; values with all their bits.
+Scan full_scan(int rows, int cols, bool row_by_row = false) {
+  std::mt19937 random(11);
+  const auto real = [&] { return std::ldexp(static_cast<float>(random()), -28) - 8; };
+  Scan scan;
+  scan.name = "full";
+  scan.grid_rows = rows;
+  scan.grid_cols = cols;
+  scan.row_by_row = row_by_row;
+  for (int i = 0; i < rows * cols; ++i) {
+    scan.points.push_back(random() % 10 == 0 ? std::array{kNaN, kNaN, kNaN}
+                                             : std::array{real(), 1e-6f * real(), 100 * real()});
+    scan.intensity.push_back(static_cast<float>(random()) / 4294967296.0f);
+    scan.rgb.push_back({static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()),
+                        static_cast<std::uint8_t>(random())});
+  }
+  scan.world_from_scan =
+      Pose{1, Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized(), {530000.125, -180000.5, 12.0625}};
+  return scan;
+}
+
+io::ScanSource source(std::vector<Scan> scans) {
+  return [scans, at = std::size_t{0}]() mutable {
+    return at < scans.size() ? std::optional(scans[at++]) : std::nullopt;
+  };
+}
+
+Scan through(const ScanFolder& folder, const std::string& name, const Scan& scan) {
+  const auto file = folder.path(name);
+  io::writer_for(file).write(file, source({scan}));
+  return io::read_scan(file, 0);
+}
+
+bool same(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (!(a[k] == b[k] || (std::isnan(a[k]) && std::isnan(b[k])))) return false;
+  return true;
+}
+
+void expect_same_grid(const Scan& a, const Scan& b) {
+  ASSERT_EQ(a.grid_rows, b.grid_rows);
+  ASSERT_EQ(a.grid_cols, b.grid_cols);
+  ASSERT_EQ(a.points.size(), b.points.size());
+  ASSERT_EQ(a.intensity.size(), b.intensity.size());
+  ASSERT_EQ(a.rgb.size(), b.rgb.size());
+  for (int row = 0; row < a.grid_rows; ++row)
+    for (int col = 0; col < a.grid_cols; ++col) {
+      const std::size_t i = a.grid_index(row, col), k = b.grid_index(row, col);
+      ASSERT_TRUE(same(a.points[i], b.points[k])) << row << ' ' << col;
+      ASSERT_EQ(a.intensity[i], b.intensity[k]);
+      ASSERT_TRUE(a.rgb.empty() || a.rgb[i] == b.rgb[k]);
+    }
+  ASSERT_EQ(a.world_from_scan.has_value(), b.world_from_scan.has_value());
+  if (!a.world_from_scan) return;
+  const auto apart = difference(*a.world_from_scan, *b.world_from_scan);
+  EXPECT_LT(apart.angle_rad, 1e-12);
+  EXPECT_EQ(apart.distance_m, 0);
+}
+
+// The returns, in file order.
+void expect_same_returns(const Scan& written, const Scan& read, double tolerance_m) {
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < written.points.size(); ++i) {
+    if (std::isnan(written.points[i][0])) continue;
+    ASSERT_LT(at, read.points.size());
+    // What is rounded to steps is then rounded to a float.
+    const double slack_m = tolerance_m > 0 ? tolerance_m + written.point(i).norm() * 0x1p-24 : 0;
+    ASSERT_LE((written.point(i) - read.point(at)).cwiseAbs().maxCoeff(), slack_m) << i;
+    ASSERT_EQ(written.rgb[i], read.rgb[at]);
+    ++at;
+  }
+  EXPECT_EQ(at, read.points.size());
+}
+
+TEST(WriteScan, PtxKeepsGridPoseIntensityAndColour) {
+  const ScanFolder folder;
+  for (const bool row_by_row : {false, true}) {
+    const Scan scan = full_scan(151, 260, row_by_row);
+    expect_same_grid(scan, through(folder, "a.ptx", scan));
+  }
+}
+
+TEST(WriteScan, PcdKeepsGridPoseIntensityAndColour) {
+  const ScanFolder folder;
+  for (const bool row_by_row : {false, true}) {
+    const Scan scan = full_scan(151, 260, row_by_row);
+    expect_same_grid(scan, through(folder, "a.pcd", scan));
+  }
+}
+
+TEST(WriteScan, SeveralScansInOnePtx) {
+  const ScanFolder folder;
+  Scan plain = full_scan(7, 5);
+  plain.rgb.clear();
+  plain.world_from_scan.reset();
+  const auto file = folder.path("two.ptx");
+  io::writer_for(file).write(file, source({full_scan(3, 4), plain}));
+  const auto scans = read_scans(file);
+  ASSERT_EQ(scans.size(), 2u);
+  expect_same_grid(scans[0], full_scan(3, 4));
+  expect_same_grid(scans[1], plain);
+}
+
+TEST(WriteScan, PlyKeepsReturnsExactly) {
+  const ScanFolder folder;
+  const Scan scan = full_scan(100, 30);
+  const Scan read = through(folder, "a.ply", scan);
+  expect_same_returns(scan, read, 0);
+  EXPECT_FALSE(read.organised());
+}
+
+TEST(WriteScan, PtsKeepsReturnsAndWholeIntensities) {
+  const ScanFolder folder;
+  Scan scan = full_scan(100, 30);
+  for (float& value : scan.intensity) value = std::floor(4095 * value) - 2048;
+  const Scan read = through(folder, "a.pts", scan);
+  expect_same_returns(scan, read, 0);
+  for (std::size_t i = 0, at = 0; i < scan.points.size(); ++i)
+    if (!std::isnan(scan.points[i][0])) {
+      ASSERT_EQ(scan.intensity[i], read.intensity[at++]);
+    }
+}
+
+TEST(WriteScan, LasKeepsReturnsToTheHundredthOfAMillimetre) {
+  const ScanFolder folder;
+  Scan scan = full_scan(100, 30);
+  for (const std::string crs : {"", "EPSG:27700", "PROJCS[\"a grid\",UNIT[\"metre\",1]]"}) {
+    scan.crs = crs;
+    const Scan read = through(folder, "a.las", scan);
+    expect_same_returns(scan, read, 0.5001e-5);
+    EXPECT_EQ(read.crs, crs);
+    EXPECT_TRUE(read.notes.empty()) << read.notes[0];
+    // Written again, nothing moves any more.
+    const Scan again = through(folder, "b.las", read);
+    EXPECT_EQ(again.points, read.points);
+    EXPECT_EQ(again.intensity, read.intensity);
+  }
+}
+
+TEST(WriteScan, GeoreferencedCoordinatesKeepTheirDigits) {
+  const ScanFolder folder;
+  const auto pts = folder.write(
+      "in.pts",
+      "3\n637012.24 849028.31 431.66 5\n636896.333 849087.7005 446.39 6\n636784.74 849106.66 426.7101 7\n");
+  const Scan scan = io::read_scan(pts, 0);
+  ASSERT_FALSE(scan.origin.isZero());
+  for (const char* name : {"a.ptx", "a.pts", "a.ply", "a.pcd"}) {
+    SCOPED_TRACE(name);
+    const Scan read = through(folder, name, scan);
+    EXPECT_EQ(read.origin, scan.origin);
+    EXPECT_EQ(read.points, scan.points);
+  }
+  EXPECT_EQ(bytes_of(folder.path("a.pts")), bytes_of(pts));  // no more digits than there were
+  const Scan las = through(folder, "a.las", scan);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_LT((las.point(i) - scan.point(i)).norm(), 1e-5);
+}
+
+TEST(WriteScan, IntensitiesGoToTheRangeOfTheFormatAndBack) {
+  const ScanFolder folder;
+  Scan scan = full_scan(100, 30);
+  for (auto& point : scan.points) point = {1, 2, 3};
+  for (std::size_t i = 0; i < scan.intensity.size(); ++i) scan.intensity[i] = static_cast<float>(i * 20);
+  const Scan las = through(folder, "a.las", scan);
+  EXPECT_EQ(las.intensity, scan.intensity);
+  const Scan ptx = through(folder, "a.ptx", las);
+  EXPECT_EQ(ptx.intensity_limits, (std::array<float, 2>{0, 1}));
+  EXPECT_EQ(through(folder, "b.las", ptx).intensity, las.intensity);
+}
+
+TEST(WriteScan, LossesAreNamed) {
+  const Scan scan = full_scan(4, 5);
+  const auto losses = [&](const char* name, const Scan& of) {
+    const auto found = io::losses_of(io::writer_for(name), of);
+    return fmt::format("{} | {}", fmt::join(found.dropped, ", "), fmt::join(found.changed, ", "));
+  };
+  EXPECT_EQ(losses("a.ptx", scan), " | ");
+  EXPECT_EQ(losses("a.pcd", scan), " | ");
+  EXPECT_TRUE(holds(losses("a.ply", scan), "grid (4 x 5), pose"));
+  EXPECT_TRUE(holds(losses("a.pts", scan), "intensity rounded to whole numbers"));
+  EXPECT_TRUE(holds(losses("a.las", scan), "coordinates rounded to 1e-05 m"));
+  Scan scaled = scan;
+  scaled.world_from_scan->scale = 2;
+  scaled.crs = "EPSG:27700";
+  EXPECT_EQ(losses("a.pcd", scaled), "the pose's scale (2), coordinate system | ");
+}
+
+// As a range image has them.
+TEST(WriteScan, SamplesBesideTheGridAreNoPartOfIt) {
+  const ScanFolder folder;
+  const Scan grid = full_scan(4, 5, true);
+  Scan scan = grid;
+  scan.range_grid = RangeGrid{};
+  scan.points.push_back({7, 8, 9});
+  scan.intensity.push_back(0.5f);
+  scan.rgb.push_back({1, 2, 3});
+  for (const char* name : {"a.ptx", "a.pcd"}) {
+    expect_same_grid(grid, through(folder, name, scan));
+    EXPECT_EQ(
+        io::losses_of(io::writer_for(name), scan).dropped,
+        (std::vector<std::string>{"angle tables, interpolated nodes (0)", "samples beside the grid (1)"}));
+  }
+  EXPECT_EQ(through(folder, "a.ply", scan).points.back(), (std::array<float, 3>{7, 8, 9}));
+}
+
+TEST(WriteScan, OtherExtensionsAreNamedWithThoseThereAre) {
+  EXPECT_TRUE(holds(error_of(ErrorKind::usage, [] { io::writer_for("a.xyz"); }),
+                    ".ptx, .pts, .ply, .pcd, .las, found .xyz"));
+}
+
+TEST(WriteScan, NoReturnsAtAll) {
+  const ScanFolder folder;
+  Scan scan;
+  scan.points.assign(6, {kNaN, kNaN, kNaN});
+  for (const char* name : {"a.pts", "a.ply", "a.las"})
+    EXPECT_TRUE(through(folder, name, scan).points.empty()) << name;
+  for (const char* name : {"a.ptx", "a.pcd"})
+    EXPECT_EQ(through(folder, name, scan).points.size(), 6u) << name;
+}
+
+}  // namespace
+}  // namespace hybrid::testing
