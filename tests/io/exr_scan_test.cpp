@@ -95,6 +95,15 @@ TEST(ExrScan, ARangeImageFedInAgainIsTheSameImage) {
   EXPECT_EQ(again.extra, (std::vector<std::uint32_t>{81000, 81001}));
 }
 
+TEST(ExrScan, NoReturnAtAllIsSaid) {
+  const ScanFolder folder;
+  RangeImage image = make_range_image(4, 5);
+  io::write_range_exr(folder.path("range.exr"), image, {});
+  const Scan scan = io::read_exr_scan(folder.path("range.exr"));
+  expect_input_error([&] { stages::arrange_grid(scan); },
+                     {"scan range", "expected returns, found none", "4 x 5"});
+}
+
 TEST(ExrScan, SamplesBesideTheGridMayBeMissingButNotOthers) {
   const ScanFolder folder;
   RangeImage image = some_image(4, 5);
