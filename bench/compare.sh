@@ -10,7 +10,7 @@
 # --minutes N, --e57 FILE.
 # BUILD_DIR (default build-peers) is configured with -DHYBRID_PEERS=ON and built; WORK (default BUILD_DIR/compare) holds
 # scans and results; HYBRID_PEERS_DIR: builds of programs that no package has (bench/peers/README.md). Scans are made
-# once and kept: 100 megapixels take two minutes and 3 GB, results on them 3 GB more.
+# once and kept: 100 megapixels take two minutes; with the results on them 4 GB.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=${BUILD_DIR:-$root/build-peers}
@@ -27,7 +27,7 @@ while [ $# -gt 0 ]; do
       if [ "$1" = --sizes ]; then sizes=$2; else rounds=$2; fi
       shift ;;
     --write-results) more+=(--write-results "$root/bench/RESULTS.md") ;;
-    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) more+=("$1") ;;
   esac
   shift

@@ -12,6 +12,7 @@
 // true mesh), truth.json and truth/. The church's scans: `front` outside and `nave` as PLY without a grid,
 // `chancel` as PTX with one (--format: all as PLY, PTX or EXR); truth/<scan>.exr has kinds 0 planar, 1
 // curved, 2 mixed, 3 ghost behind glass.
+#include <ImfThreading.h>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -24,6 +25,7 @@
 #include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include "church/church.hpp"
 #include "room/room.hpp"
@@ -112,13 +114,6 @@ void add_common(CLI::App& command, Request& r, const std::map<std::string, synth
                   "step of the mirror, columns that start elsewhere included; exr: the same grid as a tiled "
                   "range image. Default: ptx for a scanner whose columns are even, else ply")
       ->check(CLI::IsMember({"ply", "ptx", "exr"}));
-  command
-      .add_option(
-          "--beam-rays", options.scanner.beam_rays,
-          "Rays on the ring of each beam's footprint, besides its centre; 4 take a little over half the time "
-          "of 8 and miss thin mixed pixels")
-      ->check(CLI::Range(3, 32))
-      ->capture_default_str();
   command.add_option("--threads", r.threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
   command.add_flag("--json", r.json, "Summary as JSON on stdout");
   command.add_flag("--quiet", r.quiet, "No summary on stderr");
@@ -220,6 +215,9 @@ int main(int argc, char** argv) {
     std::optional<tbb::global_control> limit;
     if (request.threads > 0)
       limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(request.threads));
+    // Truth images are compressed by as many threads; the bytes are the same.
+    Imf::setGlobalThreadCount(request.threads > 0 ? request.threads
+                                                  : static_cast<int>(std::thread::hardware_concurrency()));
     settle(request, room->parsed() ? kRoomPresets : kChurchPresets, archive->parsed() ? "tiny" : "demo");
     if (archive->parsed()) {
       make_archive(request);

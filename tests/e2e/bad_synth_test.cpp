@@ -31,7 +31,6 @@ std::vector<SynthCase> synth_cases() {
       {"proxy_error_not_finite", room + "--proxy-error-m nan", 2, {"--proxy-error-m", "nan"}},
       {"threads_negative", room + "--threads -1", 2, {"--threads", "-1"}},
       {"only_scan_unknown", room + "--only-scan north", 2, {"--only-scan north", "west, east"}},
-      {"beam_rays_too_few", room + "--beam-rays 2", 2, {"--beam-rays", "2"}},
       {"unknown_option", room + "--fast", 2, {"--fast"}},
       {"room_has_no_full_preset", "room --out OUT --preset full", 2, {"--preset", "full"}},
       {"church_unknown_preset", "church --out OUT --preset huge", 2, {"--preset", "huge", "demo"}},

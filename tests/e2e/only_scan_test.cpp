@@ -35,19 +35,4 @@ TEST_P(OnlyScan, has_the_bytes_it_has_in_the_whole_scene) {
 INSTANTIATE_TEST_SUITE_P(Room, OnlyScan, ::testing::Values("west", "east"),
                          [](const auto& row) { return std::string(row.param); });
 
-TEST(OneScan, fewer_rays_a_beam_leave_the_samples_where_they_are) {
-  const Scratch scratch;
-  const auto made = [&](const std::string& name, const std::string& more) {
-    const std::string out = scratch.path().string() + "/" + name;
-    EXPECT_EQ(
-        run("hybrid-synth room --preset tiny --quiet --only-scan west " + more + " --out " + out).exit_code,
-        0);
-    return nlohmann::json::parse(io::read_text(scratch / (name + "/truth.json"))).at("scans")[0];
-  };
-  const auto eight = made("eight", "--beam-rays 8"), four = made("four", "--beam-rays 4");
-  EXPECT_EQ(four.at("samples"), eight.at("samples"));
-  EXPECT_LT(four.at("mixed"), eight.at("mixed"));
-  EXPECT_GT(four.at("mixed").get<double>(), 0.5 * eight.at("mixed").get<double>());
-}
-
 }  // namespace hybrid::e2e

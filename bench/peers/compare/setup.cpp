@@ -71,11 +71,10 @@ std::string make_scene(const Setup& setup, const std::string& size) {
   if (std::filesystem::exists(scene / "scene.toml")) return "";  // written last
   try {
     std::filesystem::create_directories(setup.scenes);
-    const char* beam_rays = std::stod(size) > kLarge_mp ? "4" : "8";
-    const auto failure = failure_of(run_process(
-        {(setup.bin / "hybrid-synth").string(), "room", "--out", scene.string(), "--seed", "1", "--preset",
-         "tiny", "--megapixels", size, "--only-scan", "west", "--beam-rays", beam_rays, "--quiet"},
-        kLongestMaking_s));
+    const auto failure = failure_of(
+        run_process({(setup.bin / "hybrid-synth").string(), "room", "--out", scene.string(), "--seed", "1",
+                     "--preset", "tiny", "--megapixels", size, "--only-scan", "west", "--quiet"},
+                    kLongestMaking_s));
     return failure.empty() ? "" : "no scan: " + failure;
   } catch (const std::exception& problem) {
     return std::string("no scan: ") + problem.what();

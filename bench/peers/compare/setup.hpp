@@ -8,8 +8,7 @@
 
 namespace hybrid::compare {
 
-// Sizes beyond are for ours and the twin only, unless all is asked for; their scans are made with 4 rays on a
-// beam's ring instead of 8, which halves the time.
+// Megapixels; larger sizes are for ours and the twin only, unless all is asked for.
 inline constexpr double kLarge_mp = 50;
 
 // Where programs and scenes are and what was asked for.

@@ -11,6 +11,7 @@ namespace synth {
 namespace {
 
 constexpr double kMixedJumpM = 0.01;  // sub-rays farther than this from the centre's surface: mixed
+constexpr int kSubRays = 8;
 // Of the beams that meet a pane: measured on its dust, mirrored into the room, gone through; the rest is
 // lost.
 constexpr double kOnGlass = 0.30, kMirrored = 0.08, kThrough = 0.20;
@@ -52,11 +53,10 @@ std::optional<Return> Beam::on_solid(const Hit& centre, const Vec3& direction) c
     sum += weight * hit.distance_m;
     weights += weight;
   };
-  const auto count = static_cast<std::size_t>(ring_rays);
-  std::array<std::optional<Hit>, kMostRingRays> hits;
-  std::array<Vec3, kMostRingRays> rays;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / ring_rays;
+  std::array<std::optional<Hit>, kSubRays> hits;
+  std::array<Vec3, kSubRays> rays;
+  for (std::size_t k = 0; k < kSubRays; ++k) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / kSubRays;
     rays[k] = (direction + radius * (std::cos(angle) * side + std::sin(angle) * up)).normalized();
     hits[k] = tracer.nearest_solid(mirror, rays[k]);
     if (!hits[k]) continue;
@@ -65,10 +65,10 @@ std::optional<Return> Beam::on_solid(const Hit& centre, const Vec3& direction) c
   }
   if (!jumps) return result;
   add(centre, direction);
-  for (std::size_t k = 0; k < count; ++k)
+  for (std::size_t k = 0; k < kSubRays; ++k)
     if (hits[k]) add(*hits[k], rays[k]);
   result.range_m = sum / weights;
-  result.reflectance = weights / (ring_rays + 1);
+  result.reflectance = weights / (kSubRays + 1);
   result.plane_id = 0;
   result.kind = SampleKind::mixed;
   return result;

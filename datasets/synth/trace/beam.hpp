@@ -8,7 +8,6 @@ namespace synth {
 
 inline constexpr double kBeamRadiusM = 0.003;    // at the mirror
 inline constexpr double kBeamSpreadRad = 0.001;  // half angle
-inline constexpr int kMostRingRays = 32;
 
 struct Return {
   double range_m, true_range_m, reflectance;
@@ -23,7 +22,6 @@ struct Beam {
   const Tracer& tracer;
   Vec3 mirror;  // world
   bool optics;
-  int ring_rays;  // at most kMostRingRays
 
   // Nothing: no return. `chance` is drawn from only with optics.
   std::optional<Return> measure(const Vec3& direction, Random& chance) const;

@@ -107,8 +107,7 @@ double first_column_rad(const Preset& preset) {
 ScanCounts simulate_scan(const World& world, const Tracer& tracer, const ScannerPose& pose,
                          const Options& options, std::uint64_t scan_index,
                          const std::function<void(const std::vector<Sample>&)>& take) {
-  const Beam beam{world, tracer, pose.world_from_scan.translation(), options.scanner.optics,
-                  options.scanner.beam_rays};
+  const Beam beam{world, tracer, pose.world_from_scan.translation(), options.scanner.optics};
   const Sweep sweep{beam, pose, options, scan_index};
   const int at_a_time =
       std::max(16, static_cast<int>(kSamplesAtATime / static_cast<std::size_t>(options.preset.scan_rows)));

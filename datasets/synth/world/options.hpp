@@ -20,7 +20,6 @@ struct Preset {
 struct ScannerModel {
   double noise_m = 0.002, noise_per_m = 0, incidence_gain = 0;
   double dropout_share = 0.02;  // of all samples, whatever they hit
-  int beam_rays = 8;            // on the footprint's ring, besides its centre; fewer miss thin mixed pixels
   bool optics = false;          // dark and glossy surfaces drop out more; glass: ghosts and looks through
 };
 
