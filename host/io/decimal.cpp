@@ -51,7 +51,11 @@ const char* parse_short(const char* at, const char* end, double& value) {
   if (negative) ++at;
   std::uint64_t whole = 0;
   unsigned digits = 0, decimals = 0;
-  if (!take_digits(at, end, whole, digits)) return nullptr;
+  // Before the point there are few, behind it most often as many as in the line before.
+  for (; at != end && static_cast<unsigned char>(*at - '0') <= 9; ++at) {
+    if (++digits > kMostDigits) return nullptr;
+    whole = 10 * whole + static_cast<unsigned char>(*at - '0');
+  }
   if (at != end && *at == '.') {
     ++at;
     const unsigned before = digits;

@@ -117,8 +117,13 @@ ScanEntry list_one(InputFile& input, TextPlace& place) {
   entry.samples = point_count(header);
   entry.grid_cols = static_cast<int>(header.cols);
   entry.grid_rows = static_cast<int>(header.rows);
-  entry.structure =
-      count_columns(input, cursor, header) == 7 ? "x y z intensity red green blue" : "x y z intensity";
+  try {
+    const bool colour = count_columns(input, cursor, header) == 7;
+    entry.structure = colour ? "x y z intensity red green blue" : "x y z intensity";
+  } catch (const Error& error) {  // a damaged sample, which leaves the scans behind it
+    if (error.kind() != ErrorKind::input) throw;
+    entry.problem = error.what();
+  }
   entry.unit = std::string("m");
   const PassedRows points = pass_rows(input, {cursor.offset(), cursor.line()}, input.size(), entry.samples);
   if (points.rows < entry.samples) {
