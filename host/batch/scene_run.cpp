@@ -150,9 +150,10 @@ class Run {
     std::vector<io::ScanEntry> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      scans = io::list_scans(entry.file);
+      auto listed = io::list_scans(entry.file);
       add_input(entry.file);
-      if (entry.index) scans = {io::scan_at(entry.file, scans, static_cast<std::size_t>(*entry.index))};
+      if (entry.index) listed = {io::scan_at(entry.file, listed, static_cast<std::size_t>(*entry.index))};
+      scans = std::move(listed);
     });
     for (std::size_t i = 0; i < scans.size(); ++i)
       process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry, scans[i]);
