@@ -79,10 +79,16 @@ struct E57Image {
   std::vector<std::string> notes{};
 };
 
+// A namespace that element names of an extension refer to by their prefix.
+struct E57Extension {
+  std::string prefix{}, address{};
+};
+
 // Everything the XML section of a file says.
 struct E57Contents {
   std::string guid{}, library{},
       coordinate_system{};  // coordinateMetadata: well-known text of a CRS, may be empty
+  std::vector<E57Extension> extensions{};
   std::vector<E57Scan> scans{};
   std::vector<E57Image> images{};
   std::vector<std::string> notes{};

@@ -262,6 +262,9 @@ E57Contents parse_e57_xml(const std::string& file, const std::string& text, bool
   contents.guid = text_of(root.child("guid"));
   contents.library = text_of(root.child("e57LibraryVersion"));
   contents.coordinate_system = text_of(root.child("coordinateMetadata"));
+  for (const pugi::xml_attribute& attribute : root.attributes())
+    if (const std::string name = attribute.name(); name.starts_with("xmlns:"))
+      contents.extensions.push_back({name.substr(6), attribute.value()});
   // In salvage one broken description does not take the others with it.
   const auto each = [&](const char* list, const auto& add) {
     std::size_t index = 0;

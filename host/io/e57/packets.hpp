@@ -13,7 +13,7 @@ namespace hybrid::io {
 // of any field can be read alone and groups can be read side by side, whatever the table's size.
 struct PacketGroups {
   std::size_t streams = 0;
-  std::vector<std::uint64_t> begin{}, end{};    // logical, per group
+  std::vector<std::uint64_t> begin{}, end{};  // logical, per group
   std::vector<std::uint64_t> bytes_before{};  // [group * streams + stream]; one more row: the totals
 
   std::size_t count() const { return begin.size(); }

@@ -1,0 +1,31 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "io/e57/e57_model.hpp"
+
+namespace hybrid::io {
+
+// One field's stream in the making: values packed without gaps, least significant bit first.
+class BitEncoder {
+ public:
+  explicit BitEncoder(const E57Field& field) : field_(field) {}
+
+  // The next value that the field cannot hold: its index; values.size() when there is none.
+  std::size_t first_unfit(std::span<const std::int64_t> values) const;
+  std::size_t first_unfit(std::span<const double> values) const;
+  void append(std::span<const std::int64_t> values);
+  void append(std::span<const double> values);
+
+  std::vector<char>& bytes() { return bytes_; }  // the whole bytes so far; the caller takes them away
+  void finish();                                 // the bits of the last byte, filled up with zeros
+
+ private:
+  E57Field field_;
+  std::vector<char> bytes_;
+  std::uint64_t word_ = 0;  // bits that wait
+  int used_ = 0;            // fewer than 8 between calls
+};
+
+}  // namespace hybrid::io
