@@ -23,6 +23,7 @@ std::size_t BitEncoder::first_unfit(std::span<const double> values) const {
 
 void BitEncoder::append(std::span<const std::int64_t> values) {
   const int width = field_.bits();
+  count_ += values.size();
   if (width == 0) return;
   const std::size_t start = bytes_.size();
   // Whole words are written behind the end, of which what is filled counts.
@@ -49,6 +50,7 @@ void BitEncoder::append(std::span<const std::int64_t> values) {
 }
 
 void BitEncoder::append(std::span<const double> values) {
+  count_ += values.size();
   const std::size_t start = bytes_.size();
   if (field_.type == E57Type::double_real) {
     bytes_.resize(start + values.size_bytes());
@@ -60,8 +62,15 @@ void BitEncoder::append(std::span<const double> values) {
     store(&bytes_[start + 4 * i], static_cast<float>(values[i]));
 }
 
+void BitEncoder::clear() {
+  taken_bytes_ += bytes_.size();
+  bytes_.clear();
+}
+
 void BitEncoder::finish() {
+  const std::uint64_t whole = word_padded_bytes(field_, count_) - taken_bytes_;
   if (used_ > 0) bytes_.push_back(static_cast<char>(word_));
+  bytes_.resize(whole);
   word_ = 0;
   used_ = 0;
 }

@@ -18,12 +18,15 @@ class BitEncoder {
   void append(std::span<const std::int64_t> values);
   void append(std::span<const double> values);
 
-  std::vector<char>& bytes() { return bytes_; }  // the whole bytes so far; the caller takes them away
-  void finish();                                 // the bits of the last byte, filled up with zeros
+  // The whole bytes so far, which the caller takes away.
+  const std::vector<char>& bytes() const { return bytes_; }
+  void clear();
+  void finish();  // the last bits, filled up with zeros to a whole word (word_padded_bytes)
 
  private:
   E57Field field_;
   std::vector<char> bytes_;
+  std::uint64_t count_ = 0, taken_bytes_ = 0;
   std::uint64_t word_ = 0;  // bits that wait
   int used_ = 0;            // fewer than 8 between calls
 };

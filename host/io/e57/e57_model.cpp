@@ -1,5 +1,6 @@
 #include "io/e57/e57_model.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace hybrid::io {
@@ -15,6 +16,13 @@ int E57Field::bits() const {
     default:  // unsigned: the difference may exceed the signed range
       return std::bit_width(static_cast<std::uint64_t>(maximum) - static_cast<std::uint64_t>(minimum));
   }
+}
+
+std::uint64_t word_padded_bytes(const E57Field& field, std::uint64_t count) {
+  const auto width = static_cast<std::uint64_t>(field.bits());
+  if (width == 0) return 0;
+  const std::uint64_t word = std::max<std::uint64_t>(8, std::bit_ceil(width));
+  return (count * width + word - 1) / word * word / 8;
 }
 
 const char* name_of(E57Projection projection) {

@@ -26,6 +26,10 @@ struct E57Field {
   bool operator==(const E57Field&) const = default;
 };
 
+// What a stream of `count` values takes when its last word (of 8, 16, 32 or 64 bits, as the width asks for)
+// is filled up, as the reference implementation and E57Writer do.
+std::uint64_t word_padded_bytes(const E57Field& field, std::uint64_t count);
+
 struct E57Limits {
   double minimum = 0, maximum = 0;
   bool operator==(const E57Limits&) const = default;
@@ -37,6 +41,7 @@ struct E57Table {
   std::uint64_t offset = 0;        // of its section, as in the file (physical)
   std::uint64_t count = 0;         // of records, as the file says
   std::vector<E57Field> fields{};  // in the order of the streams
+  bool whole_words = false;        // its writer fills up the last word of each stream
 };
 
 // One scan's description (data3D).

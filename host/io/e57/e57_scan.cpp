@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "io/e57/e57.hpp"
+#include "io/e57/large_pages.hpp"
 #include "io/e57/scan_colours.hpp"
 #include "io/e57/scan_columns.hpp"
 #include "io/e57/scan_grid.hpp"
@@ -78,9 +79,9 @@ class ScanReader {
     if (count > kMost)
       fail_input("{}: expected at most {} points, found {}; split the file", where_, kMost, count);
     try {
-      scan_.points.resize(count);
-      if (columns_.intensity) scan_.intensity.resize(count);
-      if (columns_.colour) scan_.rgb.resize(count);
+      resize_in_large_pages(scan_.points, count);
+      if (columns_.intensity) resize_in_large_pages(scan_.intensity, count);
+      if (columns_.colour) resize_in_large_pages(scan_.rgb, count);
     } catch (const std::bad_alloc&) {
       fail(ErrorKind::device,
            "{}: expected {} MiB of memory for {} points, found less free; split the file or use another "
@@ -205,9 +206,13 @@ class ScanReader {
     }
     note(sum.not_finite, "are not finite");
     note(sum.invalid, "are marked invalid");
-    note(sum.lost, fmt::format("({:.2f} %) lie on damaged pages",
-                               100 * static_cast<double>(sum.lost) /
-                                   static_cast<double>(std::max<std::size_t>(scan_.points.size(), 1))));
+    if (!reader_.bad_pages().empty())
+      scan_.notes.push_back(fmt::format("{} damaged pages of 1024 bytes, the first at byte {}",
+                                        reader_.bad_pages().size(),
+                                        *reader_.bad_pages().begin() * PagedFile::kPage_bytes));
+    const auto share =
+        static_cast<double>(sum.lost) / static_cast<double>(std::max<std::size_t>(scan_.points.size(), 1));
+    note(sum.lost, fmt::format("({:.2f} %) are lost to damage", 100 * share));
   }
 
   void add_notes() {

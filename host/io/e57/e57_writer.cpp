@@ -140,18 +140,18 @@ void E57Writer::begin_scan(const E57Scan& scan) {
 void E57Writer::State::write_packet() {
   const std::size_t lengths = 6 + 2 * encoders.size();
   std::size_t total = lengths;
-  for (BitEncoder& encoder : encoders) total += encoder.bytes().size();
+  for (const BitEncoder& encoder : encoders) total += encoder.bytes().size();
   std::vector<char> packet((total + 3) / 4 * 4);
   packet[0] = 1;
   store(&packet[2], static_cast<std::uint16_t>(packet.size() - 1));
   store(&packet[4], static_cast<std::uint16_t>(encoders.size()));
   std::size_t at = lengths;
   for (std::size_t k = 0; k < encoders.size(); ++k) {
-    std::vector<char>& bytes = encoders[k].bytes();
+    const std::vector<char>& bytes = encoders[k].bytes();
     store(&packet[6 + 2 * k], static_cast<std::uint16_t>(bytes.size()));
     std::ranges::copy(bytes, packet.begin() + static_cast<std::ptrdiff_t>(at));
     at += bytes.size();
-    bytes.clear();
+    encoders[k].clear();
   }
   index.add(contents.scans.back().points.count - waiting_records, PagedFile::physical(out.position()));
   digest->add(packet);
@@ -189,7 +189,7 @@ void E57Writer::end_scan() {
   E57Scan& scan = s.contents.scans.back();
   for (BitEncoder& encoder : s.encoders) encoder.finish();
   // The last bits, which may not have filled a byte before, or the one packet of a scan without points.
-  const bool rest = std::ranges::any_of(s.encoders, [](BitEncoder& e) { return !e.bytes().empty(); });
+  const bool rest = std::ranges::any_of(s.encoders, [](const BitEncoder& e) { return !e.bytes().empty(); });
   if (rest || s.out.position() == s.section + kSectionHeader_bytes) s.write_packet();
   const std::uint64_t index = s.out.position();
   s.out.write(s.index.packet());

@@ -278,8 +278,12 @@ E57Contents parse_e57_xml(const std::string& file, const std::string& text, bool
       }
     }
   };
+  // The reference implementation, its successor and our own writer.
+  const auto made_by = [&](const char* name) { return contents.library.find(name) != std::string::npos; };
+  const bool whole_words = made_by("E57RefImpl") || made_by("E57Format") || made_by("Hybrid");
   each("data3D", [&](const Node& node, std::size_t index) {
     contents.scans.push_back(scan_of(place, node, index, salvage));
+    contents.scans.back().points.whole_words = whole_words;
   });
   each("images2D",
        [&](const Node& node, std::size_t) { contents.images.push_back(image_of(place, node, salvage)); });

@@ -46,34 +46,31 @@ void PagedFile::read_header() {
   const auto page = load<std::uint64_t>(&header[40]);
 
   // What salvage forgives is a note there.
-  const auto complain = [&](std::string message) {
-    if (!salvage_) fail_input("{}: {}", name(), message);
+  const auto complain = [&](std::string message, const char* remedy) {
+    if (!salvage_) fail_input("{}: {}; {}", name(), message, remedy);
     notes_.push_back(std::move(message));
   };
   std::array<char, kPage_bytes> first{};
   file_.read(0, first);
   if (stored_checksum(first.data()) != computed_checksum(first.data()))
-    complain(
-        fmt::format("byte 0 (page 0): expected checksum {:08x}, found {:08x}; the page is damaged: copy the "
-                    "file again or "
-                    "use --salvage",
-                    computed_checksum(first.data()), stored_checksum(first.data())));
+    complain(fmt::format("byte 0 (page 0): expected checksum {:08x}, found {:08x}",
+                         computed_checksum(first.data()), stored_checksum(first.data())),
+             "the page is damaged: copy the file again or use --salvage");
   if (major != 1)
-    complain(
-        fmt::format("byte 8: expected E57 version 1, found {}.{}; export it as version 1.0", major, minor));
+    complain(fmt::format("byte 8: expected E57 version 1, found {}.{}", major, minor),
+             "export it as version 1.0");
   if (page != kPage_bytes)
-    complain(fmt::format("byte 40: expected pages of {} bytes, found {}; export the file again", kPage_bytes,
-                         page));
+    complain(fmt::format("byte 40: expected pages of {} bytes, found {}", kPage_bytes, page),
+             "export the file again");
   if (length != file_.size())
-    complain(fmt::format(
-        "byte 16: expected a file of {} bytes as its header says, found {}; the file is {}: copy it again or "
-        "use --salvage",
-        length, file_.size(), length > file_.size() ? "cut short" : "longer, so another file follows in it"));
+    complain(fmt::format("byte 16: expected a file of {} bytes as its header says, found {}", length,
+                         file_.size()),
+             "the file is cut short or another follows in it: copy it again or use --salvage");
   xml_offset_ = logical(xml, "byte 24: the XML section");
   if (xml_length_ == 0 || xml_length_ > size_ - xml_offset_) {
-    complain(fmt::format(
-        "byte 32: expected an XML section of 1 to {} bytes, found {}; the file is cut short: copy it again",
-        size_ - xml_offset_, xml_length_));
+    complain(fmt::format("byte 32: expected an XML section of 1 to {} bytes, found {}", size_ - xml_offset_,
+                         xml_length_),
+             "the file is cut short: copy it again or use --salvage");
     xml_length_ = size_ - xml_offset_;
   }
 }

@@ -104,13 +104,14 @@ bool E57TableReader::load(std::span<const std::size_t> fields, std::uint64_t fir
     std::size_t group;
     std::uint64_t at;  // in loaded.bytes
     std::vector<StreamParts> parts;
+    std::vector<std::uint64_t> bad_pages;
     std::exception_ptr failure;
   };
   std::vector<Piece> pieces;
   std::uint64_t total = 0;
   for (std::size_t group = 0; group < groups_.count(); ++group)
     if (needed[group]) {
-      pieces.push_back({group, total, std::vector<StreamParts>(fields.size()), {}});
+      pieces.push_back({group, total, std::vector<StreamParts>(fields.size()), {}, {}});
       total += groups_.end[group] - groups_.begin[group];
     }
   if (total > kMostLoaded_bytes) return false;
@@ -120,9 +121,8 @@ bool E57TableReader::load(std::span<const std::size_t> fields, std::uint64_t fir
     try {
       const std::uint64_t begin = groups_.begin[piece.group];
       const std::span<char> to(&loaded.bytes[piece.at], groups_.end[piece.group] - begin);
-      std::vector<std::uint64_t> bad_pages;
-      file_.read(begin, to, file_.salvage() ? &bad_pages : nullptr);
-      add_parts(groups_, piece.group, to.data(), fields, bad_pages, piece.parts);
+      file_.read(begin, to, file_.salvage() ? &piece.bad_pages : nullptr);
+      add_parts(groups_, piece.group, to.data(), fields, piece.bad_pages, piece.parts);
     } catch (...) {
       piece.failure = std::current_exception();
     }
@@ -130,6 +130,7 @@ bool E57TableReader::load(std::span<const std::size_t> fields, std::uint64_t fir
   loaded.parts.assign(fields.size(), {});
   for (Piece& piece : pieces) {
     if (piece.failure) std::rethrow_exception(piece.failure);  // the first in the file, whoever met it first
+    bad_pages_.insert(piece.bad_pages.begin(), piece.bad_pages.end());
     for (std::size_t k = 0; k < fields.size(); ++k)
       loaded.parts[k].insert(loaded.parts[k].end(), piece.parts[k].begin(), piece.parts[k].end());
   }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ class E57TableReader {
 
   std::uint64_t count() const { return count_; }  // records that can be read
   const std::vector<std::string>& notes() const { return notes_; }
+  // In salvage: the damaged pages that read() met, by number.
+  const std::set<std::uint64_t>& bad_pages() const { return bad_pages_; }
 
   // Calls body with the records [first, first + count) of the fields with these indices, in ranges of at most
   // kRange that start at multiples of it from `first`, several at once and in any order: bodies write
@@ -54,6 +57,7 @@ class E57TableReader {
   std::vector<std::string> notes_;
   PacketGroups groups_;
   std::uint64_t count_ = 0;
+  mutable std::set<std::uint64_t> bad_pages_;
 };
 
 }  // namespace hybrid::io
