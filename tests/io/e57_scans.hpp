@@ -101,10 +101,14 @@ inline E57Columns read_columns(const io::E57File& file, std::size_t scan, std::s
   return columns;
 }
 
-// Of page `page` in the bytes of a file, after its content was changed.
-void renew_checksum(std::string& bytes, std::size_t page);
-// Changes physical bytes from `at` on and renews the checksums: a file that lies, not a damaged one.
-void overwrite(std::string& bytes, std::size_t at, const std::string& by);
+// The content of a file's pages, and a file of pages with this content.
+std::string without_checksums(const std::string& file);
+std::string with_checksums(const std::string& content);
+
+// A file that lies but is not damaged: `by` at the logical offset `at`.
+std::string overwritten(const std::string& file, std::size_t at, const std::string& by);
+// The first `from` of the XML section replaced by `to`, header and checksums to match.
+std::string with_xml(const std::string& file, const std::string& from, const std::string& to);
 template <typename T>
 std::string little_endian(T value) {
   return std::string(reinterpret_cast<const char*>(&value), sizeof(T));
