@@ -122,7 +122,7 @@ void print_text(const Json& value, const std::string& name, std::string& text) {
 
 void add_info(CLI::App& program, int&) {
   auto* command = program.add_subcommand(
-      "info", "what is in a scan (.pcd .ply .ptx .exr), a model (.obj) or a file or folder of cameras");
+      "info", "what is in a scan (.e57 .pcd .ply .ptx .exr), a model (.obj) or a file or folder of cameras");
   auto common = std::make_shared<CommonOptions>();
   auto file = std::make_shared<fs::path>();
   command->add_option("file", *file, "the file or folder")->required();

@@ -14,7 +14,7 @@ void add_planes(CLI::App& program, int& exit_code) {
   auto common = std::make_shared<CommonOptions>();
   auto request = std::make_shared<batch::PlanesRequest>();
   auto square = std::make_shared<std::string>("auto");
-  command->add_option("scans", request->files, "scan files (.pcd .ply .ptx)")->required();
+  command->add_option("scans", request->files, "scan files (.e57 .pcd .ply .ptx)")->required();
   command->add_option("--out", request->out, "output folder")->required();
   command->add_option("--square", *square, "side of the squares in samples: auto or 3..16");
   add_common_options(*command, *common);

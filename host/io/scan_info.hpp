@@ -13,7 +13,7 @@ namespace hybrid::io {
 // What a scan holds, for `hybrid info`. Extents are in the scan frame (Scan::origin added), ranges from its
 // origin, both over returns only; zero without any.
 struct ScanInfo {
-  std::string format;  // PCD, PLY, PTX or EXR
+  std::string format;  // E57, PCD, PLY, PTX or EXR
   std::string name;
   std::uint64_t points = 0;          // samples of the file; of a range image: grid nodes
   std::uint64_t returns = 0;         // finite and not at the scan frame's origin
@@ -27,7 +27,7 @@ struct ScanInfo {
 
 ScanInfo describe(const Scan& scan, const std::string& format);
 
-// Of every scan in a file, which is read whole: .pcd .ply .ptx and range images (.exr, measured samples).
+// Of every scan in a file, which is read whole: .e57 .pcd .ply .ptx and range images (.exr, measured samples).
 // Throws as read_scans and read_range_exr do.
 std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file);
 

@@ -71,11 +71,11 @@ std::map<std::string, std::string> rows_of(const fs::path& data) {
       const fs::path& file = entry.path();
       const std::string name = fs::relative(file, data).string(),
                         extension = io::lower_case(file.extension().string());
-      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx")
+      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx" || extension == ".e57")
         rows[name] = told(file, tell_scans);
       else if (extension == ".obj")
         rows[name] = told(file, tell_model);
-      else if (extension == ".e57" || extension == ".pts")
+      else if (extension == ".pts")
         ++unread[(fs::relative(file.parent_path(), data) / ("*" + extension)).string()];
     }
   }
