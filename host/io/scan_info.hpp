@@ -27,8 +27,8 @@ struct ScanInfo {
 
 ScanInfo describe(const Scan& scan, const std::string& format);
 
-// Of every scan in a file, which is read whole: .e57 .pcd .ply .ptx and range images (.exr, measured samples).
-// Throws as read_scans and read_range_exr do.
+// Of every scan in a file, which is read whole: .e57 .pcd .ply .ptx and range images (.exr, measured
+// samples). Throws as read_scans and read_range_exr do.
 std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file);
 
 }  // namespace hybrid::io
