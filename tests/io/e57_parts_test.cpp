@@ -62,7 +62,7 @@ TEST(Streams, ValuesCrossPartsAndGapsLoseNoMore) {
   for (const int width : {1, 3, 11, 12, 24, 33, 57, 63, 64}) {
     const std::uint64_t half = 1ull << (width - 1);
     const io::E57Field wide =
-        integer_field("f", -static_cast<std::int64_t>(half), static_cast<std::int64_t>(half - 1));
+        integer_field("f", -static_cast<std::int64_t>(half - 1) - 1, static_cast<std::int64_t>(half - 1));
     const std::size_t count = 500;
     const auto columns = random_columns({wide}, count);
     io::BitEncoder encoder(wide);
