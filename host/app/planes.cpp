@@ -5,6 +5,7 @@
 #include "app/commands.hpp"
 #include "batch/planes_run.hpp"
 #include "core/log.hpp"
+#include "io/read_scan.hpp"
 
 namespace hybrid::app {
 
@@ -14,7 +15,7 @@ void add_planes(CLI::App& program, int& exit_code) {
   auto common = std::make_shared<CommonOptions>();
   auto request = std::make_shared<batch::PlanesRequest>();
   auto square = std::make_shared<std::string>("auto");
-  command->add_option("scans", request->files, "scan files (.pcd .ply .ptx .exr)")->required();
+  command->add_option("scans", request->files, "scan files (" + io::scan_extensions() + ")")->required();
   command->add_option("--out", request->out, "output folder")->required();
   command->add_option("--square", *square, "side of the squares in samples: auto or 3..16");
   add_common_options(*command, *common);

@@ -39,8 +39,14 @@ struct Scan {
   bool row_by_row = false;           // order of an organised file's samples; else column by column
   // Of a range image: row by row; samples from grid_rows * grid_cols on lie beside the grid.
   std::optional<RangeGrid> range_grid;
+  // Node (row * grid_cols + col) of each sample of an organised file whose samples are not one per node in
+  // that order: some are missing, in any order, or several returns of one node, of which the first takes it.
+  // kNoNode: none, as of further returns. Empty otherwise.
+  std::vector<std::uint32_t> node;
+  static constexpr std::uint32_t kNoNode = 0xffffffffu;
   Vec3 point(std::size_t i) const { return origin + Vec3(points[i][0], points[i][1], points[i][2]); }
   bool organised() const { return grid_rows > 1 && grid_cols > 1; }
+  // Of a sample in a grid without `node`.
   std::size_t grid_index(int row, int col) const {
     const int slow = row_by_row ? row : col, fast = row_by_row ? col : row;
     return static_cast<std::size_t>(slow) * static_cast<std::size_t>(row_by_row ? grid_cols : grid_rows) +

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/error.hpp"
+#include "io/e57/e57.hpp"
 #include "io/exr_scan.hpp"
 #include "io/las.hpp"
 #include "io/output.hpp"
@@ -28,7 +29,35 @@ std::vector<ScanEntry> list_exr(const std::filesystem::path& file) {
   return {{.name = file.stem().string(), .structure = std::string("range image"), .unit = std::string("m")}};
 }
 
+std::vector<ScanEntry> list_e57(const std::filesystem::path& file) {
+  const E57File opened(file);
+  const E57Contents& contents = opened.contents();
+  std::vector<ScanEntry> entries;
+  for (std::size_t i = 0; i < contents.scans.size(); ++i) {
+    ScanEntry entry;
+    entry.name = file.stem().string();
+    if (contents.scans.size() > 1) entry.name += fmt::format("-{}", i);
+    entry.samples = contents.scans[i].points.count;
+    for (const E57Field& field : contents.scans[i].points.fields)
+      entry.structure += (entry.structure.empty() ? "" : " ") + field.name;
+    entry.crs = contents.coordinate_system;
+    entry.unit = std::string("m");
+    entry.index = i;
+    entries.push_back(std::move(entry));
+  }
+  if (entries.empty())
+    fail_input(
+        "{}: expected scans, found none (no element data3D, or an empty one); export it with its points",
+        file.string());
+  return entries;
+}
+
+Scan read_e57_entry(const std::filesystem::path& file, const ScanEntry& entry) {
+  return read_e57(E57File(file), entry.index);
+}
+
 constexpr ScanFormat kFormats[] = {
+    {".e57", list_e57, read_e57_entry},
     {".pcd", list_pcd, [](const auto& file, const ScanEntry&) { return read_pcd(file); }},
     {".ply", list_ply, [](const auto& file, const ScanEntry&) { return read_ply(file); }},
     {".ptx", list_ptx, read_ptx},
@@ -39,7 +68,6 @@ constexpr ScanFormat kFormats[] = {
 
 // Formats that are known and not read, and what to do.
 constexpr std::pair<const char*, const char*> kRemedies[] = {
-    {".e57", "this format is coming: until then convert it to .ptx or .ply"},
     {".laz",
      "LAZ is compressed LAS: decompress it first (laszip -i a.laz -o a.las, or pdal translate a.laz "
      "a.las)"},

@@ -11,7 +11,6 @@ namespace hybrid::io {
 namespace {
 
 constexpr double kLargeCoordinate_m = 1000;  // float resolves 0.06 mm here
-constexpr std::size_t kOriginSamples = 65536;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 bool fits_float(double value) {
@@ -27,6 +26,16 @@ std::uint8_t to_byte(double value) {
 ColourKind colour_kind(ScalarType type) {
   if (is_real(type)) return ColourKind::real;
   return size_of(type) == 1 ? ColourKind::byte : ColourKind::word;
+}
+
+Vec3 local_origin(std::span<const std::array<double, 3>> returns) {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& point : returns) sum += Vec3(point[0], point[1], point[2]);
+  if (!(sum.norm() > kLargeCoordinate_m * static_cast<double>(returns.size()))) return Vec3::Zero();
+  // 1/1024 m off the whole metre: a point that lies exactly on the origin would look like a no-return, and
+  // no coordinate written with fewer than ten decimals does.
+  const auto& first = returns.front();
+  return {std::round(first[0]), std::round(first[1]), std::round(first[2]) + 1.0 / 1024};
 }
 
 ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_t count,
@@ -102,14 +111,7 @@ std::array<float, 3> ScanBuilder::relative(const Point& point) const {
 
 void ScanBuilder::choose_origin() {
   origin_chosen_ = true;
-  Vec3 sum = Vec3::Zero();
-  for (const Point& point : waiting_) sum += Vec3(point[0], point[1], point[2]);
-  if (sum.norm() > kLargeCoordinate_m * static_cast<double>(waiting_.size())) {
-    // 1/1024 m off the whole metre: a point that lies exactly on the origin would look like a no-return, and
-    // no coordinate written with fewer than ten decimals does.
-    const Point& first = waiting_.front();
-    scan_.origin = {std::round(first[0]), std::round(first[1]), std::round(first[2]) + 1.0 / 1024};
-  }
+  scan_.origin = local_origin(waiting_);
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     const Point& point = waiting_[i];
     const bool zero = point[0] == 0 && point[1] == 0 && point[2] == 0;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct ScanSample {
   double x = 0, y = 0, z = 0, intensity = 0;
   std::array<double, 3> rgb{};
 };
+
+// What float coordinates are kept relative to: (0, 0, 0) where the centroid of the first returns is within
+// 1 km of it. Readers that fill a Scan without a ScanBuilder pass the first kOriginSamples returns.
+inline constexpr std::size_t kOriginSamples = 65536;
+Vec3 local_origin(std::span<const std::array<double, 3>> returns);
 
 // Turns a reader's samples, in double and in file order, into a Scan. Georeferenced coordinates (centroid of
 // the first returns beyond 1 km) become relative to Scan::origin. Non-finite samples become NaN points

@@ -13,7 +13,7 @@ namespace hybrid::io {
 // What a scan holds, for `hybrid info`. Extents are in the scan frame (Scan::origin added), ranges from its
 // origin, both over returns only; zero without any.
 struct ScanInfo {
-  std::string format;  // PCD, PLY, PTX, PTS, LAS or EXR
+  std::string format;  // E57, PCD, PLY, PTX, PTS, LAS or EXR
   std::string name;
   std::uint64_t points = 0;          // samples of the file; of a range image: grid nodes
   std::uint64_t returns = 0;         // finite and not at the scan frame's origin

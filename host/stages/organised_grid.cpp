@@ -14,6 +14,46 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMostSteps = 0.9;  // of a table's steps that must go one way
 
+// Which sample is at a node.
+class GridSamples {
+ public:
+  // Of a scan without `node`: the samples are in the grid's order.
+  explicit GridSamples(const Scan& scan) : scan_(scan) {}
+  GridSamples(const Scan& scan, const SampleAngles& angles) : scan_(scan) {
+    if (scan.node.empty()) return;
+    const std::size_t nodes =
+        static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
+    sample_.assign(nodes, kNoSource);
+    for (std::size_t i = 0; i < scan.node.size(); ++i) {
+      if (std::isnan(angles.elevation_rad[i])) continue;
+      const std::uint32_t node = scan.node[i];
+      if (node < nodes && sample_[node] == kNoSource)
+        sample_[node] = static_cast<std::uint32_t>(i);
+      else
+        extra_.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  // False: the node has no sample. A sample need not be a return.
+  bool find(int row, int col, std::size_t& sample) const {
+    if (sample_.empty()) {
+      sample = scan_.grid_index(row, col);
+      return true;
+    }
+    const std::uint32_t found =
+        sample_[static_cast<std::size_t>(row) * static_cast<std::size_t>(scan_.grid_cols) +
+                static_cast<std::size_t>(col)];
+    sample = found;
+    return found != kNoSource;
+  }
+  // Returns that have no node: further ones of a node, and those outside the grid; ascending.
+  const std::vector<std::uint32_t>& extra() const { return extra_; }
+
+ private:
+  const Scan& scan_;
+  std::vector<std::uint32_t> sample_;  // per node; empty: the samples are in the grid's order
+  std::vector<std::uint32_t> extra_;
+};
+
 double median(std::vector<double>& values) {
   if (values.empty()) return NAN;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -21,13 +61,14 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-std::vector<double> row_elevations(const Scan& scan, const SampleAngles& angles) {
+std::vector<double> row_elevations(const Scan& scan, const GridSamples& grid, const SampleAngles& angles) {
   std::vector<double> table(static_cast<std::size_t>(scan.grid_rows));
   parallel_for(table.size(), [&](std::size_t row) {
     std::vector<double> values;
     for (int col = 0; col < scan.grid_cols; ++col) {
-      const double elevation = angles.elevation_rad[scan.grid_index(static_cast<int>(row), col)];
-      if (!std::isnan(elevation)) values.push_back(elevation);
+      std::size_t i = 0;
+      if (!grid.find(static_cast<int>(row), col, i)) continue;
+      if (!std::isnan(angles.elevation_rad[i])) values.push_back(angles.elevation_rad[i]);
     }
     table[row] = median(values);
   });
@@ -35,14 +76,14 @@ std::vector<double> row_elevations(const Scan& scan, const SampleAngles& angles)
 }
 
 // Medians of offsets from the column's mean direction, then unwrapped from one measured column to the next.
-std::vector<double> column_azimuths(const Scan& scan, const SampleAngles& angles) {
+std::vector<double> column_azimuths(const Scan& scan, const GridSamples& grid, const SampleAngles& angles) {
   std::vector<double> table(static_cast<std::size_t>(scan.grid_cols));
   parallel_for(table.size(), [&](std::size_t col) {
     double x = 0, y = 0;
     std::vector<std::size_t> samples;
     for (int row = 0; row < scan.grid_rows; ++row) {
-      const std::size_t i = scan.grid_index(row, static_cast<int>(col));
-      if (std::isnan(angles.elevation_rad[i])) continue;
+      std::size_t i = 0;
+      if (!grid.find(row, static_cast<int>(col), i) || std::isnan(angles.elevation_rad[i])) continue;
       samples.push_back(i);
       x += std::cos(angles.elevation_rad[i]) * std::cos(angles.azimuth_rad[i]);
       y += std::cos(angles.elevation_rad[i]) * std::sin(angles.azimuth_rad[i]);
@@ -95,13 +136,13 @@ int complete(std::vector<double>& table) {
 }
 
 // Median angle between the rays of neighbours `row_step` rows and `col_step` columns apart.
-double typical_angle(const Scan& scan, int row_step, int col_step) {
+double typical_angle(const Scan& scan, const GridSamples& grid, int row_step, int col_step) {
   std::vector<double> found;
   for (int col = 0; col + col_step < scan.grid_cols; ++col)
     for (int row = 0; row + row_step < scan.grid_rows; ++row) {
-      const auto& a = scan.points[scan.grid_index(row, col)];
-      const auto& b = scan.points[scan.grid_index(row + row_step, col + col_step)];
-      const Vec3 p = scan.origin + Vec3(a[0], a[1], a[2]), q = scan.origin + Vec3(b[0], b[1], b[2]);
+      std::size_t a = 0, b = 0;
+      if (!grid.find(row, col, a) || !grid.find(row + row_step, col + col_step, b)) continue;
+      const Vec3 p = scan.point(a), q = scan.point(b);
       const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
       if (angle > 0) found.push_back(angle);
     }
@@ -115,16 +156,16 @@ std::vector<double> even_table(int count, double step) {
   return table;
 }
 
-void place(const Scan& scan, bool flip_rows, bool flip_cols, RangeImage& image) {
+void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_cols, RangeImage& image) {
   if (!scan.intensity.empty()) image.intensity.assign(image.count(), 0.0f);
   if (!scan.rgb.empty()) image.rgb.assign(image.count(), {0, 0, 0});
   parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t r) {
     const int row = static_cast<int>(r);
     for (int col = 0; col < image.cols; ++col) {
-      const std::size_t source =
-          scan.grid_index(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col);
-      const auto& p = scan.points[source];
-      const Vec3 point = scan.origin + Vec3(p[0], p[1], p[2]);
+      std::size_t source = 0;
+      if (!grid.find(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col, source))
+        continue;
+      const Vec3 point = scan.point(source);
       const double length = point.squaredNorm();
       if (!std::isfinite(length) || length == 0) continue;
       const std::size_t i = image.index(row, col);
@@ -153,7 +194,7 @@ RangeImage restore_grid(const Scan& scan) {
   image.elevation_rad = grid.elevation_rad;
   image.azimuth_rad = grid.azimuth_rad;
   image.wraps = grid.wraps;
-  place(scan, false, false, image);
+  place(scan, GridSamples(scan), false, false, image);
   for (std::size_t k = 0; k < grid.interpolated.size(); ++k) {
     const std::size_t i = grid.interpolated[k];
     image.mask[i] = kInterpolated;
@@ -175,7 +216,10 @@ RangeImage arrange_grid(const Scan& scan) {
   const std::size_t nodes =
       static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
   if (scan.range_grid) return restore_grid(scan);
-  if (nodes != scan.points.size())
+  if (!scan.node.empty() && scan.node.size() != scan.points.size())
+    fail_input("scan {}: expected a node for each of {} samples, found {}", scan.name, scan.points.size(),
+               scan.node.size());
+  if (scan.node.empty() && nodes != scan.points.size())
     fail_input("scan {}: expected {} samples for a grid of {} rows x {} columns, found {}", scan.name, nodes,
                scan.grid_rows, scan.grid_cols, scan.points.size());
   const SampleAngles angles = sample_angles(scan);
@@ -183,21 +227,23 @@ RangeImage arrange_grid(const Scan& scan) {
                   [](double e) { return std::isnan(e); }))
     fail_no_return(scan);
 
+  const GridSamples grid(scan, angles);
   RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols);
-  image.elevation_rad = row_elevations(scan, angles);
-  image.azimuth_rad = column_azimuths(scan, angles);
+  image.extra = grid.extra();
+  image.elevation_rad = row_elevations(scan, grid, angles);
+  image.azimuth_rad = column_azimuths(scan, grid, angles);
   const int rows_go = complete(image.elevation_rad), cols_go = complete(image.azimuth_rad);
   const double turn = image.azimuth_rad.back() - image.azimuth_rad.front();
   if (rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn) {
-    image.elevation_rad = even_table(image.rows, -typical_angle(scan, 1, 0));
-    image.azimuth_rad = even_table(image.cols, typical_angle(scan, 0, 1));
-    place(scan, false, false, image);
+    image.elevation_rad = even_table(image.rows, -typical_angle(scan, grid, 1, 0));
+    image.azimuth_rad = even_table(image.cols, typical_angle(scan, grid, 0, 1));
+    place(scan, grid, false, false, image);
     return image;
   }
   if (rows_go > 0) std::reverse(image.elevation_rad.begin(), image.elevation_rad.end());
   if (cols_go < 0) std::reverse(image.azimuth_rad.begin(), image.azimuth_rad.end());
   image.wraps = is_full_turn(image.azimuth_rad);
-  place(scan, rows_go > 0, cols_go < 0, image);
+  place(scan, grid, rows_go > 0, cols_go < 0, image);
   return image;
 }
 

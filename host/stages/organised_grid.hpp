@@ -6,11 +6,13 @@ namespace hybrid::stages {
 
 // The input's own grid as it is (METHOD 1: organised inputs skip resampling), only turned so that row 0 is
 // the highest and columns go with increasing azimuth. Every return becomes a measured node; nothing is
-// interpolated. The angle tables are medians of the measured samples; rows and columns without any continue
-// their neighbours. A grid whose rows and columns are not spherical about Z (a camera's depth image, columns
-// through the zenith) stays as it is, with even tables of the typical angles between neighbours around 0, so
-// that steps mean what they say. Throws ErrorKind::input when the grid does not match the sample count or
-// holds no return. With Scan::range_grid, everything about the grid is taken from there.
+// interpolated. Samples may be sparse and in any order (Scan::node): of several at a node the first return
+// takes it, the others are RangeImage::extra. The angle tables are medians of the measured samples; rows and
+// columns without any continue their neighbours. A grid whose rows and columns are not spherical about Z (a
+// camera's depth image, columns through the zenith) stays as it is, with even tables of the typical angles
+// between neighbours around 0, so that steps mean what they say. Throws ErrorKind::input when the grid does
+// not match the sample count or holds no return. With Scan::range_grid, everything about the grid is taken
+// from there.
 RangeImage arrange_grid(const Scan& scan);
 
 }  // namespace hybrid::stages

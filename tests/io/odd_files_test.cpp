@@ -65,25 +65,20 @@ std::string told(const fs::path& file, const Read& read) {
   return text;
 }
 
-// Files without a reader share the row of their folder and extension.
 std::map<std::string, std::string> rows_of(const fs::path& data) {
   std::map<std::string, std::string> rows;
-  std::map<std::string, int> unread;
   for (const char* part : {"formats", "scans", "planes/synpeb"}) {
     for (const auto& entry : fs::recursive_directory_iterator(data / part)) {
       const fs::path& file = entry.path();
       const std::string name = fs::relative(file, data).string(),
                         extension = io::lower_case(file.extension().string());
-      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx" || extension == ".pts")
+      if (extension == ".pcd" || extension == ".ply" || extension == ".ptx" || extension == ".pts" ||
+          extension == ".e57")
         rows[name] = told(file, tell_scans);
       else if (extension == ".obj")
         rows[name] = told(file, tell_model);
-      else if (extension == ".e57")
-        ++unread[(fs::relative(file.parent_path(), data) / ("*" + extension)).string()];
     }
   }
-  for (const auto& [name, count] : unread)
-    rows[name] = fmt::format("{} files refused: no reader of this format yet", count);
   return rows;
 }
 

@@ -1,0 +1,98 @@
+#include "io/e57/e57.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/error.hpp"
+#include "io/e57/e57_xml.hpp"
+#include "io/e57/little_endian.hpp"
+
+namespace hybrid::io {
+namespace {
+
+constexpr std::uint64_t kBlobHeader_bytes = 16;
+constexpr std::uint64_t kLongestXml_bytes = 64 << 20;  // a parsed tree takes ten times that
+
+std::string pages_note(const std::string& what, const std::vector<std::uint64_t>& bad_pages) {
+  return fmt::format("{}: {} damaged pages of 1024 bytes, the first at byte {}", what, bad_pages.size(),
+                     bad_pages.front() * PagedFile::kPage_bytes);
+}
+
+std::string read_xml(const PagedFile& pages, std::vector<std::string>& notes) {
+  if (pages.xml_length() > kLongestXml_bytes)
+    fail_input(
+        "{}: byte 32: expected an XML section of at most {} bytes, found {}; export fewer scans into one "
+        "file",
+        pages.name(), kLongestXml_bytes, pages.xml_length());
+  std::string text(pages.xml_length(), '\0');
+  std::vector<std::uint64_t> bad_pages;
+  pages.read(pages.xml_offset(), text, pages.salvage() ? &bad_pages : nullptr);
+  if (!bad_pages.empty()) notes.push_back(pages_note("XML section", bad_pages));
+  return text;
+}
+
+}  // namespace
+
+E57File::E57File(const std::filesystem::path& file, const E57Options& options)
+    : pages_(file, options.salvage), notes_(pages_.notes()) {
+  const std::string text = read_xml(pages_, notes_);
+  contents_ = parse_e57_xml(name(), text, options.salvage);
+  notes_.insert(notes_.end(), contents_.notes.begin(), contents_.notes.end());
+}
+
+std::vector<char> E57File::read_blob(const E57Blob& blob, const std::string& what,
+                                     std::vector<std::string>* notes) const {
+  const std::uint64_t start = pages_.logical(blob.offset, what);
+  std::vector<std::uint64_t> bad_pages;
+  std::vector<std::uint64_t>* const bad = pages_.salvage() ? &bad_pages : nullptr;
+  std::array<char, kBlobHeader_bytes> header{};
+  pages_.read(start, header, bad);
+  const auto length = load<std::uint64_t>(&header[8]);
+  if (header[0] != 0 || length < kBlobHeader_bytes || blob.length > length - kBlobHeader_bytes ||
+      length > pages_.size() - start)
+    fail_input(
+        "{}: byte {}: {}: expected a blob section (0) of {} to {} bytes, found section {} of {}; the file is "
+        "cut short or damaged: copy it again",
+        name(), blob.offset, what, blob.length + kBlobHeader_bytes, pages_.size() - start,
+        static_cast<int>(static_cast<unsigned char>(header[0])), length);
+  std::vector<char> bytes(blob.length);
+  pages_.read(start + kBlobHeader_bytes, bytes, bad);
+  if (!bad_pages.empty() && notes) notes->push_back(pages_note(what, bad_pages));
+  return bytes;
+}
+
+void E57File::for_each_block(const E57Table& table, std::span<const std::size_t> fields, std::size_t most,
+                             const std::function<void(const E57Records&)>& body) const {
+  const E57TableReader reader = open(table);
+  std::vector<std::vector<std::int64_t>> integers(fields.size());
+  std::vector<std::vector<double>> reals(fields.size());
+  for (std::uint64_t first = 0; first < reader.count(); first += most) {
+    E57Records block{
+        .first = first,
+        .count = static_cast<std::size_t>(std::min<std::uint64_t>(most, reader.count() - first))};
+    std::vector<std::vector<E57Records::Lost>> lost(block.count / E57TableReader::kRange + 1);
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      const bool integer = table.fields.at(fields[k]).is_integer();
+      integers[k].resize(integer ? block.count : 0);
+      reals[k].resize(integer ? 0 : block.count);
+    }
+    reader.read(fields, first, block.count, [&](const E57Records& range) {
+      const std::size_t at = range.first - first;
+      for (std::size_t k = 0; k < fields.size(); ++k) {
+        std::ranges::copy(range.integers[k], integers[k].begin() + static_cast<std::ptrdiff_t>(
+                                                                       range.integers[k].empty() ? 0 : at));
+        std::ranges::copy(range.reals[k],
+                          reals[k].begin() + static_cast<std::ptrdiff_t>(range.reals[k].empty() ? 0 : at));
+      }
+      lost[at / E57TableReader::kRange] = range.lost;
+    });
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      block.integers.emplace_back(integers[k]);
+      block.reals.emplace_back(reals[k]);
+    }
+    for (const auto& of_range : lost) block.lost.insert(block.lost.end(), of_range.begin(), of_range.end());
+    body(block);
+  }
+}
+
+}  // namespace hybrid::io
