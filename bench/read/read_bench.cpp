@@ -2,6 +2,8 @@
 // std::from_chars on one thread. Prints JSON. CPU seconds tell what a busy machine's wall clock does not.
 #include <sys/resource.h>
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
@@ -70,6 +72,15 @@ Json read_figures(const std::filesystem::path& file, int runs) {
           {"peak_mib", peak_mib()}};
 }
 
+// One line, as programs of bench/peers report.
+Json report_of(const Json& figures, int threads) {
+  return {{"seconds", figures["list_s"].get<double>() + figures["read_s"].get<double>()},
+          {"samples", figures["samples"]},
+          {"package", "hybrid"},
+          {"settings", fmt::format("all samples in memory with their grid, {} threads",
+                                   threads > 0 ? std::to_string(threads) : "all")}};
+}
+
 // Numbers per second of the text's first MiB's, parsed by parse(at, end, value).
 template <typename Parse>
 double numbers_per_cpu_s(const std::string& text, int runs, const Parse& parse) {
@@ -109,14 +120,19 @@ int main(int argc, char** argv) {
   CLI::App app{"Times the reading of scan files; prints JSON, the fastest of --runs"};
   std::vector<std::filesystem::path> files;
   int runs = 5, threads = 0;
-  bool numbers = false;
+  bool numbers = false, report = false;
   app.add_option("files", files, "scan files")->required();
   app.add_option("--runs", runs, "counted runs")->check(CLI::Range(1, 1000));
   app.add_option("--threads", threads, "threads, 0 = all cores");
   app.add_flag("--numbers", numbers, "of text files: their numbers alone, on one thread");
+  app.add_flag("--report", report, "of one file: a line for bench/peers instead");
   CLI11_PARSE(app, argc, argv);
   try {
     hybrid::set_thread_count(threads);
+    if (report) {
+      std::cout << report_of(read_figures(files.at(0), runs), threads).dump() << "\n";
+      return 0;
+    }
     Json rows = Json::array();
     for (const auto& file : files)
       rows.push_back(numbers ? parser_figures(file, runs) : read_figures(file, runs));

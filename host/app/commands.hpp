@@ -23,6 +23,8 @@ struct CommonOptions {
 void add_common_options(CLI::App& command, CommonOptions& options);
 // Adds --set, for commands that have options of stages.
 void add_set_option(CLI::App& command, CommonOptions& options);
+// Adds --salvage, for commands that read scans.
+void add_salvage_option(CLI::App& command, bool& salvage);
 // Applies log level and thread count; call first in every command.
 void apply(const CommonOptions& options);
 

@@ -20,6 +20,11 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--log-level", options.log_level, "debug, info, warning, error or off");
 }
 
+void add_salvage_option(CLI::App& command, bool& salvage) {
+  command.add_flag("--salvage", salvage,
+                   "use what is good of a damaged E57 file and say what is lost, instead of failing");
+}
+
 void add_set_option(CLI::App& command, CommonOptions& options) {
   command
       .add_option("--set", options.assignments,

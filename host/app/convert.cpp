@@ -14,6 +14,7 @@ void add_convert(CLI::App& program, int& exit_code) {
   command->add_option("in", request->in, "the scan file: " + io::scan_extensions())->required();
   command->add_option("out", request->out, "the file to write: .ptx, .pts, .ply, .pcd or .las")->required();
   command->add_option("--index", request->index, "this scan of the file alone, from 0");
+  add_salvage_option(*command, request->salvage);
   add_common_options(*command, *common);
   command->get_option("--force")->description("replace files that are there");
   command->callback([=, &exit_code] {

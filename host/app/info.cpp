@@ -91,7 +91,7 @@ Json cameras_json(const io::CameraSource& source) {
 }
 
 // What the file is follows from its name: a camera folder, a model, else a scan.
-Json describe(const fs::path& file) {
+Json describe(const fs::path& file, bool salvage) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -106,7 +106,8 @@ Json describe(const fs::path& file) {
     json["model"] = model_json(io::describe_model(io::read_obj(file)));
   } else {
     json["scans"] = Json::array();
-    for (const auto& scan : io::read_scan_info(file)) json["scans"].push_back(scan_json(scan));
+    for (const auto& scan : io::read_scan_info(file, {.salvage = salvage}))
+      json["scans"].push_back(scan_json(scan));
   }
   return json;
 }
@@ -135,10 +136,12 @@ void add_info(CLI::App& program, int& exit_code) {
   auto common = std::make_shared<CommonOptions>();
   auto file = std::make_shared<fs::path>();
   command->add_option("file", *file, "the file or folder")->required();
+  auto salvage = std::make_shared<bool>(false);
+  add_salvage_option(*command, *salvage);
   add_common_options(*command, *common);
   command->callback([=, &exit_code] {
     apply(*common);
-    const Json json = describe(*file);
+    const Json json = describe(*file, *salvage);
     if (json.contains("scans"))
       for (const auto& scan : json["scans"])
         if (scan.contains("damage")) exit_code = kSomeFailed;

@@ -18,6 +18,7 @@ void add_planes(CLI::App& program, int& exit_code) {
   command->add_option("scans", request->files, "scan files (" + io::scan_extensions() + ")")->required();
   command->add_option("--out", request->out, "output folder")->required();
   command->add_option("--square", *square, "side of the squares in samples: auto or 3..16");
+  add_salvage_option(*command, request->salvage);
   add_common_options(*command, *common);
   add_set_option(*command, *common);
   command->callback([=, &exit_code] {

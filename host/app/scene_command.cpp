@@ -12,6 +12,7 @@ SceneCommand make_scene_command(CLI::App& program, const std::string& name, cons
   made.command = program.add_subcommand(name, help);
   made.command->add_option("scene", made.request->scene_file, "the scene file (TOML)")->required();
   made.command->add_option("--out", made.request->out, "output folder")->required();
+  add_salvage_option(*made.command, made.request->salvage);
   add_common_options(*made.command, *made.common);
   add_set_option(*made.command, *made.common);
   return made;

@@ -37,7 +37,7 @@ void check_output(const fs::path& file, const ConvertRequest& request) {
 
 // What goes where, all names checked before anything is read or written.
 std::vector<Output> plan(const ConvertRequest& request, const io::ScanWriter& writer) {
-  auto entries = io::list_scans(request.in);
+  auto entries = io::list_scans(request.in, {.salvage = request.salvage});
   if (request.index) entries = {io::scan_at(request.in, entries, *request.index)};
   std::vector<Output> outputs;
   if (writer.several || entries.size() == 1) {

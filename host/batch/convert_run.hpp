@@ -10,6 +10,7 @@ struct ConvertRequest {
   std::filesystem::path in, out;
   std::optional<std::size_t> index;  // one scan of the file; all without it
   bool force = false;                // replace files
+  bool salvage = false;              // of damaged scans what is good (io::ReadOptions)
 };
 
 struct ConvertRun {

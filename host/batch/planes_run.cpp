@@ -52,7 +52,7 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
   for (const auto& file : request.files) {
     guarded("scan " + file.string(), [&] {
       progress.step("read", file.filename().string());
-      const auto entries = io::list_scans(file);
+      const auto entries = io::list_scans(file, {.salvage = request.salvage});
       const auto print = io::fingerprint(file);
       progress.expect(7 * (static_cast<int>(entries.size()) - 1));
       for (std::size_t i = 0; i < entries.size(); ++i) {

@@ -80,8 +80,9 @@ void give_back_unexplained(const ScanRegistration& registration, const StageOpti
   std::transform(registration.distance_m.begin(), registration.distance_m.end(), explained.begin(),
                  [&](float distance) { return static_cast<std::uint8_t>(distance <= options.explain_m); });
   stages::keep_unexplained(explained, product.decimation);
-  product.contour_faces = stages::unexplained_contours(product.image, product.segmentation, explained,
-                                                       product.stray, product.sigma_m, options.contour_faces);
+  product.contour_faces =
+      stages::unexplained_contours(product.image, product.segmentation, explained, product.stray,
+                                   product.sigma_m, options.contour_faces, registration.world_from_scan());
   stages::discard_covered(product.contour_faces.covered, product.decimation);
 }
 

@@ -150,7 +150,7 @@ class Run {
     std::vector<io::ScanEntry> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      auto listed = io::list_scans(entry.file);
+      auto listed = io::list_scans(entry.file, {.salvage = request_.salvage});
       add_input(entry.file);
       if (entry.index) listed = {io::scan_at(entry.file, listed, static_cast<std::size_t>(*entry.index))};
       scans = std::move(listed);

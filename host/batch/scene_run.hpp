@@ -30,6 +30,7 @@ struct RunRequest {
   int tile = 1024;
   std::optional<int> seed;  // overrides the scene file
   bool force = false;       // write into the output folder of another scene
+  bool salvage = false;     // of damaged scans what is good (io::ReadOptions)
   bool quiet = false;
 };
 

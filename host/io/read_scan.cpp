@@ -19,18 +19,18 @@ namespace {
 // One format per row; a new one is one row more.
 struct ScanFormat {
   const char* extension;
-  std::vector<ScanEntry> (*list)(const std::filesystem::path& file);
+  std::vector<ScanEntry> (*list)(const std::filesystem::path& file, const ReadOptions& options);
   Scan (*read)(const std::filesystem::path& file, const ScanEntry& entry);
 };
 
 // Its one scan, whose size the reader finds.
-std::vector<ScanEntry> list_exr(const std::filesystem::path& file) {
+std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOptions&) {
   check_readable(file);
   return {{.name = file.stem().string(), .structure = std::string("range image"), .unit = std::string("m")}};
 }
 
-std::vector<ScanEntry> list_e57(const std::filesystem::path& file) {
-  const E57File opened(file);
+std::vector<ScanEntry> list_e57(const std::filesystem::path& file, const ReadOptions& options) {
+  const E57File opened(file, {.salvage = options.salvage});
   const E57Contents& contents = opened.contents();
   std::vector<ScanEntry> entries;
   for (std::size_t i = 0; i < contents.scans.size(); ++i) {
@@ -53,16 +53,21 @@ std::vector<ScanEntry> list_e57(const std::filesystem::path& file) {
 }
 
 Scan read_e57_entry(const std::filesystem::path& file, const ScanEntry& entry) {
-  return read_e57(E57File(file), entry.index);
+  return read_e57(E57File(file, {.salvage = entry.salvage}), entry.index);
+}
+
+template <std::vector<ScanEntry> (*list)(const std::filesystem::path&)>
+std::vector<ScanEntry> listed_by(const std::filesystem::path& file, const ReadOptions&) {
+  return list(file);
 }
 
 constexpr ScanFormat kFormats[] = {
     {".e57", list_e57, read_e57_entry},
-    {".pcd", list_pcd, [](const auto& file, const ScanEntry&) { return read_pcd(file); }},
-    {".ply", list_ply, [](const auto& file, const ScanEntry&) { return read_ply(file); }},
-    {".ptx", list_ptx, read_ptx},
-    {".pts", list_pts, read_pts},
-    {".las", list_las, read_las},
+    {".pcd", listed_by<list_pcd>, [](const auto& file, const ScanEntry&) { return read_pcd(file); }},
+    {".ply", listed_by<list_ply>, [](const auto& file, const ScanEntry&) { return read_ply(file); }},
+    {".ptx", listed_by<list_ptx>, read_ptx},
+    {".pts", listed_by<list_pts>, read_pts},
+    {".las", listed_by<list_las>, read_las},
     {".exr", list_exr, [](const auto& file, const ScanEntry&) { return read_exr_scan(file); }},
 };
 
@@ -87,8 +92,10 @@ const ScanFormat& format_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::vector<ScanEntry> list_scans(const std::filesystem::path& file) {
-  return format_of(file).list(file);
+std::vector<ScanEntry> list_scans(const std::filesystem::path& file, const ReadOptions& options) {
+  auto entries = format_of(file).list(file, options);
+  for (ScanEntry& entry : entries) entry.salvage = options.salvage;
+  return entries;
 }
 
 Scan read_scan(const std::filesystem::path& file, const ScanEntry& entry) {

@@ -11,7 +11,7 @@ namespace hybrid::io {
 // headers; samples are not read, in text only counted. Throws ErrorKind::input naming the file, the place
 // (line or byte), what was expected, what was found and the remedy. An entry with a `problem` stands for a
 // scan that is there and cannot be read, while the others can.
-std::vector<ScanEntry> list_scans(const std::filesystem::path& file);
+std::vector<ScanEntry> list_scans(const std::filesystem::path& file, const ReadOptions& options = {});
 
 // One scan, without the others; the entry comes from list_scans of this file. Throws as list_scans does, and
 // the entry's problem. Allocates nothing before the header's counts are checked against the file's size.

@@ -51,11 +51,11 @@ ScanInfo describe(const Scan& scan, const std::string& format) {
   return info;
 }
 
-std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file) {
+std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file, const ReadOptions& options) {
   std::string format = file.extension().string();
   for (char& c : format)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  const auto entries = list_scans(file);
+  const auto entries = list_scans(file, options);
   std::vector<ScanInfo> result;
   std::optional<Error> last;
   for (const ScanEntry& entry : entries) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/scan.hpp"
+#include "io/scan_entry.hpp"
 
 namespace hybrid::io {
 
@@ -33,6 +34,6 @@ ScanInfo describe(const Scan& scan, const std::string& format);
 
 // Of every scan in a file, one in memory at a time. Throws as read_scan does; of several scans, only when
 // none can be read.
-std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file);
+std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace hybrid::io

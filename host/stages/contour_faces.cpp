@@ -129,12 +129,22 @@ void append(const PolygonModel& from, std::uint32_t id, ContourFaces& to) {
   }
 }
 
+bool can_be_drawn(PolygonModel polygons, const Pose& world_from_scan) {
+  for (Vec3& vertex : polygons.vertices) vertex = world_from_scan * vertex;
+  try {
+    triangulate(polygons);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentation& segmentation,
                                   const std::vector<std::uint8_t>& explained,
                                   const std::vector<std::uint8_t>& stray, double sigma_m,
-                                  const ContourFaceOptions& options) {
+                                  const ContourFaceOptions& options, const Pose& world_from_scan) {
   if (segmentation.sample_label.size() != image.count() || explained.size() != image.count() ||
       stray.size() != image.count())
     fail(ErrorKind::failed, "unexplained_contours: {} labels, {} and {} flags for an image of {} samples",
@@ -152,7 +162,8 @@ ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentati
     if (fit.unexplained_share < options.unexplained_share) continue;
     const auto rings = flat_rings(image, supercluster, options.straighten);
     const PolygonModel polygons = polygons_of(rings);
-    if (!polygons.faces.empty()) judge.weigh(supercluster, extents[k], rings, fit, result.covered);
+    if (!polygons.faces.empty() && can_be_drawn(polygons, world_from_scan))
+      judge.weigh(supercluster, extents[k], rings, fit, result.covered);
     if (fit.polygon) append(polygons, supercluster.id, result);
     result.fits.push_back(fit);
   }

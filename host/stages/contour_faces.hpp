@@ -1,5 +1,6 @@
 #pragma once
 #include "geometry/polygon_model.hpp"
+#include "geometry/pose.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
 #include "stages/decimate.hpp"
@@ -35,12 +36,13 @@ struct ContourFaces {
 // METHOD 4 and 10: superclusters that no proxy face explains (door leaves, recesses, jambs) as their contour
 // polygons, where the polygon is faithful; the others keep their samples, so that nothing becomes a hole.
 // `explained`: per node, as for keep_unexplained. `stray` (per node, stages::Stray) is no evidence of being
-// seen through. `sigma_m`: range noise. Vertices are dropped where the ring stays simple without them.
-// Throws ErrorKind::failed when the vectors are not the image's.
+// seen through. `sigma_m`: range noise. Vertices are dropped where the ring stays simple without them. A
+// polygon that can be triangulated in the scan's frame and not in the world's, where rounding is another, is
+// none. Throws ErrorKind::failed when the vectors are not the image's.
 ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentation& segmentation,
                                   const std::vector<std::uint8_t>& explained,
                                   const std::vector<std::uint8_t>& stray, double sigma_m,
-                                  const ContourFaceOptions& options = {});
+                                  const ContourFaceOptions& options = {}, const Pose& world_from_scan = {});
 
 // Discards the planar interiors that a contour polygon stands for (kUnexplained where covered).
 void discard_covered(const std::vector<std::uint8_t>& covered, Decimation& decimation);

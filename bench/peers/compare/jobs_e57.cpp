@@ -10,7 +10,12 @@ Job e57_job(const Setup& setup) {
   Program ours;
   ours.name = "hybrid";
   ours.ours = true;
-  ours.missing = "hybrid has no E57 reader of its own yet";
+  if (setup.e57.empty()) ours.missing = "no scan: give one with --e57 FILE";
+  ours.run = [=](const Case&) {
+    return run_peer({(setup.bin / "hybrid-read-bench").string(), setup.e57.string(), "--runs", "1",
+                     "--threads", std::to_string(setup.threads), "--report"},
+                    setup.run_limit_s);
+  };
   Program peer;
   peer.name = "libE57Format";
   peer.missing = missing_external(setup, "libe57_read");
