@@ -107,7 +107,7 @@ struct Size {
     const bool faultless = dynamic_cast<const NoInput*>(&problem) != nullptr;
     rows[p].reason = (faultless ? "" : "failed: ") + std::string(problem.what());
     // Ours is tried again: the peers need what it writes.
-    if (!faultless && !job.programs[p].ours)
+    if (!faultless && !job.programs[p].ours && job.larger_is_harder)
       histories[p].failure = "failed at " + at.size + ": " + problem.what();
   }
 

@@ -41,6 +41,7 @@ struct Job {
   std::string name;
   std::vector<Case> cases;        // ascending
   std::vector<Program> programs;  // ours first: what it writes may be the peers' input
+  bool larger_is_harder = true;   // a peer that fails is not tried at the next size
 };
 
 struct LadderOptions {

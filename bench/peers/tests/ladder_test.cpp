@@ -131,6 +131,20 @@ TEST_F(Ladder, AFailureIsNotTriedAgainAtALargerSize) {
   EXPECT_EQ(row_of(rows, "5 MP", "B").reason, "failed at 1 MP: crashed");
 }
 
+TEST_F(Ladder, AFailureIsTriedAgainWhereSmallIsHard) {
+  job.larger_is_harder = false;
+  job.programs = {fake("A", true, 1, log), fake("B", false, 1, log)};
+  const auto runs = job.programs[1].run;
+  job.programs[1].run = [=](const Case& at) {
+    if (at.samples < 2e6) throw std::runtime_error("crashed");
+    return runs(at);
+  };
+  const auto rows = run_ladder(job, options);
+  EXPECT_EQ(row_of(rows, "1 MP", "B").reason, "failed: crashed");
+  EXPECT_EQ(row_of(rows, "5 MP", "B").reason, "");
+  EXPECT_FALSE(row_of(rows, "5 MP", "B").runs.empty());
+}
+
 TEST_F(Ladder, LargeSizesAreForThoseThatSaySo) {
   job.cases[2].large = true;
   job.programs = {fake("A", true, 0.1, log), fake("B", false, 0.1, log)};
