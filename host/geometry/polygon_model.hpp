@@ -35,4 +35,8 @@ double face_area_m2(const PolygonModel& model, const Face& face);
 // ErrorKind::input naming them.
 std::vector<Triangle> triangulate(const PolygonModel& model);
 
+// Whether triangulate() takes the model. Rounding differs between frames: a contour polygon that is barely
+// simple in the scan's frame need not be in the world's, so ask in the frame that draws it.
+bool can_be_triangulated(const PolygonModel& model);
+
 }  // namespace hybrid

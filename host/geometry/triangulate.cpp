@@ -260,4 +260,13 @@ std::vector<Triangle> triangulate(const PolygonModel& model) {
   return triangles;
 }
 
+bool can_be_triangulated(const PolygonModel& model) {
+  try {
+    triangulate(model);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace hybrid

@@ -3,31 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.hpp"
 #include "io/picture.hpp"
 
 namespace hybrid::report {
 namespace {
 
-// Asked in the frame of the picture: a contour polygon that is simple where its scan was registered need not
-// be, by rounding, at the start pose.
-bool can_be_drawn(const PolygonModel& model, Face face) {
-  PolygonModel alone;
+PolygonModel alone(const PolygonModel& model, Face face) {
+  PolygonModel result;
   const auto take = [&](std::vector<std::uint32_t>& ring) {
     for (std::uint32_t& vertex : ring) {
-      alone.vertices.push_back(model.vertices[vertex]);
-      vertex = static_cast<std::uint32_t>(alone.vertices.size() - 1);
+      result.vertices.push_back(model.vertices[vertex]);
+      vertex = static_cast<std::uint32_t>(result.vertices.size() - 1);
     }
   };
   take(face.outer);
   for (auto& hole : face.holes) take(hole);
-  alone.faces.push_back(std::move(face));
-  try {
-    triangulate(alone);
-  } catch (const Error&) {
-    return false;
-  }
-  return true;
+  result.faces.push_back(std::move(face));
+  return result;
 }
 
 // Leaves out faces and samples that turn their back to the eye, so that one looks into the rooms from
@@ -39,7 +31,8 @@ void keep_fronts(const Vec3& eye, stages::RenderScene& scene) {
   std::vector<Face> contours;
   for (std::size_t i = 0; i < scene.contours.faces.size(); ++i) {
     if (face_plane(scene.contours, scene.contours.faces[i]).distance(eye) < 0) continue;
-    if (!can_be_drawn(scene.contours, scene.contours.faces[i])) continue;
+    // At the start pose, where nobody has asked yet.
+    if (!can_be_triangulated(alone(scene.contours, scene.contours.faces[i]))) continue;
     scans.push_back(scene.contour_scan[i]);
     contours.push_back(scene.contours.faces[i]);
   }

@@ -129,14 +129,9 @@ void append(const PolygonModel& from, std::uint32_t id, ContourFaces& to) {
   }
 }
 
-bool can_be_drawn(PolygonModel polygons, const Pose& world_from_scan) {
+PolygonModel moved(const Pose& world_from_scan, PolygonModel polygons) {
   for (Vec3& vertex : polygons.vertices) vertex = world_from_scan * vertex;
-  try {
-    triangulate(polygons);
-  } catch (const Error&) {
-    return false;
-  }
-  return true;
+  return polygons;
 }
 
 }  // namespace
@@ -162,7 +157,7 @@ ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentati
     if (fit.unexplained_share < options.unexplained_share) continue;
     const auto rings = flat_rings(image, supercluster, options.straighten);
     const PolygonModel polygons = polygons_of(rings);
-    if (!polygons.faces.empty() && can_be_drawn(polygons, world_from_scan))
+    if (!polygons.faces.empty() && can_be_triangulated(moved(world_from_scan, polygons)))
       judge.weigh(supercluster, extents[k], rings, fit, result.covered);
     if (fit.polygon) append(polygons, supercluster.id, result);
     result.fits.push_back(fit);

@@ -144,12 +144,7 @@ PolygonModel polygons_of(const std::vector<FlatRing>& rings) {
     if (!ring.outer)
       if (const auto i = owner(rings, ring))
         model.faces[face_of[*i]].holes.push_back(append_vertices(ring, model));
-  try {
-    triangulate(model);
-  } catch (const Error&) {
-    return {};  // its samples stay
-  }
-  return model;
+  return can_be_triangulated(model) ? model : PolygonModel();  // else its samples stay
 }
 
 }  // namespace hybrid::stages

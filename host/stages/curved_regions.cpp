@@ -21,33 +21,35 @@ constexpr double kMostBulge = 2;         // times the scatter
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
-// Every stride-th sample of the region's squares that lies on its plane, as its four neighbours do, as (a, b,
-// height). At its rim the region holds the first samples beyond an edge, which would bend a narrow strip.
-std::vector<Vec3> heights(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
-                          const SuperclusterOptions& options, const PlaneRegion& region) {
+// Every stride-th sample of the region's squares that lies on its plane, as (a, b, height); `inner`: those
+// whose four neighbours lie on it too.
+struct Heights {
+  std::vector<Vec3> all, inner;
+};
+Heights heights(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                const SuperclusterOptions& options, const PlaneRegion& region) {
   const int n = squares.square;
   const std::size_t total = region.squares.size() * static_cast<std::size_t>(n * n);
   const std::size_t stride = (total + kMostSamples - 1) / kMostSamples;
   const double noise = options.label_sigmas * std::max(squares.sigma_m, region.fit.rms_m);
-  std::vector<Vec3> samples;
+  const auto on_plane = [&](int row, int col) {
+    if (image.wraps) col = (col + image.cols) % image.cols;
+    if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return false;
+    const double height = region.fit.plane.distance(image.point(image.index(row, col)));
+    return std::abs(height) <= noise + options.waviness_m;  // false for NaN
+  };
+  Heights samples;
   for (std::size_t at = 0; at < total; at += stride) {
     const std::uint32_t square = region.squares[at / static_cast<std::size_t>(n * n)];
     const int inside = static_cast<int>(at % static_cast<std::size_t>(n * n));
     const int row = static_cast<int>(square) / grid.cols * n + inside / n;
     const int col = static_cast<int>(square) % grid.cols * n + inside % n;
-    if (row >= image.rows || col >= image.cols) continue;
-    const auto on_plane = [&](int r, int c) {
-      if (image.wraps) c = (c + image.cols) % image.cols;
-      if (r < 0 || r >= image.rows || c < 0 || c >= image.cols) return false;
-      const double height = region.fit.plane.distance(image.point(image.index(r, c)));
-      return std::abs(height) <= noise + options.waviness_m;
-    };
-    if (!(on_plane(row, col) && on_plane(row - 1, col) && on_plane(row + 1, col) && on_plane(row, col - 1) &&
-          on_plane(row, col + 1)))
-      continue;
+    if (row >= image.rows || col >= image.cols || !on_plane(row, col)) continue;
     const Vec3 point = image.point(image.index(row, col)), arm = point - region.fit.centroid;
-    samples.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
-                         region.fit.plane.distance(point));
+    samples.all.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
+                             region.fit.plane.distance(point));
+    if (on_plane(row - 1, col) && on_plane(row + 1, col) && on_plane(row, col - 1) && on_plane(row, col + 1))
+      samples.inner.push_back(samples.all.back());
   }
   return samples;
 }
@@ -191,8 +193,13 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
     if (region.curved || region.squares.empty()) return;
     Verdict& verdict = verdicts[i];
     verdict.facet = is_facet(image, squares, grid, options, regions, static_cast<std::uint32_t>(i + 1));
-    verdict.curved =
-        verdict.facet || bends(heights(image, squares, grid, options, region), options.min_curvature);
+    verdict.curved = verdict.facet;
+    if (verdict.facet) return;
+    // At its rim the region holds the first samples beyond an edge, which bend a narrow strip: without them
+    // it must bend as well, as far as what is left can show it.
+    const Heights samples = heights(image, squares, grid, options, region);
+    verdict.curved = bends(samples.all, options.min_curvature) &&
+                     (!can_bend(samples.inner) || bends(samples.inner, options.min_curvature));
   });
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     regions.regions[i].curved |= verdicts[i].curved;

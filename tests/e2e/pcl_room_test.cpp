@@ -42,10 +42,9 @@ TEST(PclRoom, both_real_scans_register_to_the_proxy_measured_from_the_first) {
   const auto summary = nlohmann::json::parse(io::read_text(scratch / "summary.json"));
   for (const auto& scan : summary["scans"]) {
     const auto& registration = scan["registration"];
-    // Measured 0.998 and 0.794 (0.847 while the recess's header, 5 squares that scatter by 9 mm, was called a
-    // plane and fewer upright faces of furniture were found). Most of the rest of scan 2 is the hall's south
-    // wall, which scan 1 does not see and the proxy therefore lacks.
-    EXPECT_GT(registration["wall_after_icp"]["within_10cm"], scan["id"] == "scan1" ? 0.98 : 0.78)
+    // Measured 0.998 and 0.816. Most of the rest of scan 2 is the hall's south wall, which scan 1 does not
+    // see and the proxy therefore lacks.
+    EXPECT_GT(registration["wall_after_icp"]["within_10cm"], scan["id"] == "scan1" ? 0.98 : 0.8)
         << scan["id"];
     EXPECT_GE(registration["wall_after_icp"]["within_5cm"], registration["wall_before_icp"]["within_5cm"])
         << scan["id"];

@@ -77,8 +77,9 @@ echo '{"seconds": 4, "package": "fake 7", "settings": "none | any", "samples": 8
   EXPECT_NE(finished.output.find("none   any |"), std::string::npos) << finished.output;
   EXPECT_EQ(row("1 MP", "AHC / PEAC").at("package"), "fake 7");
   EXPECT_EQ(row("1 MP", "AHC / PEAC").at("runs").size(), 2u);
-  EXPECT_NE(text("external/log").find("--range " + folder.string() + "/work/ours/1/scans/west/range.exr"),
-            std::string::npos);
+  EXPECT_NE(
+      text("external/log").find("--range " + (folder / "work" / "ours/1/scans/west/range.exr").string()),
+      std::string::npos);
 }
 
 TEST_F(Compare, AFailureIsRepeatedAndTheRestGoesOn) {
