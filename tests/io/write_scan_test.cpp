@@ -218,6 +218,29 @@ TEST(WriteScan, SamplesBesideTheGridAreNoPartOfIt) {
   EXPECT_EQ(through(folder, "a.ply", scan).points.back(), (std::array<float, 3>{7, 8, 9}));
 }
 
+// As E57 files of scanners are: nodes without a sample have no record, and a node may have a second return.
+TEST(WriteScan, AGridWithMissingNodesIsFilledWithNoReturns) {
+  const ScanFolder folder;
+  Scan scan = full_scan(3, 2);
+  scan.intensity.resize(4);
+  scan.points = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}};
+  scan.rgb.resize(4);
+  scan.node = {5, 0, 2, Scan::kNoNode};  // row * 2 + column
+  for (const char* name : {"a.ptx", "a.pcd"}) {
+    const auto losses = io::losses_of(io::writer_for(name), scan);
+    EXPECT_EQ(losses.dropped, std::vector<std::string>{"samples beside the grid (1)"}) << name;
+    const Scan read = through(folder, name, scan);
+    ASSERT_EQ(read.points.size(), 6u) << name;
+    const auto at = [&](int row, int col) { return read.points[read.grid_index(row, col)]; };
+    EXPECT_EQ(at(2, 1), scan.points[0]);
+    EXPECT_EQ(at(0, 0), scan.points[1]);
+    EXPECT_EQ(at(1, 0), scan.points[2]);
+    EXPECT_FALSE(at(0, 1)[0] > 0);
+    EXPECT_EQ(read.intensity[read.grid_index(2, 1)], scan.intensity[0]);
+    EXPECT_EQ(read.rgb[read.grid_index(1, 0)], scan.rgb[2]);
+  }
+}
+
 TEST(WriteScan, OtherExtensionsAreNamedWithThoseThereAre) {
   EXPECT_TRUE(holds(error_of(ErrorKind::usage, [] { io::writer_for("a.xyz"); }),
                     ".ptx, .pts, .ply, .pcd, .las, found .xyz"));
