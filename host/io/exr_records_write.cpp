@@ -38,9 +38,10 @@ std::string encoding_of(const E57Field& field, const FieldChannels& channels) {
   if (channels.kind == FieldChannels::double_halves) return "double, its low and high 32 bits";
   if (channels.kind == FieldChannels::two_words) raw = channels.names[0] + " + 2^32 * " + channels.names[1];
   if (channels.kind != FieldChannels::constant && field.minimum != 0)
-    raw += fmt::format(" + {}", field.minimum);
-  return field.type == E57Type::scaled_integer ? fmt::format("({}) * {} + {}", raw, field.scale, field.offset)
-                                               : raw;
+    raw += fmt::format(" + ({})", field.minimum);
+  if (field.type != E57Type::scaled_integer) return raw;
+  return fmt::format("({}) * {}{}", raw, field.scale,
+                     field.offset == 0 ? "" : fmt::format(" + ({})", field.offset));
 }
 
 class Writer {

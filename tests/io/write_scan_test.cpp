@@ -243,7 +243,7 @@ TEST(WriteScan, AGridWithMissingNodesIsFilledWithNoReturns) {
 
 TEST(WriteScan, OtherExtensionsAreNamedWithThoseThereAre) {
   EXPECT_TRUE(holds(error_of(ErrorKind::usage, [] { io::writer_for("a.xyz"); }),
-                    ".ptx, .pts, .ply, .pcd, .las, found .xyz"));
+                    ".ptx, .pts, .ply, .pcd, .las, .e57, .exr, found .xyz"));
 }
 
 TEST(WriteScan, NoReturnsAtAll) {
