@@ -138,6 +138,28 @@ TEST_F(ConvertRecords, WhatIsWrongIsNamed) {
   EXPECT_EQ(Json::parse(hybrid("info saved.e57 --json").out)["scans"].size(), 2u);
 }
 
+TEST_F(ConvertRecords, ADamagedScanDoesNotStopTheOthers) {
+  std::string text;
+  for (int scan = 0; scan < 3; ++scan) {
+    text += "20\n30\n" + kHeader.substr(4) + "0 0 0 1\n";
+    for (int i = 0; i < 600; ++i) text += std::to_string(i) + ".5 2 3 0.25\n";
+  }
+  write("a.ptx", text);
+  expect_done("convert a.ptx a.e57");
+  std::string damaged = bytes("a.e57");  // three scans of 13 KB and the description
+  damaged[20'000] = static_cast<char>(damaged[20'000] ^ 1);
+  write("b.e57", damaged);
+  for (const std::string out : {"c.e57", "c.exr"}) {
+    const Outcome outcome = hybrid("convert b.e57 " + out);
+    EXPECT_EQ(outcome.exit_code, 3);
+    EXPECT_TRUE(holds(outcome.err, "scan b-1") && holds(outcome.err, "(page 19)")) << outcome.err;
+  }
+  expect_done("convert c-2.exr c-0.exr d.e57");
+  EXPECT_TRUE(same("c.e57", "d.e57"));
+  EXPECT_EQ(Json::parse(hybrid("info d.e57 --json").out)["scans"].size(), 2u);
+  EXPECT_FALSE(fs::exists(folder_ / "c-1.exr"));
+}
+
 // A list in a range image is the list that was in the file: the same planes, bytes and all.
 TEST_F(ConvertRecords, AListOfPointsIsTheSameInputForPlanes) {
   const fs::path room = data("scans/pcl-room/room_scan1.pcd");
