@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "batch/planes_json.hpp"
 #include "core/log.hpp"
+#include "core/parallel.hpp"
 #include "geometry/colour.hpp"
 #include "io/exr.hpp"
 #include "io/output.hpp"
@@ -116,13 +118,18 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
   const auto& image = product.image;
   if (product.recorded_pose)  // unless a better one is given
     attributes.try_emplace("world_from_scan", nlohmann::json(row_major(*product.recorded_pose)).dump());
-  write_extra(folder, scan);
-  io::write_range_exr(folder / "range.exr", image, attributes);
-  io::write_png(folder / "range.png", stages::range_picture(image));
-  io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));
-  io::write_exr(folder / "labels.exr", image.cols, image.rows,
-                {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
-  io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n");
+  // Encoding takes longer than the disk, and most encoders run on one thread.
+  const std::function<void()> writers[] = {
+      [&] { io::write_range_exr(folder / "range.exr", image, attributes); },
+      [&] { write_extra(folder, scan); },
+      [&] { io::write_png(folder / "range.png", stages::range_picture(image)); },
+      [&] { io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation)); },
+      [&] {
+        io::write_exr(folder / "labels.exr", image.cols, image.rows,
+                      {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
+      },
+      [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); }};
+  parallel_for(std::size(writers), [&](std::size_t i) { writers[i](); });
 }
 
 ScanRemains keep_remains(Scan scan, const RangeImage& image) {

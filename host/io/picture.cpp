@@ -206,6 +206,7 @@ void write_png(const fs::path& file, const Image8& image) {
   OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
   spec["oiio:ColorSpace"] = "sRGB";
   spec["oiio:UnassociatedAlpha"] = 1;
+  spec["png:compressionLevel"] = 3;  // half the time of the default 6 for a fifth more bytes
   if (!output || !output->open("memory.png", spec) ||
       !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
     fail(ErrorKind::failed, "{}: cannot encode: {}", file.string(),

@@ -24,12 +24,13 @@ std::uintmax_t pages(std::uintmax_t bytes) {
 }
 
 // What the mini scene gives on a file system of so many pages; its files are copied to `copy`.
+// On one thread the writers of a scan's files work in order, so that each meets the full disk in turn.
 Outcome run_on_small_disk(std::uintmax_t disk_pages, const fs::path& copy) {
   const Scratch disk;
   const std::string folder = disk.path().string();
   return run_with_mounts(
       fmt::format("mount -t tmpfs -o size={}k none {}\n"
-                  "hybrid run {} --quiet --out {}/out\n"
+                  "hybrid run {} --threads 1 --quiet --out {}/out\n"
                   "code=$?\n"
                   "cp -a {}/out {}\n"
                   "exit $code\n",
