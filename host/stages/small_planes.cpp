@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <queue>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
@@ -108,13 +107,18 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& fl
     const int top = std::max(row - kBlock, 0), left = std::max(col - kBlock, 0);
     const Tile limits{top, left, std::min(row + 2 * kBlock, image.rows) - top,
                       std::min(col + 2 * kBlock, image.cols) - left};
-    std::unordered_set<std::uint32_t> covered;
+    std::vector<bool> covered(static_cast<std::size_t>(limits.rows) * static_cast<std::size_t>(limits.cols));
+    const auto inside = [&](std::uint32_t i) {
+      const int r = static_cast<int>(i) / image.cols - top, c = static_cast<int>(i) % image.cols - left;
+      return static_cast<std::size_t>(r) * static_cast<std::size_t>(limits.cols) +
+             static_cast<std::size_t>(c);
+    };
     for (const WindowSeed& seed : of_block[b]) {
-      if (covered.contains(seed.member)) continue;
-      const PlaneFlood flood = flooder.flood(seed, limits);
-      if (flood.samples.size() < least) continue;
-      covered.insert(flood.samples.begin(), flood.samples.end());
-      found[b].push_back({flood.samples.size(), seed});
+      if (covered[inside(seed.member)]) continue;
+      const auto samples = flooder.samples(seed, limits);
+      if (samples.size() < least) continue;
+      for (const std::uint32_t i : samples) covered[inside(i)] = true;
+      found[b].push_back({samples.size(), seed});
     }
   });
   std::vector<Candidate> candidates;
