@@ -15,6 +15,7 @@ constexpr std::size_t kMostHeights = 4000;  // of a flood in a quadratic fit
 constexpr std::size_t kNarrow = 4;          // samples
 constexpr int kReach = 2;                   // samples from a curved flood
 constexpr double kContinuitySigmas = 3;
+constexpr double kMostStretch = 3;  // of a step, against the plane's own
 constexpr int kSides = 4;
 
 // Index of the node `steps` beyond sample `i` to the right, below, left or above; none outside the image.
@@ -30,23 +31,27 @@ bool covers(const PlaneFlood& flood, std::uint32_t sample) {
   return std::binary_search(flood.samples.begin(), flood.samples.end(), sample);
 }
 
-// The step leaves the plane by less than 45 degrees, and `slack_m`.
-bool shallow(const Vec3& step, const Vec3& normal, double slack_m) {
-  const double out = std::abs(normal.dot(step));
-  return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m;
+// The surface of the plane may go on from a sample to another: by less than 45 degrees and `slack_m` out of
+// the plane, and not over a gap. Along grazing rays what lies behind an edge is little out of the plane, and
+// far.
+bool goes_on_to(const RayPlane& plane, const Vec3& from, const Vec3& to, double slack_m) {
+  const Vec3 step = to - from;
+  const double out = std::abs(plane.plane().normal.dot(step));
+  return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m &&
+         step.norm() <= kMostStretch * (plane.seen(to) - from).norm() + slack_m;
 }
 
 // The surface goes on beyond sample `i` for two more samples outside the flood, across the strip: along it
 // one may step from sample to sample of another face. Only the first of the two may be a noisy step away:
 // noise must not make an edge of 90 degrees shallow.
-bool goes_on(const RangeImage& image, const PlaneFlood& flood, const Vec3& normal, double slack_m,
-             bool upright, std::uint32_t i) {
+bool goes_on(const RangeImage& image, const PlaneFlood& flood, double slack_m, bool upright,
+             std::uint32_t i) {
   for (int side = upright ? 0 : 1; side < kSides; side += 2) {
     const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
     if (!first || !second || covers(flood, *first) || covers(flood, *second)) continue;
     if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) continue;
-    if (shallow(image.point(*first) - image.point(i), normal, slack_m) &&
-        shallow(image.point(*second) - image.point(*first), normal, 0))
+    if (goes_on_to(flood.plane, image.point(i), image.point(*first), slack_m) &&
+        goes_on_to(flood.plane, image.point(*first), image.point(*second), 0))
       return true;
   }
   return false;
@@ -102,16 +107,16 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
   const auto rows = static_cast<std::size_t>(row(flood.samples.back()) - row(flood.samples.front()) + 1);
   const auto width = static_cast<std::size_t>(std::count(cols.begin(), cols.end(), 1));
   if (flood.samples.size() >= kNarrow * std::max(rows, width)) return false;
-  const Vec3 normal = flood.plane.plane().normal;
   const auto smooth = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-    return goes_on(image, flood, normal, kContinuitySigmas * sigma_m, rows >= width, i);
+    return goes_on(image, flood, kContinuitySigmas * sigma_m, rows >= width, i);
   });
   return static_cast<double>(smooth) > share * static_cast<double>(flood.samples.size());
 }
 
-bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
-                          double sigma_m, std::uint32_t sample,
+bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use,
+                          const RayPlane& plane, double sigma_m, std::uint32_t sample,
                           const std::function<Vec3(std::uint32_t)>& blocked_normal) {
+  const Vec3 normal = plane.plane().normal;
   const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
   for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, image.rows - 1); ++r)
     for (int step = -kReach; step <= kReach; ++step) {
@@ -121,7 +126,7 @@ bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_
       const std::size_t other = image.index(r, c);
       if (use[other] == kBlocked &&
           std::abs(blocked_normal(static_cast<std::uint32_t>(other)).dot(normal)) > std::numbers::sqrt2 / 2 &&
-          shallow(image.point(other) - image.point(sample), normal, kContinuitySigmas * sigma_m))
+          goes_on_to(plane, image.point(sample), image.point(other), kContinuitySigmas * sigma_m))
         return true;
     }
   return false;

@@ -135,9 +135,8 @@ std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int sid
 SampleUse judge(const RangeImage& image, const std::vector<std::uint8_t>& use, const PlaneFlood& flood,
                 const PlaneRegion& region, double sigma_m, double min_curvature,
                 const std::function<Vec3(std::uint32_t)>& blocked_normal) {
-  const Vec3 normal = flood.plane.plane().normal;
   const auto beside_curved = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-    return meets_curved_surface(image, use, normal, sigma_m, i, blocked_normal);
+    return meets_curved_surface(image, use, flood.plane, sigma_m, i, blocked_normal);
   });
   const auto samples = static_cast<double>(flood.samples.size());
   const bool scattered = flood.chi2 > kMostChi2 * (samples - 3);
