@@ -120,6 +120,21 @@ void own_squares(const RangeImage& image, const SquarePlanes& squares, const Squ
       regions.regions[id - 1].squares.push_back(static_cast<std::uint32_t>(i));
 }
 
+// Forgets the small planes that other planes left with fewer than `least` samples: what remains of them may
+// still lie on the others. True when there were any.
+bool drop_left_overs(const std::vector<std::uint32_t>& labels, std::int64_t least, PlaneRegions& regions,
+                     SquarePresence& presence) {
+  std::vector<std::int64_t> samples(regions.regions.size() + 1);
+  for (const std::uint32_t label : labels) samples[label] += 1;
+  const auto left_over = [&](std::uint32_t id) {
+    return regions.regions[id - 1].small && samples[id] < least;
+  };
+  const auto dropped = std::erase_if(presence, [&](const auto& entry) { return left_over(entry.second); });
+  for (std::uint32_t id = 1; id <= regions.regions.size(); ++id)
+    if (left_over(id)) regions.regions[id - 1].small = false;
+  return dropped > 0;
+}
+
 // New id per region: largest sample count first, ties by the first square; 0 for what became no supercluster,
 // small planes left with fewer than `least` samples among it.
 std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measured,
@@ -244,12 +259,17 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   if (options.min_plane_samples > 0)
     presence = recover_small_planes(queue, image, squares, grid, labels, options, regions, planes);
   // The second pass competes with the planes refitted to the first one's labels, and with the small ones.
-  labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
-                         planes, options);
-  refit_planes(image, squares.square, labels, planes);
+  const auto compete = [&] {
+    labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
+                           planes, options);
+    refit_planes(image, squares.square, labels, planes);
+  };
+  compete();
+  const std::int64_t least = least_plane_samples(image, options);
+  if (drop_left_overs(labels, least, regions, presence)) compete();
   own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
-  const auto ids = number_regions(measured, regions, least_plane_samples(image, options));
+  const auto ids = number_regions(measured, regions, least);
   return assemble(squares, grid, regions, ids, std::move(labels), std::move(measured));
 }
 
