@@ -16,6 +16,8 @@ constexpr std::size_t kNarrow = 4;          // samples
 constexpr int kReach = 2;                   // samples from a curved flood
 constexpr double kContinuitySigmas = 3;
 constexpr double kMostStretch = 3;  // of a step, against the plane's own
+constexpr double kLeastEdge = 10 * std::numbers::pi / 180;
+constexpr double kMostTurn = 0.25;  // of what the surface turned before
 constexpr int kSides = 4;
 
 // Index of the node `steps` beyond sample `i` to the right, below, left or above; none outside the image.
@@ -41,20 +43,51 @@ bool goes_on_to(const RayPlane& plane, const Vec3& from, const Vec3& to, double 
          step.norm() <= kMostStretch * (plane.seen(to) - from).norm() + slack_m;
 }
 
+// Angle by which a step leaves the plane, signed.
+double slope(const Vec3& normal, const Vec3& step) {
+  const double out = normal.dot(step);
+  return std::atan2(out, std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)));
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// One side of a strip: where the surface goes on beyond the rim.
+struct Rim {
+  std::size_t smooth = 0;                     // samples from which it does
+  std::array<std::vector<double>, 3> slopes;  // of the steps to them, and of the second and third beyond them
+
+  // It turns between the rim and the second step, and no more after that: beyond an edge lies another plane.
+  // A curved surface turns on by half of that.
+  bool is_edge() {
+    if (slopes[0].empty() || 2 * slopes[0].size() < smooth) return false;
+    const double turned = median(slopes[1]) - median(slopes[0]),
+                 turns = median(slopes[2]) - median(slopes[1]);
+    return std::abs(turned) >= kLeastEdge && turns * turned < kMostTurn * turned * turned;
+  }
+};
+
 // The surface goes on beyond sample `i` for two more samples outside the flood, across the strip: along it
 // one may step from sample to sample of another face. Only the first of the two may be a noisy step away:
 // noise must not make an edge of 90 degrees shallow.
-bool goes_on(const RangeImage& image, const PlaneFlood& flood, double slack_m, bool upright,
-             std::uint32_t i) {
-  for (int side = upright ? 0 : 1; side < kSides; side += 2) {
-    const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
-    if (!first || !second || covers(flood, *first) || covers(flood, *second)) continue;
-    if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) continue;
-    if (goes_on_to(flood.plane, image.point(i), image.point(*first), slack_m) &&
-        goes_on_to(flood.plane, image.point(*first), image.point(*second), 0))
-      return true;
-  }
-  return false;
+void look_beyond(const RangeImage& image, const PlaneFlood& flood, const Vec3& normal, double slack_m,
+                 int side, std::uint32_t i, Rim& rim) {
+  const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
+  if (!first || !second || covers(flood, *first) || covers(flood, *second)) return;
+  if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) return;
+  const Vec3 from = image.point(i), to = image.point(*first), on = image.point(*second);
+  if (!goes_on_to(flood.plane, from, to, slack_m) || !goes_on_to(flood.plane, to, on, 0)) return;
+  rim.smooth += 1;
+  const auto before = beyond(image, i, side, -1), third = beyond(image, i, side, 3);
+  if (!before || !covers(flood, *before) || !third || image.mask[*third] != kMeasured ||
+      !goes_on_to(flood.plane, on, image.point(*third), slack_m))
+    return;
+  rim.slopes[0].push_back(slope(normal, from - image.point(*before)));
+  rim.slopes[1].push_back(slope(normal, on - to));
+  rim.slopes[2].push_back(slope(normal, image.point(*third) - on));
 }
 
 }  // namespace
@@ -107,9 +140,14 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
   const auto rows = static_cast<std::size_t>(row(flood.samples.back()) - row(flood.samples.front()) + 1);
   const auto width = static_cast<std::size_t>(std::count(cols.begin(), cols.end(), 1));
   if (flood.samples.size() >= kNarrow * std::max(rows, width)) return false;
-  const auto smooth = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-    return goes_on(image, flood, kContinuitySigmas * sigma_m, rows >= width, i);
-  });
+  const Vec3 normal = flood.plane.plane().normal;
+  std::size_t smooth = 0;
+  for (int side = rows >= width ? 0 : 1; side < kSides; side += 2) {
+    Rim rim;
+    for (const std::uint32_t i : flood.samples)
+      look_beyond(image, flood, normal, kContinuitySigmas * sigma_m, side, i, rim);
+    if (!rim.is_edge()) smooth += rim.smooth;
+  }
   return static_cast<double>(smooth) > share * static_cast<double>(flood.samples.size());
 }
 
