@@ -18,6 +18,7 @@ constexpr double kContinuitySigmas = 3;
 constexpr double kMostStretch = 3;  // of a step, against the plane's own
 constexpr double kLeastEdge = 10 * std::numbers::pi / 180;
 constexpr double kMostTurn = 0.25;  // of what the surface turned before
+constexpr double kFlat = 0.07;
 constexpr int kSides = 4;
 
 // Index of the node `steps` beyond sample `i` to the right, below, left or above; none outside the image.
@@ -60,13 +61,15 @@ struct Rim {
   std::size_t smooth = 0;                     // samples from which it does
   std::array<std::vector<double>, 3> slopes;  // of the steps to them, and of the second and third beyond them
 
-  // It turns between the rim and the second step, and no more after that: beyond an edge lies another plane.
-  // A curved surface turns on by half of that.
+  // Beyond an edge lies another plane. Then the surface turns on by the second step and no more after that,
+  // where a curved one turns by half as much again; or it does not turn at all up to the rim, where a curved
+  // strip two samples wide turns by a seventh of what it has turned at the third step.
   bool is_edge() {
     if (slopes[0].empty() || 2 * slopes[0].size() < smooth) return false;
-    const double turned = median(slopes[1]) - median(slopes[0]),
-                 turns = median(slopes[2]) - median(slopes[1]);
-    return std::abs(turned) >= kLeastEdge && turns * turned < kMostTurn * turned * turned;
+    const double rim = median(slopes[0]), second = median(slopes[1]), third = median(slopes[2]);
+    const double turned = second - rim, turns = third - second;
+    return (std::abs(turned) >= kLeastEdge && turns * turned < kMostTurn * turned * turned) ||
+           (std::abs(third) >= 2 * kLeastEdge && std::abs(rim) < kFlat * std::abs(third));
   }
 };
 
