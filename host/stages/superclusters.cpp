@@ -9,6 +9,7 @@
 #include "stages/absorb_squares.hpp"
 #include "stages/coplanar_merge.hpp"
 #include "stages/curved_regions.hpp"
+#include "stages/refuted_planes.hpp"
 #include "stages/sample_labels.hpp"
 #include "stages/small_planes.hpp"
 
@@ -118,21 +119,6 @@ void own_squares(const RangeImage& image, const SquarePlanes& squares, const Squ
   for (std::size_t i = 0; i < regions.of_square.size(); ++i)
     if (const std::uint32_t id = regions.of_square[i]; id != 0 && regions.regions[id - 1].small)
       regions.regions[id - 1].squares.push_back(static_cast<std::uint32_t>(i));
-}
-
-// Forgets the small planes that other planes left with fewer than `least` samples: what remains of them may
-// still lie on the others. True when there were any.
-bool drop_left_overs(const std::vector<std::uint32_t>& labels, std::int64_t least, PlaneRegions& regions,
-                     SquarePresence& presence) {
-  std::vector<std::int64_t> samples(regions.regions.size() + 1);
-  for (const std::uint32_t label : labels) samples[label] += 1;
-  const auto left_over = [&](std::uint32_t id) {
-    return regions.regions[id - 1].small && samples[id] < least;
-  };
-  const auto dropped = std::erase_if(presence, [&](const auto& entry) { return left_over(entry.second); });
-  for (std::uint32_t id = 1; id <= regions.regions.size(); ++id)
-    if (left_over(id)) regions.regions[id - 1].small = false;
-  return dropped > 0;
 }
 
 // New id per region: largest sample count first, ties by the first square; 0 for what became no supercluster,
@@ -266,7 +252,7 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   };
   compete();
   const std::int64_t least = least_plane_samples(image, options);
-  if (drop_left_overs(labels, least, regions, presence)) compete();
+  if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete();
   own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
   const auto ids = number_regions(measured, regions, least);
