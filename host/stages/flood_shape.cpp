@@ -112,27 +112,18 @@ PlaneRegion region_of_flood(const RangeImage& image, const PlaneFlood& flood) {
 bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
                  double min_curvature, bool scattered) {
   const std::size_t stride = (flood.samples.size() + kMostHeights - 1) / kMostHeights;
-  std::vector<Vec3> all, inner;
-  std::array<std::vector<Vec3>, kSides> trimmed;  // without the outermost samples of one side
+  PlaneHeights heights;
   for (std::size_t k = 0; k < flood.samples.size(); k += stride) {
     const Vec3 arm = image.point(flood.samples[k]) - region.fit.centroid;
-    all.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
-                     arm.dot(region.fit.plane.normal));
-    bool inside = true;
+    std::array<bool, kSides> neighbours{};
     for (int side = 0; side < kSides; ++side) {
       const auto next = beyond(image, flood.samples[k], side, 1);
-      const bool covered = next && covers(flood, *next);
-      if (covered) trimmed[static_cast<std::size_t>(side)].push_back(all.back());
-      inside = inside && covered;
+      neighbours[static_cast<std::size_t>(side)] = next && covers(flood, *next);
     }
-    if (inside) inner.push_back(all.back());
+    heights.add({arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), arm.dot(region.fit.plane.normal)},
+                neighbours);
   }
-  if (!bends(all, min_curvature)) return false;
-  if (scattered) return true;
-  const auto may_bend = [&](const std::vector<Vec3>& part) {
-    return !can_bend(part) || bends(part, min_curvature);
-  };
-  return may_bend(inner) && std::all_of(trimmed.begin(), trimmed.end(), may_bend);
+  return scattered ? bends(heights.all, min_curvature) : heights.bend(min_curvature);
 }
 
 bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood, double sigma_m,

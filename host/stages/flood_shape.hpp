@@ -12,9 +12,8 @@ namespace hybrid::stages {
 // Moments, plane and axes of the flood's samples; no squares.
 PlaneRegion region_of_flood(const RangeImage& image, const PlaneFlood& flood);
 
-// The flood bends (curved_regions.hpp, bends()). One whose scatter the noise explains is asked more closely:
-// at its rim it may have taken in the first samples beyond an edge. Then the rest must bend as well whichever
-// side loses its outermost samples, and without the outermost of all sides.
+// The flood bends (curved_regions.hpp): all of it where its scatter is more than the noise explains, else
+// also without its rim.
 bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
                  double min_curvature, bool scattered);
 
