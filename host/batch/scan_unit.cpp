@@ -105,6 +105,7 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
   product.segmentation = stages::grow_superclusters(queue, product.image, squares, options.superclusters);
   progress.step("contours", unit);
   product.boundary = stages::trace_contours(queue, product.image, product.segmentation, options.contours);
+  product.intersections = stages::find_intersections(product.image, product.segmentation);
   progress.step("decimate", unit);
   product.decimation =
       stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
@@ -128,7 +129,12 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
         io::write_exr(folder / "labels.exr", image.cols, image.rows,
                       {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
       },
-      [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); }};
+      [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); },
+      [&] { io::write_text(folder / "intersections.obj", intersections_obj(product)); },
+      [&] {
+        io::write_png(folder / "intersections.png",
+                      stages::intersection_picture(image, product.segmentation, product.intersections));
+      }};
   parallel_for(std::size(writers), [&](std::size_t i) { writers[i](); });
 }
 
