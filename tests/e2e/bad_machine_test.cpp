@@ -86,10 +86,10 @@ TEST(BadMachine, hybrid_planes_on_a_full_disk) {
   SKIP_WITHOUT_MOUNTS();
   const Scratch disk;
   const std::string folder = disk.path().string();
-  const auto outcome =
-      run_with_mounts("mount -t tmpfs -o size=32k none " + folder + "\nhybrid planes " +
-                      (mini_scene() / "s.ply").string() + " --threads 1 --quiet --out " + folder + "/out; code=$?\n" +
-                      "find " + folder + "/out -name '.*' -o -name summary.json; exit $code\n");
+  const auto outcome = run_with_mounts("mount -t tmpfs -o size=32k none " + folder + "\nhybrid planes " +
+                                       (mini_scene() / "s.ply").string() + " --threads 1 --quiet --out " +
+                                       folder + "/out; code=$?\n" + "find " + folder +
+                                       "/out -name '.*' -o -name summary.json; exit $code\n");
   expect_failure(outcome, 75, {"range.exr", "the disk is full"});
   EXPECT_EQ(outcome.out, "");
 }
