@@ -14,6 +14,7 @@
 #include "io/ply.hpp"
 #include "io/range_exr.hpp"
 #include "stages/class_picture.hpp"
+#include "stages/straight_contours.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -106,6 +107,7 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
   progress.step("contours", unit);
   product.boundary = stages::trace_contours(queue, product.image, product.segmentation, options.contours);
   product.intersections = stages::find_intersections(product.image, product.segmentation);
+  stages::straighten_contours(product.image, product.intersections, product.segmentation);
   progress.step("decimate", unit);
   product.decimation =
       stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
