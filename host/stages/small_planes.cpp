@@ -15,12 +15,12 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr float kWindowShare = 0.7f;    // of a window's samples, as METHOD 2 asks of a square
-constexpr float kWindowSigmas = 4;      // of chi2's standard deviation
-constexpr float kWindowCosine = 0.02f;  // noise along rays nearer to grazing leaves no plane
-constexpr double kLeastNoise_m = 1e-4;  // as estimate_range_noise(): what floats and the model leave
-constexpr int kBlock = 64;              // samples; floods of a block look one block around it
-constexpr double kMostChi2 = 1.6;       // per sample
+constexpr float kWindowShare = 0.7f;      // of a window's samples, as METHOD 2 asks of a square
+constexpr float kWindowSigmas = 4;        // of chi2's standard deviation
+constexpr float kWindowCosine = 0.02f;    // noise along rays nearer to grazing leaves no plane
+constexpr double kLeastNoise_m = 1e-4;    // as estimate_range_noise(): what floats and the model leave
+constexpr int kBlock = 64, kAround = 16;  // samples; floods of a block look so far around it
+constexpr double kMostChi2 = 1.6;         // per sample
 constexpr double kMostBesideCurved = 0.3;
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
@@ -88,8 +88,8 @@ struct Candidate {
   }
 };
 
-// Floods from the seeds of each block that no earlier flood of the block covers, no farther than one block
-// around: how much a seed is worth. Blocks do not see each other.
+// Floods from the seeds of each block that no earlier flood of the block covers, no farther than
+// kAround: how much a seed is worth. Blocks do not see each other.
 std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& flooder,
                                  const std::vector<WindowSeed>& seeds, std::size_t least) {
   const int block_cols = (image.cols + kBlock - 1) / kBlock, block_rows = (image.rows + kBlock - 1) / kBlock;
@@ -104,9 +104,9 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& fl
   parallel_for(of_block.size(), [&](std::size_t b) {
     const int row = static_cast<int>(b) / block_cols * kBlock,
               col = static_cast<int>(b) % block_cols * kBlock;
-    const int top = std::max(row - kBlock, 0), left = std::max(col - kBlock, 0);
-    const Tile limits{top, left, std::min(row + 2 * kBlock, image.rows) - top,
-                      std::min(col + 2 * kBlock, image.cols) - left};
+    const int top = std::max(row - kAround, 0), left = std::max(col - kAround, 0);
+    const Tile limits{top, left, std::min(row + kBlock + kAround, image.rows) - top,
+                      std::min(col + kBlock + kAround, image.cols) - left};
     std::vector<bool> covered(static_cast<std::size_t>(limits.rows) * static_cast<std::size_t>(limits.cols));
     const auto inside = [&](std::uint32_t i) {
       const int r = static_cast<int>(i) / image.cols - top, c = static_cast<int>(i) % image.cols - left;
