@@ -6,13 +6,24 @@
 
 namespace hybrid::app {
 
+namespace {
+constexpr int kMostFiles = 10'000;
+}
+
 void add_convert(CLI::App& program, int& exit_code) {
   auto* command =
       program.add_subcommand("convert", "a scan file into another format, chosen by its extension");
   auto common = std::make_shared<CommonOptions>();
   auto request = std::make_shared<batch::ConvertRequest>();
-  command->add_option("in", request->in, "the scan file: " + io::scan_extensions())->required();
-  command->add_option("out", request->out, "the file to write: .ptx, .pts, .ply, .pcd or .las")->required();
+  auto files = std::make_shared<std::vector<std::filesystem::path>>();
+  command
+      ->add_option(
+          "files", *files,
+          "IN and OUT: the scan file (" + io::scan_extensions() +
+              ") and the file to write (.e57, .exr, .ptx, .pts, .ply, .pcd or .las); before an .e57 also "
+              "several range images that were made from one")
+      ->required()
+      ->expected(2, kMostFiles);
   command->add_option("--index", request->index, "this scan of the file alone, from 0");
   add_salvage_option(*command, request->salvage);
   add_common_options(*command, *common);
@@ -20,6 +31,9 @@ void add_convert(CLI::App& program, int& exit_code) {
   command->callback([=, &exit_code] {
     apply(*common);
     request->force = common->force;
+    request->in = files->front();
+    request->out = files->back();
+    request->more.assign(files->begin() + 1, files->end() - 1);
     if (common->dry_run) {
       std::cout << batch::describe_convert(*request);
       return;

@@ -2,6 +2,9 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
+#include "batch/convert_records.hpp"
 #include "core/error.hpp"
 #include "core/log.hpp"
 #include "io/read_scan.hpp"
@@ -18,17 +21,18 @@ struct Output {
   std::vector<io::ScanEntry> scans;
 };
 
-void check_output(const fs::path& file, const ConvertRequest& request) {
+void check_output(const fs::path& file, const ConvertRequest& request, bool is_folder = false) {
   std::error_code code;
   const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
   if (!fs::is_directory(folder, code))
     fail(ErrorKind::usage, "{}: expected a folder {} to write into, found none; make it first", file.string(),
          folder.string());
   if (!fs::exists(file, code)) return;
-  if (fs::is_directory(file, code))
+  if (!is_folder && fs::is_directory(file, code))
     fail(ErrorKind::usage, "{}: expected the name of a file, found a folder; add a name with an extension",
          file.string());
-  if (fs::equivalent(file, request.in, code))
+  const auto is_it = [&](const fs::path& input) { return fs::equivalent(file, input, code); };
+  if (is_it(request.in) || std::ranges::any_of(request.more, is_it))
     fail(ErrorKind::usage, "{}: is the input itself; choose another name", file.string());
   if (!request.force)
     fail(ErrorKind::usage, "{}: is there already; choose another name or add --force to replace it",
@@ -125,14 +129,55 @@ class Conversion {
   std::optional<Error> last_failure_;
 };
 
+// In salvage: a description that cannot be copied as it is.
+bool damaged_description(const ConvertRequest& request) {
+  if (!request.salvage) return false;
+  try {
+    record_outputs(request);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    return true;
+  }
+  return false;
+}
+
+bool keeps_records(const ConvertRequest& request) {
+  const bool keeps = converts_records(request);
+  if (!keeps && !request.more.empty())
+    fail(ErrorKind::usage,
+         "{}: expected one input, or the range images of one E57 file and an .e57 to write, found {} inputs; "
+         "convert "
+         "each by itself",
+         request.more.front().string(), 1 + request.more.size());
+  return keeps;
+}
+
+// Of a conversion of records.
+std::vector<fs::path> checked_outputs(const ConvertRequest& request) {
+  const auto files = record_outputs(request);
+  for (const fs::path& file : files) check_output(file, request, file.extension() == ".parts");
+  return files;
+}
+
 }  // namespace
 
 ConvertRun run_convert(const ConvertRequest& request) {
+  io::writer_for(request.out);
+  if (keeps_records(request) && !damaged_description(request)) {
+    checked_outputs(request);
+    if (auto run = convert_records(request)) return *run;
+    log::warning("{}: damaged: its samples are converted, not all that is stored", request.in.string());
+  }
   return Conversion(request, io::writer_for(request.out)).go();
 }
 
 std::string describe_convert(const ConvertRequest& request) {
   std::string text;
+  if (keeps_records(request) && !damaged_description(request)) {
+    for (const fs::path& file : checked_outputs(request))
+      text += fmt::format("would write {}: records as stored\n", file.string());
+    return text;
+  }
   for (const Output& output : plan(request, io::writer_for(request.out))) {
     text += fmt::format("would write {}:", output.file.string());
     for (const auto& entry : output.scans)

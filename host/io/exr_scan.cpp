@@ -53,6 +53,21 @@ class Reader {
                  cols_);
   }
 
+  ScanEntry list() const {
+    ScanEntry entry;
+    entry.name = path_.stem().string();
+    entry.samples = nodes();
+    if (const auto extra = whole_attribute(file_, header(), kExtra); extra && *extra > 0)
+      entry.samples += static_cast<std::uint64_t>(*extra);
+    entry.grid_rows = rows_;
+    entry.grid_cols = cols_;
+    entry.structure = "range image:";
+    for (auto at = header().channels().begin(); at != header().channels().end(); ++at)
+      entry.structure += std::string(" ") + at.name();
+    entry.unit = std::string("m");
+    return entry;
+  }
+
   Scan read() {
     Scan scan;
     scan.name = path_.stem().string();
@@ -249,6 +264,10 @@ class Reader {
 
 Scan read_exr_scan(const fs::path& file) {
   return Reader(file).read();
+}
+
+ScanEntry list_exr_scan(const fs::path& file) {
+  return Reader(file).list();
 }
 
 }  // namespace hybrid::io

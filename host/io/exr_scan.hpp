@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "geometry/scan.hpp"
+#include "io/scan_entry.hpp"
 
 namespace hybrid::io {
 
@@ -25,5 +26,7 @@ namespace hybrid::io {
 // Throws ErrorKind::input naming file, channel or attribute, what was expected and found, and the remedy; a
 // checksum over the content, where this program wrote one, finds what the compression does not.
 Scan read_exr_scan(const std::filesystem::path& file);
+// Its one scan, by the header: nodes and samples beside the grid.
+ScanEntry list_exr_scan(const std::filesystem::path& file);
 
 }  // namespace hybrid::io

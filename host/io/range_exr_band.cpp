@@ -46,6 +46,10 @@ std::uint8_t srgb_byte(half linear) {
   return srgb_table()[linear.bits()];
 }
 
+half linear_half(std::uint8_t srgb) {
+  return linear_table()[srgb];
+}
+
 RangeExrBand::RangeExrBand(RangeImage& image)
     : image_(image), width_(static_cast<std::size_t>(image.cols)), mask_(width_ * kRangeTile_px) {
   if (!image.rgb.empty()) colour_.resize(3 * width_ * kRangeTile_px);

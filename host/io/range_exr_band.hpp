@@ -13,6 +13,7 @@ inline constexpr unsigned kRangeTile_px = 256;
 
 // sRGB, of linear light between 0 and 1.
 std::uint8_t srgb_byte(half linear);
+half linear_half(std::uint8_t srgb);  // which is that byte again
 
 // The rows of one row of tiles on their way between a range image and a file: floats and ids go directly;
 // mask and colour, whose types differ, through a buffer of that many rows.

@@ -4,6 +4,7 @@
 
 #include "core/error.hpp"
 #include "io/e57/e57.hpp"
+#include "io/exr_e57.hpp"
 #include "io/exr_scan.hpp"
 #include "io/las.hpp"
 #include "io/output.hpp"
@@ -23,10 +24,14 @@ struct ScanFormat {
   Scan (*read)(const std::filesystem::path& file, const ScanEntry& entry);
 };
 
-// Its one scan, whose size the reader finds.
 std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOptions&) {
   check_readable(file);
-  return {{.name = file.stem().string(), .structure = std::string("range image"), .unit = std::string("m")}};
+  if (holds_exr_records(file)) return {list_exr_records(file)};
+  return {list_exr_scan(file)};
+}
+
+Scan read_exr(const std::filesystem::path& file, const ScanEntry&) {
+  return holds_exr_records(file) ? read_exr_records(file) : read_exr_scan(file);
 }
 
 std::vector<ScanEntry> list_e57(const std::filesystem::path& file, const ReadOptions& options) {
@@ -68,7 +73,7 @@ constexpr ScanFormat kFormats[] = {
     {".ptx", listed_by<list_ptx>, read_ptx},
     {".pts", listed_by<list_pts>, read_pts},
     {".las", listed_by<list_las>, read_las},
-    {".exr", list_exr, [](const auto& file, const ScanEntry&) { return read_exr_scan(file); }},
+    {".exr", list_exr, read_exr},
 };
 
 // Formats that are known and not read, and what to do.

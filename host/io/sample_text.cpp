@@ -1,5 +1,6 @@
 #include "io/sample_text.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -63,7 +64,23 @@ void append_colour(std::string& text, const std::array<std::uint8_t, 3>& rgb) {
 
 std::size_t laid_out(const Scan& scan) {
   if (!scan.organised()) return scan.points.size();
+  if (!scan.node.empty())
+    return scan.node.size() - static_cast<std::size_t>(std::ranges::count(scan.node, Scan::kNoNode));
   return static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
+}
+
+GridSamples::GridSamples(const Scan& scan) : scan_(scan) {
+  if (scan.node.empty()) return;
+  sample_.assign(static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols),
+                 Scan::kNoNode);
+  for (std::size_t i = 0; i < scan.node.size(); ++i)
+    if (scan.node[i] != Scan::kNoNode) sample_[scan.node[i]] = static_cast<std::uint32_t>(i);
+}
+
+std::uint32_t GridSamples::at(int row, int col) const {
+  if (sample_.empty()) return static_cast<std::uint32_t>(scan_.grid_index(row, col));
+  return sample_[static_cast<std::size_t>(row) * static_cast<std::size_t>(scan_.grid_cols) +
+                 static_cast<std::size_t>(col)];
 }
 
 std::vector<std::uint32_t> returns_of(const Scan& scan) {

@@ -42,6 +42,21 @@ const std::vector<ScanWriter>& scan_writers() {
        .whole_intensity = true,
        .step_m = 1e-5,
        .write = write_las},
+      {.extension = ".e57",
+       .name = "E57",
+       .several = true,
+       .grid = true,
+       .pose = true,
+       .crs = true,
+       .no_returns = true,
+       .write = write_e57},
+      {.extension = ".exr",
+       .name = "EXR",
+       .grid = true,
+       .pose = true,
+       .crs = true,
+       .no_returns = true,
+       .write = write_exr_of_scan},
   };
   return writers;
 }

@@ -27,7 +27,7 @@ struct ScanWriter {
   void (*write)(const std::filesystem::path& file, const ScanSource& next) = nullptr;
 };
 
-// PTX, PTS, PLY, PCD (both binary) and LAS. All hold coordinates, intensity and colour. Coordinates in text
+// PTX, PTS, PLY, PCD (both binary), LAS, E57 and EXR. All hold coordinates, intensity and colour. Coordinates in text
 // are the shortest decimals that read back as the same sample.
 const std::vector<ScanWriter>& scan_writers();
 // By the file's extension; throws ErrorKind::usage naming those there are.

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include "io/output.hpp"
 #include "io/record_blocks.hpp"
@@ -7,6 +8,13 @@
 
 namespace hybrid::io {
 namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+std::size_t nodes_of(const Scan& scan) {
+  if (!scan.organised()) return scan.points.size();
+  return static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
+}
 
 std::string header(const Scan& scan) {
   const bool large = !scan.origin.isZero(), intensity = !scan.intensity.empty(), colour = !scan.rgb.empty();
@@ -34,7 +42,7 @@ std::string header(const Scan& scan) {
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\nHEIGHT {}\n{}\n"
       "POINTS {}\nDATA binary\n",
       fields, sizes, types, counts, organised ? static_cast<std::size_t>(scan.grid_cols) : scan.points.size(),
-      organised ? scan.grid_rows : 1, viewpoint, laid_out(scan));
+      organised ? scan.grid_rows : 1, viewpoint, nodes_of(scan));
 }
 
 }  // namespace
@@ -45,22 +53,24 @@ void write_pcd(const std::filesystem::path& file, const ScanSource& next) {
   const std::string head = header(*scan);
   const bool large = !scan->origin.isZero();
   const auto cols = static_cast<std::size_t>(scan->grid_cols);
+  const GridSamples grid(*scan);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);
     out.write(head.data(), head.size());
-    write_records(out, laid_out(*scan), [&](std::size_t i, std::string& bytes) {
+    write_records(out, nodes_of(*scan), [&](std::size_t i, std::string& bytes) {
       const std::size_t at =
-          scan->organised() ? scan->grid_index(static_cast<int>(i / cols), static_cast<int>(i % cols)) : i;
-      const auto& point = scan->points[at];
+          scan->organised() ? grid.at(static_cast<int>(i / cols), static_cast<int>(i % cols)) : i;
+      const bool there = at != Scan::kNoNode;
+      const auto point = there ? scan->points[at] : std::array{kNaN, kNaN, kNaN};
       for (std::size_t axis = 0; axis < 3; ++axis) {
         if (large)
           append_raw(bytes, scan->origin[static_cast<int>(axis)] + static_cast<double>(point[axis]));
         else
           append_raw(bytes, point[axis]);
       }
-      if (!scan->intensity.empty()) append_raw(bytes, scan->intensity[at]);
+      if (!scan->intensity.empty()) append_raw(bytes, there ? scan->intensity[at] : 0.0f);
       if (!scan->rgb.empty()) {
-        const auto [red, green, blue] = scan->rgb[at];
+        const auto [red, green, blue] = there ? scan->rgb[at] : std::array<std::uint8_t, 3>{};
         append_raw(bytes, static_cast<std::uint32_t>(red << 16 | green << 8 | blue));
       }
     });

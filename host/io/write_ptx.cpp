@@ -35,9 +35,13 @@ void append_scan(OutputFile& out, const Scan& scan) {
   const std::string head = header(scan, cols, rows);
   out.write(head.data(), head.size());
   const IntensityMap map = map_intensity(scan, kPtxIntensity);
-  write_records(out, laid_out(scan), [&](std::size_t i, std::string& text) {
-    const std::size_t at =
-        organised ? scan.grid_index(static_cast<int>(i % rows), static_cast<int>(i / rows)) : i;
+  const GridSamples grid(scan);
+  write_records(out, rows * cols, [&](std::size_t i, std::string& text) {
+    const std::size_t at = organised ? grid.at(static_cast<int>(i % rows), static_cast<int>(i / rows)) : i;
+    if (at == Scan::kNoNode) {
+      text += scan.rgb.empty() ? "0 0 0 0\n" : "0 0 0 0 0 0 0\n";
+      return;
+    }
     append_point(text, scan, at);
     text += ' ';
     append_number(text, scan.intensity.empty() ? 0.0f : static_cast<float>(map(scan.intensity[at])));

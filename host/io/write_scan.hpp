@@ -18,5 +18,9 @@ void write_pcd(const std::filesystem::path& file, const ScanSource& next);
 // LAS 1.2, with a WKT coordinate system 1.4; returns only, in steps of 0.01 mm, larger beyond 20 km of
 // extent.
 void write_las(const std::filesystem::path& file, const ScanSource& next);
+// Single precision, double where the scan has an origin; the coordinate system is the first scan's.
+void write_e57(const std::filesystem::path& file, const ScanSource& next);
+// A range image with records (exr_records.hpp), the same as in E57.
+void write_exr_of_scan(const std::filesystem::path& file, const ScanSource& next);
 
 }  // namespace hybrid::io

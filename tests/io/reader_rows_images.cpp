@@ -6,6 +6,8 @@
 
 #include <stdexcept>
 
+#include "io/e57_scans.hpp"
+#include "io/exr_e57.hpp"
 #include "io/exr_scan.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/picture.hpp"
@@ -147,6 +149,61 @@ ReaderRow range_exr_scan_row() {
   return row;
 }
 
+// An E57 file's records: some nodes have none, one has two.
+ReaderRow exr_records_row() {
+  ReaderRow row{.name = "exr_records", .file = "west.exr"};
+  row.good = [](const fs::path& folder) {
+    fs::create_directories(folder);
+    io::E57Scan scan{.guid = "{A}", .name = "west"};
+    for (const char* name : {"cartesianX", "cartesianY"}) scan.points.fields.push_back(real_field(name));
+    scan.points.fields.push_back(scaled_field("cartesianZ", -1000, 1000, 0.001));
+    scan.points.fields.push_back(integer_field("rowIndex", 0, 19));
+    scan.points.fields.push_back(integer_field("columnIndex", 0, 29));
+    E57Columns columns = random_columns(scan.points.fields, 500);
+    for (std::size_t i = 0; i < 500; ++i) {
+      columns.integers[3][i] = static_cast<std::int64_t>(i % 20);
+      columns.integers[4][i] = static_cast<std::int64_t>(i / 20 + i / 499);
+    }
+    columns.integers[3][7] = 6;
+    write_e57(folder / "west.e57", scan, columns);
+    io::write_exr_scan(io::E57FileSource(folder / "west.e57"), 0, folder / "west.exr", {});
+    fs::remove(folder / "west.e57");
+    return file_bytes(folder / "west.exr");
+  };
+  row.read = [](const fs::path& file) {
+    const Scan scan = io::read_exr_records(file);
+    std::string text = fmt::format("{} x {}\n", scan.grid_rows, scan.grid_cols);
+    for (const auto& point : scan.points) tell(text, "point", point);
+    tell(text, "node", scan.node);
+    tell(text, "notes", scan.notes);
+    return text;
+  };
+  row.counts_too_high = {{window(26, 257), window(26, 258)},
+                         {std::string("\0\0\0"
+                                      "500",
+                                      6),
+                          std::string("\0\0\0"
+                                      "501",
+                                      6)},
+                         {"grid 20 26 list 1", "grid 20 26 list 2"},
+                         {"recordCount=\"500\"", "recordCount=\"501\""}};
+  row.counts_too_low = {{window(26, 257), window(26, 256)},
+                        {std::string("\0\0\0"
+                                     "500",
+                                     6),
+                         std::string("\0\0\0"
+                                     "499",
+                                     6)},
+                        {"grid 20 26 list 1", "grid 20 25 list 1"},
+                        {"recordCount=\"500\"", "recordCount=\"  9\""}};
+  row.absurd_sizes = {{window(26, 257), window(2'000'000'000, 2'000'000'000)},
+                      {window(26, 257), window(26'000, 30'000)},
+                      {tiles(256), tiles(1'000'000)},
+                      {"grid 20 26 list 1", "grid 9 9e9 list 1"},
+                      {"hybrid:layout", "hybrid:layou?"}};
+  return row;
+}
+
 // Another program's: ranges in lines, without a checksum.
 ReaderRow foreign_exr_row() {
   ReaderRow row{.name = "foreign_exr", .file = "scan.exr"};
@@ -231,6 +288,7 @@ std::vector<ReaderRow> image_reader_rows() {
           range_exr_row(),
           range_exr_scan_row(),
           foreign_exr_row(),
+          exr_records_row(),
           photograph_row("png", png_header),
           photograph_row("jpg", jpeg_header)};
 }

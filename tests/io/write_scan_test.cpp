@@ -218,9 +218,86 @@ TEST(WriteScan, SamplesBesideTheGridAreNoPartOfIt) {
   EXPECT_EQ(through(folder, "a.ply", scan).points.back(), (std::array<float, 3>{7, 8, 9}));
 }
 
+TEST(WriteScan, E57AndRangeImagesKeepEverySample) {
+  const ScanFolder folder;
+  for (const bool row_by_row : {false, true}) {
+    Scan scan = full_scan(37, 29, row_by_row);
+    scan.crs = "EPSG:27700";
+    scan.intensity_limits = {0, 1};
+    scan.points[5] = {0, 0, 0};  // at the mirror: no return
+    for (const char* name : {"a.e57", "a.exr"}) {
+      SCOPED_TRACE(name);
+      EXPECT_TRUE(io::losses_of(io::writer_for(name), scan).dropped.empty());
+      EXPECT_TRUE(io::losses_of(io::writer_for(name), scan).changed.empty());
+      const Scan read = through(folder, name, scan);
+      Scan expected = scan;
+      expected.points[5] = {kNaN, kNaN, kNaN};
+      expect_same_grid(expected, read);
+      EXPECT_EQ(read.row_by_row, row_by_row);
+      EXPECT_EQ(read.crs, "EPSG:27700");
+      EXPECT_EQ(read.intensity_limits, scan.intensity_limits);
+      std::filesystem::remove(folder.path(name));
+    }
+  }
+}
+
+TEST(WriteScan, E57AndRangeImagesKeepListsInTheirOrder) {
+  const ScanFolder folder;
+  Scan scan = full_scan(1, 3000);
+  scan.grid_rows = scan.grid_cols = 0;
+  scan.origin = {530'000, 180'000.25, 0};
+  for (const char* name : {"b.e57", "b.exr"}) {
+    const Scan read = through(folder, name, scan);
+    EXPECT_FALSE(read.organised());
+    ASSERT_EQ(read.points.size(), 3000u);
+    EXPECT_TRUE(read.intensity == scan.intensity && read.rgb == scan.rgb);
+    for (std::size_t i = 0; i < 3000; ++i) {
+      ASSERT_EQ(std::isnan(read.points[i][0]), std::isnan(scan.points[i][0]));
+      if (!std::isnan(scan.points[i][0])) {
+        ASSERT_LT((read.point(i) - scan.point(i)).norm(), 1e-4);  // the origin is chosen anew
+      }
+    }
+  }
+  // One sample, and none.
+  for (const std::size_t count : {1u, 0u}) {
+    scan = full_scan(1, static_cast<int>(count));
+    scan.grid_rows = scan.grid_cols = 0;
+    for (const char* name : {"c.e57", "c.exr"})
+      EXPECT_EQ(through(folder, name, scan).points.size(), count) << name;
+  }
+}
+
+// As E57 files of scanners are: nodes without a sample have no record, and a node may have a second return.
+TEST(WriteScan, AGridWithMissingNodesIsFilledWithNoReturns) {
+  const ScanFolder folder;
+  Scan scan = full_scan(3, 2);
+  scan.intensity.resize(4);
+  scan.points = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}};
+  scan.rgb.resize(4);
+  scan.node = {5, 0, 2, Scan::kNoNode};  // row * 2 + column
+  for (const char* name : {"a.ptx", "a.pcd", "a.e57", "a.exr"}) {
+    const auto losses = io::losses_of(io::writer_for(name), scan);
+    EXPECT_EQ(losses.dropped, std::vector<std::string>{"samples beside the grid (1)"}) << name;
+    const Scan read = through(folder, name, scan);
+    if (!read.node.empty()) {  // these hold no more than the samples
+      EXPECT_EQ(read.node, (std::vector<std::uint32_t>{5, 0, 2})) << name;
+      EXPECT_EQ(read.points, std::vector(scan.points.begin(), scan.points.end() - 1));
+      continue;
+    }
+    ASSERT_EQ(read.points.size(), 6u) << name;
+    const auto at = [&](int row, int col) { return read.points[read.grid_index(row, col)]; };
+    EXPECT_EQ(at(2, 1), scan.points[0]);
+    EXPECT_EQ(at(0, 0), scan.points[1]);
+    EXPECT_EQ(at(1, 0), scan.points[2]);
+    EXPECT_FALSE(at(0, 1)[0] > 0);
+    EXPECT_EQ(read.intensity[read.grid_index(2, 1)], scan.intensity[0]);
+    EXPECT_EQ(read.rgb[read.grid_index(1, 0)], scan.rgb[2]);
+  }
+}
+
 TEST(WriteScan, OtherExtensionsAreNamedWithThoseThereAre) {
   EXPECT_TRUE(holds(error_of(ErrorKind::usage, [] { io::writer_for("a.xyz"); }),
-                    ".ptx, .pts, .ply, .pcd, .las, found .xyz"));
+                    ".ptx, .pts, .ply, .pcd, .las, .e57, .exr, found .xyz"));
 }
 
 TEST(WriteScan, NoReturnsAtAll) {

@@ -34,6 +34,9 @@ class E57File {
   void for_each_block(const E57Table& table, std::span<const std::size_t> fields, std::size_t most,
                       const std::function<void(const E57Records&)>& body) const;
 
+  // The description itself, as it is written; in salvage what can be read of it.
+  std::string xml() const;
+
   // A picture's bytes (JPEG or PNG). In salvage damaged pages are noted.
   std::vector<char> read_blob(const E57Blob& blob, const std::string& what,
                               std::vector<std::string>* notes = nullptr) const;
@@ -51,6 +54,9 @@ class E57File {
 // limits are given in a note. Scan::name is the file's stem, with the index when there are several scans;
 // fields that Scan does not hold are listed in a note.
 Scan read_e57(const E57File& file, std::size_t index);
+// The same of records that lie elsewhere, but without what E57File::notes() tells.
+Scan read_e57(const std::string& file, const E57Contents& contents, std::size_t index,
+              const E57RecordReader& reader, bool salvage);
 // Of every scan in a file. In salvage a scan that cannot be read is left out, with a note at the others;
 // throws when none can.
 std::vector<Scan> read_e57(const std::filesystem::path& file, const E57Options& options = {});

@@ -6,56 +6,31 @@
 #include "core/error.hpp"
 #include "io/e57/e57.hpp"
 #include "io/e57/large_pages.hpp"
-#include "io/e57/scan_colours.hpp"
-#include "io/e57/scan_columns.hpp"
 #include "io/e57/scan_grid.hpp"
-#include "io/scan_builder.hpp"
+#include "io/e57/scan_samples.hpp"
 
 namespace hybrid::io {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
-constexpr double kAbsurd_m = 1e9;  // beyond every coordinate system of the Earth
-
-// What of a range of records is no return, and why.
-struct Tally {
-  std::uint64_t not_finite = 0, invalid = 0, absurd = 0, lost = 0;
-  std::uint64_t first_absurd = std::numeric_limits<std::uint64_t>::max();
-  double absurd_value = 0;
-};
-
-// Coordinates of a range of records, in double, as Cartesian ones.
-struct Coordinates {
-  std::array<std::vector<double>, 3> axis;
-
-  void take(const E57Table& table, const ScanColumns& columns, const E57Records& records) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      axis[k].resize(records.count);
-      values_of(table.fields[columns.fields[columns.place[k]]], records, columns.place[k], axis[k]);
-    }
-    if (columns.spherical) to_cartesian(axis[0], axis[1], axis[2]);
-  }
-};
 
 class ScanReader {
  public:
-  ScanReader(const E57File& file, const E57Scan& source)
-      : file_(file),
+  ScanReader(const std::string& file, const E57Scan& source, const E57RecordReader& reader, bool salvage)
+      : salvage_(salvage),
         source_(source),
-        table_(source.points),
-        where_(file.name() + ": " + table_.what),
-        reader_(file.open(table_)),
-        columns_(ScanColumns::of(where_, table_)) {}
+        where_(file + ": " + source.points.what),
+        reader_(reader),
+        samples_(where_, source, reader),
+        columns_(samples_.columns()) {}
 
   Scan read() {
     allocate();
     scan_.world_from_scan = source_.world_from_scan;
     scan_.notes = source_.notes;
-    choose_origin();
+    scan_.origin = samples_.origin();
     ScanGrid grid(source_, columns_, reader_.count());
-    if (columns_.colour) colours_.emplace(reader_, source_, columns_);
-    tallies_.resize(reader_.count() / E57TableReader::kRange + 1);
+    tallies_.resize(reader_.count() / E57RecordReader::kRange + 1);
     reader_.read(columns_.fields, 0, reader_.count(), [&](const E57Records& records) {
       take(records);
       grid.add(records);
@@ -90,99 +65,21 @@ class ScanReader {
     }
   }
 
-  // 0: a return. Finite numbers that are no coordinates are told apart, as they mean damage.
-  enum Kind { good, invalid, not_finite, absurd };
-  Kind kind(const Coordinates& c, const std::vector<double>& state, std::size_t i) const {
-    if (!state.empty() && state[i] != 0) return invalid;
-    const double most = std::max({std::abs(c.axis[0][i]), std::abs(c.axis[1][i]), std::abs(c.axis[2][i])});
-    const double sum = c.axis[0][i] + c.axis[1][i] + c.axis[2][i];
-    if (std::isnan(sum) || most > kLargest) return not_finite;
-    return most > kAbsurd_m ? absurd : good;
-  }
-
-  std::vector<double> values(const E57Records& records, const ScanColumns::Slot& slot) const {
-    std::vector<double> values;
-    if (!slot) return values;
-    values.resize(records.count);
-    values_of(table_.fields[columns_.fields[*slot]], records, *slot, values);
-    return values;
-  }
-
-  // From the first returns, as ScanBuilder does.
-  void choose_origin() {
-    std::vector<std::array<double, 3>> returns;
-    ScanColumns only = columns_;
-    only.fields.resize(columns_.invalid ? 4 : 3);  // ScanColumns::of takes these first
-    for (std::uint64_t at = 0; at < reader_.count() && returns.size() < kOriginSamples;
-         at += kOriginSamples) {
-      const std::uint64_t count = std::min<std::uint64_t>(kOriginSamples, reader_.count() - at);
-      std::vector<std::array<double, 3>> chunk(count, {NAN, NAN, NAN});
-      reader_.read(only.fields, at, count, [&](const E57Records& records) {
-        Coordinates c;
-        c.take(table_, columns_, records);
-        const std::vector<double> state = values(records, columns_.invalid);
-        for (std::size_t i = 0; i < records.count; ++i)
-          if (kind(c, state, i) == good)
-            chunk[records.first - at + i] = {c.axis[0][i], c.axis[1][i], c.axis[2][i]};
-        for (const auto& lost : records.lost)
-          for (std::uint64_t i = lost.first; i < lost.end; ++i) chunk[i - at] = {NAN, NAN, NAN};
-      });
-      for (const auto& point : chunk)
-        if (!std::isnan(point[0]) && returns.size() < kOriginSamples) returns.push_back(point);
-    }
-    if (!returns.empty()) scan_.origin = local_origin(returns);
-  }
-
   void take(const E57Records& records) {
-    Tally& tally = tallies_[records.first / E57TableReader::kRange];
-    thread_local Coordinates c;
-    c.take(table_, columns_, records);
-    const std::vector<double> state = values(records, columns_.invalid);
-    const bool far = !scan_.origin.isZero();
-    const double ox = scan_.origin.x(), oy = scan_.origin.y(), oz = scan_.origin.z();
-    for (std::size_t i = 0; i < records.count; ++i) {
-      const Kind found = kind(c, state, i);
-      const double x = c.axis[0][i], y = c.axis[1][i], z = c.axis[2][i];
-      tally.invalid += found == invalid;
-      tally.not_finite += found == not_finite;
-      if (found == absurd && tally.absurd++ == 0) {
-        tally.first_absurd = records.first + i;
-        tally.absurd_value = std::max({std::abs(x), std::abs(y), std::abs(z)});
-      }
-      const bool zero = far && x == 0 && y == 0 && z == 0;
-      scan_.points[records.first + i] =
-          found == good && !zero
-              ? std::array{static_cast<float>(x - ox), static_cast<float>(y - oy), static_cast<float>(z - oz)}
-              : std::array{kNaN, kNaN, kNaN};
-    }
-    if (columns_.intensity) take_intensity(records);
-    if (columns_.colour) take_colours(records);
-    std::uint64_t done = records.first;  // the lost ranges of several fields overlap
+    SampleTally& tally = tallies_[records.first / E57RecordReader::kRange];
+    const std::size_t first = records.first, count = records.count;
+    samples_.points(records, std::span(scan_.points).subspan(first, count), tally);
+    if (columns_.intensity) samples_.intensities(records, std::span(scan_.intensity).subspan(first, count));
+    if (columns_.colour) samples_.colours(records, std::span(scan_.rgb).subspan(first, count));
+    std::uint64_t done = first;  // the lost ranges of several fields overlap
     for (const auto& lost : records.lost)
       for (done = std::max(done, lost.first); done < lost.end; ++done, ++tally.lost)
         scan_.points[done] = {kNaN, kNaN, kNaN};
   }
 
-  void take_intensity(const E57Records& records) {
-    const std::vector<double> value = values(records, columns_.intensity),
-                              state = values(records, columns_.intensity_invalid);
-    for (std::size_t i = 0; i < records.count; ++i)
-      scan_.intensity[records.first + i] =
-          state.empty() || state[i] == 0 ? static_cast<float>(value[i]) : 0.0f;
-  }
-
-  void take_colours(const E57Records& records) {
-    const std::vector<double> state = values(records, columns_.colour_invalid);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::vector<double> value = values(records, (*columns_.colour)[k]);
-      for (std::size_t i = 0; i < records.count; ++i)
-        scan_.rgb[records.first + i][k] = state.empty() || state[i] == 0 ? colours_->byte(k, value[i]) : 0;
-    }
-  }
-
   void note_tallies() {
-    Tally sum;
-    for (const Tally& tally : tallies_) {
+    SampleTally sum;
+    for (const SampleTally& tally : tallies_) {
       if (tally.absurd > 0 && sum.absurd == 0) {
         sum.first_absurd = tally.first_absurd;
         sum.absurd_value = tally.absurd_value;
@@ -200,7 +97,7 @@ class ScanReader {
     if (sum.absurd > 0) {
       const auto problem = fmt::format("point {}: expected a coordinate within {} m, found {}",
                                        sum.first_absurd, kAbsurd_m, sum.absurd_value);
-      if (!file_.pages().salvage())
+      if (!salvage_)
         fail_input("{}: {}, and {} points in all; correct it, or use --salvage", where_, problem, sum.absurd);
       note(sum.absurd, "have absurd coordinates (" + problem + ")");
     }
@@ -232,30 +129,36 @@ class ScanReader {
                                         scan_.origin.x(), scan_.origin.y(), scan_.origin.z()));
   }
 
-  const E57File& file_;
+  bool salvage_;
   const E57Scan& source_;
-  const E57Table& table_;
   std::string where_;
-  E57TableReader reader_;
-  ScanColumns columns_;
-  std::optional<ColourScale> colours_;
-  std::vector<Tally> tallies_;
+  const E57RecordReader& reader_;
+  ScanSamples samples_;
+  const ScanColumns& columns_;
+  std::vector<SampleTally> tallies_;
   Scan scan_;
 };
 
 }  // namespace
 
+Scan read_e57(const std::string& file, const E57Contents& contents, std::size_t index,
+              const E57RecordReader& reader, bool salvage) {
+  Scan scan = ScanReader(file, contents.scans.at(index), reader, salvage).read();
+  scan.name = std::filesystem::path(file).stem().string();
+  if (contents.scans.size() > 1) scan.name += fmt::format("-{}", index);
+  scan.crs = contents.coordinate_system;
+  if (const auto& limits = contents.scans[index].intensity)
+    scan.intensity_limits = {static_cast<float>(limits->minimum), static_cast<float>(limits->maximum)};
+  return scan;
+}
+
 Scan read_e57(const E57File& file, std::size_t index) {
   const std::vector<E57Scan>& scans = file.contents().scans;
   if (index >= scans.size())
     fail_input("{}: expected scan {}, found {} scans; choose one of them", file.name(), index, scans.size());
-  Scan scan = ScanReader(file, scans[index]).read();
-  scan.name = std::filesystem::path(file.name()).stem().string();
-  if (scans.size() > 1) scan.name += fmt::format("-{}", index);
+  Scan scan =
+      read_e57(file.name(), file.contents(), index, file.open(scans[index].points), file.pages().salvage());
   scan.notes.insert(scan.notes.end(), file.notes().begin(), file.notes().end());
-  scan.crs = file.contents().coordinate_system;
-  if (const auto& limits = scans[index].intensity)
-    scan.intensity_limits = {static_cast<float>(limits->minimum), static_cast<float>(limits->maximum)};
   return scan;
 }
 

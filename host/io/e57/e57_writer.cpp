@@ -71,6 +71,15 @@ class PacketIndex {
   std::uint64_t packets_ = 0, stride_ = 1;
 };
 
+// With the limits that the field's bits have.
+E57Field widened(E57Field field) {
+  if (!field.is_integer() || field.bits() == 64) return field;
+  const std::uint64_t most = (std::uint64_t{1} << field.bits()) - 1;
+  const auto highest = static_cast<std::int64_t>(static_cast<std::uint64_t>(field.minimum) + most);
+  if (highest >= field.minimum) field.maximum = highest;
+  return field;
+}
+
 }  // namespace
 
 struct E57Writer::State {
@@ -110,7 +119,8 @@ void E57Writer::begin_scan(const E57Scan& scan) {
   if (s.in_scan) fail(ErrorKind::failed, "{}: expected the end of a scan, found another", s.file);
   std::uint64_t record_bits = 0;
   for (const E57Field& field : scan.points.fields) {
-    if (field.type == E57Type::text || !is_xml_name(field.name) || field.minimum > field.maximum)
+    if (field.type == E57Type::text || !(s.options.as_stored || is_xml_name(field.name)) ||
+        field.minimum > field.maximum)
       fail(ErrorKind::failed,
            "{}: expected a field of numbers with an XML name and a range, found \"{}\"; leave it out", s.file,
            field.name);
@@ -119,7 +129,8 @@ void E57Writer::begin_scan(const E57Scan& scan) {
   s.in_scan = true;
   s.contents.scans.push_back(scan);
   s.encoders.clear();
-  for (const E57Field& field : scan.points.fields) s.encoders.emplace_back(field);
+  for (const E57Field& field : scan.points.fields)
+    s.encoders.emplace_back(s.options.as_stored ? widened(field) : field);
   s.index = {};
   s.digest = std::make_unique<Digest>();
   s.waiting_records = 0;
@@ -184,7 +195,7 @@ void E57Writer::write(const E57Records& records) {
   }
 }
 
-void E57Writer::end_scan() {
+std::uint64_t E57Writer::end_scan() {
   State& s = *state_;
   E57Scan& scan = s.contents.scans.back();
   for (BitEncoder& encoder : s.encoders) encoder.finish();
@@ -204,24 +215,27 @@ void E57Writer::end_scan() {
   if (scan.guid.empty()) scan.guid = s.digest->guid();
   s.file_digest.add(scan.guid);
   s.in_scan = false;
+  return scan.points.offset;
+}
+
+E57Blob E57Writer::add_blob(std::span<const char> bytes) {
+  PagedOutput& out = state_->out;
+  out.align();
+  const std::uint64_t start = out.position();
+  std::array<char, kBlobHeader_bytes> header{};
+  store(&header[8], (kBlobHeader_bytes + bytes.size() + 3) / 4 * 4);
+  out.write(header);
+  out.write(bytes);
+  out.align();
+  return {PagedFile::physical(start), bytes.size()};
 }
 
 void E57Writer::add_image(const E57Image& image, std::span<const char> picture, std::span<const char> mask) {
   State& s = *state_;
-  const auto write_blob = [&](std::span<const char> bytes) {
-    s.out.align();
-    const std::uint64_t start = s.out.position();
-    std::array<char, kBlobHeader_bytes> header{};
-    store(&header[8], (kBlobHeader_bytes + bytes.size() + 3) / 4 * 4);
-    s.out.write(header);
-    s.out.write(bytes);
-    s.out.align();
-    return E57Blob{PagedFile::physical(start), bytes.size()};
-  };
   E57Image written = image;
-  written.picture = write_blob(picture);
+  written.picture = add_blob(picture);
   written.mask.reset();
-  if (!mask.empty()) written.mask = write_blob(mask);
+  if (!mask.empty()) written.mask = add_blob(mask);
   if (written.guid.empty()) {
     Digest digest;
     digest.add(picture);
@@ -235,9 +249,13 @@ void E57Writer::add_image(const E57Image& image, std::span<const char> picture, 
 void E57Writer::close() {
   State& s = *state_;
   s.contents.guid = s.options.guid.empty() ? s.file_digest.guid() : s.options.guid;
+  close(write_e57_xml(s.contents, s.options.created_gps_s));
+}
+
+void E57Writer::close(const std::string& xml) {
+  State& s = *state_;
   s.out.align();
   const std::uint64_t start = s.out.position();
-  const std::string xml = write_e57_xml(s.contents, s.options.created_gps_s);
   s.out.write(xml);
   std::array<char, kFileHeader_bytes> header{};
   std::ranges::copy(std::string_view("ASTM-E57"), header.begin());

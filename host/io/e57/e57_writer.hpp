@@ -16,6 +16,9 @@ struct E57WriterOptions {
   std::vector<E57Extension> extensions{};
   std::optional<double> created_gps_s{};  // seconds of GPS time
   std::size_t records_per_packet = 0;     // 0: as many as fit
+  // A copy of another file's tables: fields of any name, with all values that their bits can hold (beyond the
+  // field's own limits too).
+  bool as_stored = false;
 };
 
 // Writes an E57 file: scans block by block, pictures, then the description. The same calls give the same
@@ -33,12 +36,17 @@ class E57Writer {
   // ErrorKind::failed naming field and record when a value lies outside the field's limits or, for single
   // precision, is none.
   void write(const E57Records& records);
-  void end_scan();
+  std::uint64_t end_scan();  // the offset of its section, as in the file
 
   // `image` without the places of its blobs; its guid may be empty. The mask may be, too.
   void add_image(const E57Image& image, std::span<const char> picture, std::span<const char> mask = {});
 
+  // Bytes that a description written elsewhere names.
+  E57Blob add_blob(std::span<const char> bytes);
+
   void close();
+  // The same with this description, which names the tables and blobs by their offsets, in place of our own.
+  void close(const std::string& xml);
 
  private:
   struct State;

@@ -292,4 +292,12 @@ E57Contents parse_e57_xml(const std::string& file, const std::string& text, bool
   return contents;
 }
 
+E57Table parse_e57_table(const std::string& file, const std::string& element, std::string what) {
+  pugi::xml_document document;
+  if (!document.load_buffer(element.data(), element.size(), pugi::parse_default, pugi::encoding_utf8))
+    fail_input("{}: {}: expected well-formed XML, found an error; export the file again", file, what);
+  const XmlPlace place{file, element};
+  return table_of(place, document, document.first_child(), std::move(what));
+}
+
 }  // namespace hybrid::io

@@ -11,4 +11,7 @@ namespace hybrid::io {
 // With `salvage` XML that breaks off gives what came before.
 E57Contents parse_e57_xml(const std::string& file, const std::string& text, bool salvage);
 
+// One table's element alone: "points", or one of an extension.
+E57Table parse_e57_table(const std::string& file, const std::string& element, std::string what);
+
 }  // namespace hybrid::io

@@ -7,12 +7,12 @@ namespace hybrid::io {
 namespace {
 
 // Over the scan's three colour fields.
-double largest_value(const E57TableReader& reader, const E57Table& table,
+double largest_value(const E57RecordReader& reader, const E57Table& table,
                      const std::array<std::size_t, 3>& fields) {
-  std::vector<double> largest(reader.count() / E57TableReader::kRange + 1, 0);
+  std::vector<double> largest(reader.count() / E57RecordReader::kRange + 1, 0);
   reader.read(fields, 0, reader.count(), [&](const E57Records& records) {
     std::vector<double> values(records.count);
-    double& most = largest[records.first / E57TableReader::kRange];
+    double& most = largest[records.first / E57RecordReader::kRange];
     for (std::size_t k = 0; k < 3; ++k) {
       values_of(table.fields[fields[k]], records, k, values);
       for (const double value : values) most = std::max(most, value);
@@ -23,7 +23,7 @@ double largest_value(const E57TableReader& reader, const E57Table& table,
 
 }  // namespace
 
-ColourScale::ColourScale(const E57TableReader& reader, const E57Scan& scan, const ScanColumns& columns) {
+ColourScale::ColourScale(const E57RecordReader& reader, const E57Scan& scan, const ScanColumns& columns) {
   const auto slots = *columns.colour;
   std::array<std::size_t, 3> fields{};
   bool bytes = true, reals = true;

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "io/e57/e57_model.hpp"
+#include "io/e57/record_reader.hpp"
 #include "io/e57/scan_columns.hpp"
-#include "io/e57/table_reader.hpp"
 
 namespace hybrid::io {
 
@@ -13,7 +13,7 @@ namespace hybrid::io {
 // 0..255.
 class ColourScale {
  public:
-  ColourScale(const E57TableReader& reader, const E57Scan& scan, const ScanColumns& columns);
+  ColourScale(const E57RecordReader& reader, const E57Scan& scan, const ScanColumns& columns);
 
   std::uint8_t byte(std::size_t channel, double value) const {
     const double scaled = (value - low_[channel]) * factor_[channel] + 0.5;

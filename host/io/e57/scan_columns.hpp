@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "io/e57/e57_model.hpp"
-#include "io/e57/table_reader.hpp"
+#include "io/e57/record_reader.hpp"
 
 namespace hybrid::io {
 

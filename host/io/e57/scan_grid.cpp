@@ -30,7 +30,7 @@ ScanGrid::ScanGrid(const E57Scan& scan, const ScanColumns& columns, std::uint64_
   };
   usable_ = field(*columns.row).is_integer() && field(*columns.column).is_integer();
   if (!usable_) return;
-  ranges_.resize((count + E57TableReader::kRange - 1) / E57TableReader::kRange);
+  ranges_.resize((count + E57RecordReader::kRange - 1) / E57RecordReader::kRange);
   resize_in_large_pages(node_, count);
   if (columns.return_index) return_.resize(count);
   if (!choose_frame(declared(scan.rows, field(*columns.row)), declared(scan.columns, field(*columns.column))))
@@ -52,7 +52,7 @@ bool ScanGrid::choose_frame(Bounds row, Bounds column) {
 
 void ScanGrid::add(const E57Records& records) {
   if (!usable_) return;
-  Range& range = ranges_[records.first / E57TableReader::kRange];
+  Range& range = ranges_[records.first / E57RecordReader::kRange];
   range = {};
   const auto rows = records.integers[*columns_.row], columns = records.integers[*columns_.column];
   const std::uint64_t across = column_.extent();
@@ -114,8 +114,8 @@ bool ScanGrid::in_order(const Scan& scan, bool row_by_row) const {
                     cols = static_cast<std::size_t>(scan.grid_cols);
   std::atomic<bool> same{true};
   parallel_for(ranges_.size(), [&](std::size_t r) {
-    const std::size_t begin = r * E57TableReader::kRange;
-    const std::size_t end = std::min(begin + E57TableReader::kRange, node_.size());
+    const std::size_t begin = r * E57RecordReader::kRange;
+    const std::size_t end = std::min(begin + E57RecordReader::kRange, node_.size());
     for (std::size_t i = begin; i < end && same; ++i)
       if (node_[i] != (row_by_row ? i : i % rows * cols + i / rows)) same = false;
   });
@@ -149,8 +149,8 @@ void ScanGrid::finish(Scan& scan) {
   const auto column_off = static_cast<std::uint64_t>(column_.low - old_column.low);
   const std::uint64_t across = old_column.extent();
   parallel_for(ranges_.size(), [&](std::size_t r) {
-    const std::size_t begin = r * E57TableReader::kRange;
-    const std::size_t end = std::min(begin + E57TableReader::kRange, node_.size());
+    const std::size_t begin = r * E57RecordReader::kRange;
+    const std::size_t end = std::min(begin + E57RecordReader::kRange, node_.size());
     for (std::size_t i = begin; i < end; ++i)
       if (node_[i] != Scan::kNoNode)
         node_[i] = static_cast<std::uint32_t>((node_[i] / across - row_off) * columns + node_[i] % across -

@@ -1,0 +1,47 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "geometry/scan.hpp"
+#include "io/e57/e57_source.hpp"
+#include "io/exr_records.hpp"
+#include "io/scan_entry.hpp"
+
+namespace hybrid::io {
+
+// Range images with records (exr_records.hpp) as the E57 file they were made from: one of its scans, or
+// several, in any order. What belongs to scans that are not given is left out. Throws ErrorKind::input: no
+// such images, of different files, one twice, damaged.
+class ExrSource : public E57Source {
+ public:
+  explicit ExrSource(const std::vector<std::filesystem::path>& files);
+  std::unique_ptr<E57RecordReader> open(std::size_t part) const override;
+  std::vector<char> blob(std::size_t part) const override;
+
+ private:
+  std::filesystem::path part_file(std::size_t part) const;
+
+  struct Image {
+    std::filesystem::path file;
+    RecordsDescription description;
+  };
+  std::vector<Image> images_;  // by scan
+};
+
+// Where a source's blobs and other tables go: `<stem>.parts` beside its range images, and each one's name in
+// there, which is made of its element and its offset in the original file.
+std::filesystem::path parts_folder(const std::filesystem::path& exr);
+std::string part_name(const E57Part& part);
+
+// Writes one scan of a source as a range image with records, which names the folder of its parts.
+void write_exr_scan(const E57Source& source, std::size_t scan, const std::filesystem::path& file,
+                    const std::filesystem::path& folder);
+// Writes all blobs and tables but points into the folder; nothing without any.
+void write_exr_parts(const E57Source& source, const std::filesystem::path& folder);
+
+// Its one scan, by the header; with all that read_e57() would tell of the E57 file.
+ScanEntry list_exr_records(const std::filesystem::path& file);
+Scan read_exr_records(const std::filesystem::path& file);
+
+}  // namespace hybrid::io

@@ -1,0 +1,313 @@
+#include <ImfChannelList.h>
+#include <ImfInputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledInputFile.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <limits>
+
+#include "core/error.hpp"
+#include "core/interrupt.hpp"
+#include "core/parallel.hpp"
+#include "io/exr_header.hpp"
+#include "io/exr_record_tiles.hpp"
+#include "io/exr_threads.hpp"
+#include "io/range_exr_band.hpp"
+#include "io/range_exr_header.hpp"
+#include "io/text_cursor.hpp"
+
+namespace hybrid::io {
+namespace {
+
+using namespace records_attribute;
+
+constexpr std::uint64_t kBlock_records = 1 << 16;
+constexpr std::uint32_t kNowhere = 0xffffffffu;  // also: a node without a record
+
+}  // namespace
+
+struct ExrRecords::State {
+  explicit State(const std::filesystem::path& path) : file(path.string()) {
+    {
+      InputFile input(path);
+      check_exr_header(input, kRangeTile_px);
+    }
+    guarded([&] { in = std::make_unique<Imf::TiledInputFile>(path.c_str(), start_exr_threads()); });
+    if (text(range_attribute::kFormat) != kFormatName)
+      fail_input("{}: header: expected {} \"{}\", found {}; these are no records", file,
+                 range_attribute::kFormat, kFormatName, in_quotes(text(range_attribute::kFormat)));
+    const Imath::Box2i window = header().dataWindow();
+    layout = RecordLayout::parse(file, text(kLayout), whole(kSamples));
+    if (window.min != Imath::V2i(0, 0) || window.max != Imath::V2i(layout.cols - 1, layout.rows - 1) ||
+        header().tileDescription().mode != Imf::ONE_LEVEL)
+      fail_input(
+          "{}: header: expected {} x {} pixels from (0, 0) in one level, as {} says, found others; copy or "
+          "write "
+          "the file again",
+          file, layout.rows, layout.cols, kLayout);
+    description.xml = text(kXml);
+    description.scan_xml = text(kScanXml);
+    description.parts = text(kParts);
+    if (!description.xml.empty()) description.scan = whole(kScan);
+    for (const std::string_view word : words(cuts_text = text(kCuts)))
+      description.cuts.push_back(number(kCuts, word));
+  }
+
+  const Imf::Header& header() const { return in->header(); }
+  std::string text(const char* name) const { return text_attribute(header(), name); }
+  std::uint64_t number(const char* name, std::string_view word) const {
+    std::uint64_t value = 0;
+    if (!parse_whole(word, value) || value > std::numeric_limits<std::uint32_t>::max())
+      fail_input("{}: header: {}: expected a whole number below 2^32, found {}; copy or write the file again",
+                 file, name, in_quotes(word));
+    return value;
+  }
+  std::uint64_t whole(const char* name) const { return number(name, text(name)); }
+
+  template <typename Body>
+  void guarded(const Body& body) const {
+    try {
+      body();
+    } catch (const Error&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      fail_input(
+          "{}: expected a range image with records, found another or a damaged file ({}); copy or write it "
+          "again",
+          file, error.what());
+    }
+  }
+
+  // The channels as the writer had them, in its order.
+  void list_channels() {
+    const auto add = [&](const std::string& name, Imf::PixelType type) {
+      const Imf::Channel* channel = header().channels().findChannel(name);
+      if (!channel || channel->type != type || channel->xSampling != 1 || channel->ySampling != 1)
+        fail_input("{}: header: expected a {} channel {}, found none; copy or write the file again", file,
+                   type == Imf::UINT   ? "uint"
+                   : type == Imf::HALF ? "half"
+                                       : "float",
+                   name);
+      channels.push_back({name, type, 0});
+    };
+    const auto has = [&](const char* name) { return header().channels().findChannel(name) != nullptr; };
+    add("source", Imf::UINT);
+    if (has("mask")) {
+      add("mask", Imf::UINT);
+      for (const char* name : {"range", "x", "y", "z"}) add(name, Imf::FLOAT);
+      if (has("intensity")) add("intensity", Imf::FLOAT);
+      if (has("R"))
+        for (const char* name : {"R", "G", "B"}) add(name, Imf::HALF);
+    }
+    for (const FieldChannels& field : fields) {
+      raw.push_back(channels.size());
+      for (const std::string& name : field.names) add(name, field.is_float() ? Imf::FLOAT : Imf::UINT);
+    }
+  }
+
+  RecordTiles load(std::size_t group, std::span<const RecordChannel> some) const {
+    const RecordGroup& g = groups[group];
+    RecordTiles tiles(g, some);
+    guarded([&] {
+      in->setFrameBuffer(tiles.slices(some));
+      in->readTiles(g.tile_x, g.tile_x + g.tiles_x - 1, g.tile_y, g.tile_y + g.tiles_y - 1);
+    });
+    return tiles;
+  }
+
+  void place(const RecordTiles& tiles, std::size_t group) {
+    const RecordGroup& g = groups[group];
+    const std::uint32_t* source = tiles.words(0);
+    for (std::size_t i = 0; i < g.pixels(); ++i) {
+      if (source[i] == kNowhere) continue;
+      const auto width = static_cast<std::size_t>(g.width);
+      const auto pixel = static_cast<std::uint32_t>((i / width + static_cast<std::size_t>(g.y)) *
+                                                        static_cast<std::size_t>(layout.cols) +
+                                                    i % width + static_cast<std::size_t>(g.x));
+      if (source[i] >= layout.samples || pixel_of[source[i]] != kNowhere)
+        fail_input(
+            "{}: channel source: row {}, column {}: expected every record from 0 to {} once, found {}; copy "
+            "or "
+            "write the file again",
+            file, pixel / static_cast<std::uint32_t>(layout.cols),
+            pixel % static_cast<std::uint32_t>(layout.cols), layout.samples - 1, source[i]);
+      pixel_of[source[i]] = pixel;
+      ++placed;
+      last[group] = std::max<std::uint64_t>(last[group], source[i] + std::uint64_t{1});
+    }
+  }
+
+  std::string file;
+  std::unique_ptr<Imf::TiledInputFile> in;
+  RecordLayout layout;
+  RecordsDescription description;
+  std::string cuts_text;
+  E57Table table;
+  std::vector<RecordGroup> groups;
+  std::vector<FieldChannels> fields;
+  std::vector<RecordChannel> channels;
+  std::vector<std::size_t> raw;         // by field: its first channel
+  std::vector<std::uint32_t> pixel_of;  // each record
+  std::vector<std::uint64_t> last;      // of each group: the end of its records
+  std::uint64_t placed = 0;
+
+  // What the last read() left for the next.
+  std::vector<std::size_t> cached_fields;
+  std::vector<RecordChannel> cached_channels;
+  std::vector<std::size_t> cached_raw;  // by asked field
+  std::vector<std::unique_ptr<RecordTiles>> cached;
+
+  void cache_for(std::span<const std::size_t> asked) {
+    if (std::ranges::equal(asked, cached_fields) && !cached.empty()) return;
+    cached.clear();
+    cached.resize(groups.size());
+    cached_fields.assign(asked.begin(), asked.end());
+    cached_channels.clear();
+    cached_raw.clear();
+    for (const std::size_t field : asked) {
+      cached_raw.push_back(cached_channels.size());
+      for (std::size_t k = 0; k < fields.at(field).names.size(); ++k)
+        cached_channels.push_back(channels[raw[field] + k]);
+    }
+  }
+
+  // Loads the groups of records [first, end); those before them will not be asked for soon.
+  void load_groups(std::uint64_t first, std::uint64_t end) {
+    for (std::size_t group = 0; group < groups.size(); ++group)
+      if (last[group] <= first) cached[group].reset();
+    for (std::uint64_t record = first; record < end; ++record) {
+      const std::size_t group = group_at(layout, pixel_of[record]);
+      if (!cached[group]) cached[group] = std::make_unique<RecordTiles>(load(group, cached_channels));
+    }
+  }
+
+  // The stored bits of a field, without its minimum.
+  std::uint64_t bits(std::size_t slot, std::uint32_t pixel) const {
+    const std::size_t group = group_at(layout, pixel), at = groups[group].index(pixel, layout.cols);
+    const FieldChannels& field = fields[cached_fields[slot]];
+    const std::uint64_t low = cached[group]->words(cached_raw[slot])[at];
+    return field.names.size() == 1
+               ? low
+               : low | std::uint64_t{cached[group]->words(cached_raw[slot] + 1)[at]} << 32;
+  }
+
+  std::int64_t integer(std::size_t slot, std::uint32_t pixel) const {
+    const std::size_t field = cached_fields[slot];
+    const auto minimum = static_cast<std::uint64_t>(table.fields[field].minimum);
+    const auto along = [](std::int64_t from, std::int64_t step, std::uint32_t by) {
+      return static_cast<std::int64_t>(static_cast<std::uint64_t>(from) +
+                                       static_cast<std::uint64_t>(step) * by);
+    };
+    const auto cols = static_cast<std::uint32_t>(layout.cols);
+    switch (fields[field].kind) {
+      case FieldChannels::constant:
+        return table.fields[field].minimum;
+      case FieldChannels::from_row:
+        return along(layout.row_first, layout.row_step, pixel / cols);
+      case FieldChannels::from_column:
+        return along(layout.column_first, layout.column_step, pixel % cols);
+      default:
+        return static_cast<std::int64_t>(bits(slot, pixel) + minimum);
+    }
+  }
+
+  double real(std::size_t slot, std::uint32_t pixel) const {
+    if (fields[cached_fields[slot]].kind == FieldChannels::single)
+      return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits(slot, pixel))));
+    return std::bit_cast<double>(bits(slot, pixel));
+  }
+};
+
+ExrRecords::ExrRecords(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}
+ExrRecords::~ExrRecords() = default;
+
+const RecordLayout& ExrRecords::layout() const {
+  return state_->layout;
+}
+const RecordsDescription& ExrRecords::description() const {
+  return state_->description;
+}
+std::uint64_t ExrRecords::count() const {
+  return state_->layout.samples;
+}
+
+void ExrRecords::open(const E57Table& table) {
+  State& s = *state_;
+  if (!s.in->isComplete())
+    fail_input(
+        "{}: tiles: expected all {} x {}, found some missing; the file is cut short: copy or write it again",
+        s.file, s.in->numXTiles(), s.in->numYTiles());
+  s.table = table;
+  s.groups = groups_of(s.layout);
+  s.fields = channels_of(table, s.layout);
+  s.list_channels();
+  s.pixel_of.assign(s.layout.samples, kNowhere);
+  s.last.assign(s.groups.size(), 0);
+  const int across = s.in->numXTiles();
+  std::vector<std::uint64_t> hashes(static_cast<std::size_t>(across) *
+                                    static_cast<std::size_t>(s.in->numYTiles()));
+  for (std::size_t group = 0; group < s.groups.size(); ++group) {
+    check_interrupted();
+    const RecordTiles tiles = s.load(group, s.channels);
+    tiles.hash(s.channels, across, hashes);
+    s.place(tiles, group);
+  }
+  std::vector<std::string> texts;
+  for (const char* name : {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts})
+    texts.push_back(s.text(name));
+  const std::string expected = s.text(range_attribute::kChecksum), found = records_checksum(texts, hashes);
+  if (s.placed != s.layout.samples || expected != found)
+    fail_input(
+        "{}: content: expected {} records and checksum {}, found {} and {}; the file is damaged: copy or "
+        "write "
+        "it again",
+        s.file, s.layout.samples, expected, s.placed, found);
+}
+
+void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, std::uint64_t count,
+                      const std::function<void(const E57Records&)>& body) const {
+  State& s = *state_;
+  s.cache_for(fields);
+  for (std::uint64_t at = first, end = first + count; at < end; at += kBlock_records) {
+    const std::uint64_t block_end = std::min(at + kBlock_records, end);
+    s.load_groups(at, block_end);
+    parallel_for((block_end - at + kRange - 1) / kRange, [&](std::size_t range) {
+      E57Records records{.first = at + range * kRange,
+                         .integers = std::vector<std::span<const std::int64_t>>(fields.size()),
+                         .reals = std::vector<std::span<const double>>(fields.size())};
+      records.count = static_cast<std::size_t>(std::min<std::uint64_t>(kRange, block_end - records.first));
+      std::vector<std::int64_t> integers(fields.size() * kRange);
+      std::vector<double> reals(fields.size() * kRange);
+      const std::uint32_t* pixels = &s.pixel_of[records.first];
+      for (std::size_t k = 0; k < fields.size(); ++k) {
+        const auto integer = std::span(integers).subspan(k * kRange, records.count);
+        const auto real = std::span(reals).subspan(k * kRange, records.count);
+        if (s.table.fields[fields[k]].is_integer()) {
+          for (std::size_t i = 0; i < records.count; ++i) integer[i] = s.integer(k, pixels[i]);
+          records.integers[k] = integer;
+        } else {
+          for (std::size_t i = 0; i < records.count; ++i) real[i] = s.real(k, pixels[i]);
+          records.reals[k] = real;
+        }
+      }
+      body(records);
+    });
+  }
+}
+
+bool holds_exr_records(const std::filesystem::path& file) {
+  InputFile input(file);
+  check_exr_header(input, kExrEither);
+  try {
+    const Imf::InputFile image(file.c_str());
+    return text_attribute(image.header(), range_attribute::kFormat) == kFormatName;
+  } catch (const std::exception&) {  // what is wrong with it the reader of images tells
+    return false;
+  }
+}
+
+}  // namespace hybrid::io
