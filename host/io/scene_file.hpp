@@ -71,7 +71,8 @@ struct SceneFile {
   std::optional<Model> model;
   struct Photographs {
     CameraSource cameras;
-    std::filesystem::path images;
+    std::filesystem::path images;                  // not of e57
+    std::vector<std::filesystem::path> e57_files;  // whose images are the photographs; `cameras` has the first
     std::optional<std::array<double, 16>> world_from_photographs;
   };
   std::optional<Photographs> photographs;
