@@ -15,8 +15,8 @@
 // there was nothing but masked pixels.
 //
 // Edges: outside the image there is no tap; a full panorama (CAMERA_WRAPS) goes on along the row at its other
-// side. Masked pixels (CAMERA_HAS_MASK, alpha 0) are no taps. Cost: (2 radius + 1) * 16 bytes, mostly from cache, and 10 flops
-// per tap. Reference twin: tests/reference/blur_photo.cpp.
+// side. Masked pixels (CAMERA_HAS_MASK, alpha 0) are no taps. Cost: (2 radius + 1) * 16 bytes, mostly from
+// cache, and 10 flops per tap. Reference twin: tests/reference/blur_photo.cpp.
 #include "shared/params_blur_photo.h"
 
 kernel void blur_photo(const BlurPhotoParams params, global const uchar* restrict photo,

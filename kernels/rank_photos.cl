@@ -16,9 +16,9 @@
 // in: the tree; surface[SURFACE_PLANES * cols * rows] and photo as in blend_photos.cl (photo is read only
 // where the photograph has a mask).
 //
-// in/out: penalty[kept * cols * rows], ranked[kept * cols * rows]: the best so far in growing order, one plane
-// per rank; ranks that nothing has hold +inf and -1. seen[cols * rows] = photographs so far that see the
-// point.
+// in/out: penalty[kept * cols * rows], ranked[kept * cols * rows]: the best so far in growing order, one
+// plane per rank; ranks that nothing has hold +inf and -1. seen[cols * rows] = photographs so far that see
+// the point.
 //
 // Defines: VW (1). Edges: a point on the very border of a photograph is seen. Cost: 28 bytes of surface and
 // 8 kept + 8 bytes of ranks per seen point, one shadow ray. Reference twin: tests/reference/rank_photos.cpp.
@@ -55,8 +55,8 @@ static inline void insert_photo(float value, int index, uint kept, uint count, u
 kernel void rank_photos(const RankPhotosParams params, global const BvhNode* restrict nodes,
                         global const TriangleRecord* restrict triangles,
                         global const SphereRecord* restrict spheres, global const float* restrict surface,
-                        global const uchar* restrict photo, global float* restrict penalty, global int* restrict ranked,
-                        global uint* restrict seen) {
+                        global const uchar* restrict photo, global float* restrict penalty,
+                        global int* restrict ranked, global uint* restrict seen) {
   const uint packet_x = get_global_id(0), packet_y = get_global_id(1);
   const uint2 corner = packet_pixel(packet_x, packet_y, 0u, params.rows);
   if (corner.x >= params.cols || corner.y >= params.rows) return;

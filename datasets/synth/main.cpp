@@ -42,8 +42,10 @@ const std::map<std::string, synth::Preset> kChurchPresets = {
     {"demo", {"demo", 1700, 700, 1440, 1080, 1120, 630, 3, 0.3, 96}},
     {"full", {"full", 6700, 3000, 4032, 3024, 1920, 1080, 4, 0.2, 160}}};
 
-const std::map<std::string, synth::ScanFormat> kFormats = {
-    {"ply", synth::ScanFormat::ply}, {"ptx", synth::ScanFormat::ptx}, {"exr", synth::ScanFormat::exr}, {"e57", synth::ScanFormat::e57}};
+const std::map<std::string, synth::ScanFormat> kFormats = {{"ply", synth::ScanFormat::ply},
+                                                           {"ptx", synth::ScanFormat::ptx},
+                                                           {"exr", synth::ScanFormat::exr},
+                                                           {"e57", synth::ScanFormat::e57}};
 
 // Whole and not negative; what does not fit would be cut silently.
 const CLI::Validator kSeed(
@@ -109,12 +111,13 @@ void add_common(CLI::App& command, Request& r, const std::map<std::string, synth
       .add_option("--megapixels", r.megapixels, "Samples of each scan, in millions, instead of the preset's")
       ->check(within(0.05, 400.0));
   command
-      .add_option("--format", r.format,
-                  "Of every scan's file: ply: returns in acquisition order; ptx: a grid with a row for each "
-                  "step of the mirror, columns that start elsewhere included; exr: the same grid as a tiled "
-                  "range image; e57: returns with row, column and pose, and photographs in E57 files: a panorama "
-                  "from every scanner, and those of the lens, which has no distortion then. Default: ptx for a "
-                  "scanner whose columns are even, else ply")
+      .add_option(
+          "--format", r.format,
+          "Of every scan's file: ply: returns in acquisition order; ptx: a grid with a row for each "
+          "step of the mirror, columns that start elsewhere included; exr: the same grid as a tiled "
+          "range image; e57: returns with row, column and pose, and photographs in E57 files: a panorama "
+          "from every scanner, and those of the lens, which has no distortion then. Default: ptx for a "
+          "scanner whose columns are even, else ply")
       ->check(CLI::IsMember({"ply", "ptx", "exr", "e57"}));
   command.add_option("--threads", r.threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
   command.add_flag("--json", r.json, "Summary as JSON on stdout");

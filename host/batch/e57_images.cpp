@@ -28,7 +28,7 @@ E57Frame frame_of(const fs::path& file, const io::E57File& opened) {
 
 void read_file(const fs::path& file, bool salvage, E57PhotographSet& set) {
   const io::E57File opened(file, {.salvage = salvage});
-  const io::E57Photographs found = io::e57_photographs(opened);
+  const io::E57Photographs found = io::e57_photographs(opened.contents());
   for (const std::string& note : found.notes) log::warning("{}: {}", file.string(), note);
   for (const io::E57Photograph& one : found.photographs) {
     try {

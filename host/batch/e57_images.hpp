@@ -51,8 +51,8 @@ PlacedCamera place_camera(const E57Anchor& anchor, const std::vector<E57Frame>& 
                           const std::vector<PlacedScan>& scans);
 
 // Writes the visual references (images without a camera) that belong to one scan of an E57 file, bytes as
-// they are, to folder/reference-<name>.jpg or .png; those of no scan belong to the first. Other files than E57
-// have none. A picture that cannot be read is a warning: no result depends on it.
+// they are, to folder/reference-<name>.jpg or .png; those of no scan belong to the first. Other files than
+// E57 have none. A picture that cannot be read is a warning: no result depends on it.
 void write_references(const std::filesystem::path& folder, const std::filesystem::path& file,
                       std::size_t scan, bool salvage);
 

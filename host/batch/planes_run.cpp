@@ -7,6 +7,7 @@
 #include "core/log.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
+#include "io/scanner_position.hpp"
 #include "io/scene_file.hpp"
 
 namespace hybrid::batch {
@@ -17,6 +18,7 @@ using Json = nlohmann::ordered_json;
 Json process_one(device::Queue& queue, const PlanesRequest& request, const std::string& id,
                  const std::filesystem::path& file, const io::FileFingerprint& print, Scan scan,
                  std::size_t index, Progress& progress) {
+  if (request.scanner) io::place_scanner(scan, *request.scanner);
   const auto product = process_scan(queue, id, scan, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;
@@ -62,8 +64,7 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
         const std::string id = ids.back();
         guarded("scan " + id, [&] {
           if (i > 0) progress.step("read", "scan " + id);
-          scans.push_back(
-              process_one(queue, request, id, file, print, io::read_scan(file, entries[i]),
+          scans.push_back(process_one(queue, request, id, file, print, io::read_scan(file, entries[i]),
                                       entries[i].index, progress));
         });
       }

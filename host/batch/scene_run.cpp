@@ -14,6 +14,7 @@
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
 #include "io/read_scan.hpp"
+#include "io/scanner_position.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -42,6 +43,17 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
   check_output_folder(request.out, scene.name, request.force);
   return scene;
+}
+
+// What the scene file says in the file's coordinates, in the scanner's frame.
+io::SceneScan in_scan_frame(io::SceneScan entry) {
+  if (!entry.scanner) return entry;
+  for (io::SceneLandmark& landmark : entry.landmarks)
+    if (landmark.scan) *landmark.scan -= *entry.scanner;
+  if (entry.pose)
+    entry.pose =
+        row_major(pose_from_row_major(*entry.pose) * Pose{1, Eigen::Quaterniond::Identity(), *entry.scanner});
+  return entry;
 }
 
 PolygonModel read_model(const io::SceneFile::Model& section) {
@@ -176,9 +188,10 @@ class Run {
   void process(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
     unit("scan " + id, [&] {
       Scan scan = io::read_scan(entry.file, scan_entry);
+      if (entry.scanner) io::place_scanner(scan, *entry.scanner);
       run_.products.push_back(process_scan(queue_, id, scan, options_, progress_));
       remains_.push_back(keep_remains(std::move(scan), run_.products.back().image));
-      entries_.push_back(entry);
+      entries_.push_back(in_scan_frame(entry));
       indices_.push_back(scan_entry.index);
     });
     run_.registrations.resize(run_.products.size());
@@ -208,8 +221,8 @@ class Run {
     std::vector<PlacedScan> scans;
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       if (run_.registrations[i])
-        scans.push_back({entries_[i].file, indices_[i], run_.products[i].id,
-                         run_.registrations[i]->world_from_scan()});
+        scans.push_back(
+            {entries_[i].file, indices_[i], run_.products[i].id, run_.registrations[i]->world_from_scan()});
     return scans;
   }
 
@@ -303,8 +316,8 @@ class Run {
                     {"failures", Json::array()}};
     Json placed = Json::array();  // photographs out of E57 files
     for (std::size_t i = 0; i < run_.photographs.placed_with.size(); ++i)
-      placed.push_back({{"name", run_.photographs.cameras[i].name},
-                        {"placed_with", run_.photographs.placed_with[i]}});
+      placed.push_back(
+          {{"name", run_.photographs.cameras[i].name}, {"placed_with", run_.photographs.placed_with[i]}});
     if (!placed.empty()) run_.summary["photographs"] = placed;
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;

@@ -193,11 +193,12 @@ Image8 decode_bytes(const PictureBytes& picture, const std::string& name, int wi
   if (spec.width != width || spec.height != height)
     fail_input("{}: expected the {} x {} pixels of its description, found {} x {}; export the file again",
                name, width, height, spec.width, spec.height);
-  const std::int64_t most = static_cast<std::int64_t>(picture.bytes.size()) *
-                            (png ? kPngPixelsPerByte : kJpegPixelsPerByte);
+  const std::int64_t most =
+      static_cast<std::int64_t>(picture.bytes.size()) * (png ? kPngPixelsPerByte : kJpegPixelsPerByte);
   if (std::int64_t{width} * height > most)
-    fail_input("{}: expected at most the {} pixels that {} bytes can hold, found {} x {}; export the file again",
-               name, most, picture.bytes.size(), width, height);
+    fail_input(
+        "{}: expected at most the {} pixels that {} bytes can hold, found {} x {}; export the file again",
+        name, most, picture.bytes.size(), width, height);
   return decode<std::uint8_t>(name, *input, spec, OIIO::TypeUInt8);
 }
 

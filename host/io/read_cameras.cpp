@@ -12,7 +12,7 @@ namespace {
 
 CameraFile read_e57_cameras(const fs::path& file) {
   const E57File opened(file);
-  E57Photographs found = e57_photographs(opened);
+  E57Photographs found = e57_photographs(opened.contents());
   CameraFile result;
   result.notes = std::move(found.notes);
   for (E57Photograph& one : found.photographs) {

@@ -18,7 +18,8 @@ struct CameraSource {
 };
 
 // `images` is the folder with the photographs: formats that do not give their sizes look there; empty = leave
-// such sizes 0. Cameras of an E57 file are in its own frame (e57_photographs.hpp tells more). Throws ErrorKind::input naming file and place.
+// such sizes 0. Cameras of an E57 file are in its own frame (e57_photographs.hpp tells more). Throws
+// ErrorKind::input naming file and place.
 CameraFile read_cameras(const CameraSource& source, const std::filesystem::path& images = {});
 
 // What a path holds, by the names of its files: a folder of one of the formats, bundle.out (*.out) or

@@ -55,6 +55,7 @@ SceneScan read_scan(const SceneTable& table) {
     result.landmarks.push_back(read_landmark(landmark));
   result.pose = table.pose("pose");
   result.fixed = table.flag("fixed", false);
+  result.scanner = table.point("scanner");
   if (result.fixed && !result.pose)
     table.fail_key("fixed", "expected a pose that is to be final, found none");
   if (result.pose && !result.landmarks.empty())
@@ -194,8 +195,8 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.path = file;
   read_scene_table(root, scene);
   std::unordered_map<std::string, int> ids, names;
-  for (const SceneTable& table : root.tables(
-           "scan", {"id", "file", "index", "landmarks", "pose", "fixed", "intrinsics", "depth_scale"})) {
+  for (const SceneTable& table : root.tables("scan", {"id", "file", "index", "landmarks", "pose", "fixed",
+                                                      "scanner", "intrinsics", "depth_scale"})) {
     scene.scans.push_back(read_scan(table));
     check_unique(table, "id", scene.scans.back().id, ids);
   }
@@ -204,9 +205,8 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.edit = read_options(root, "edit");
   scene.render = read_options(root, "render");
   read_model(root, scene);
-  if (const auto table = root.table(
-          "photographs",
-          {"colmap", "strecha", "bundler", "nerfstudio", "e57", "images", "world_from_photographs"}))
+  if (const auto table = root.table("photographs", {"colmap", "strecha", "bundler", "nerfstudio", "e57",
+                                                    "images", "world_from_photographs"}))
     scene.photographs = read_photographs(*table);
   for (const SceneTable& table : root.tables("view", {"name", "photograph", "eye", "target", "up", "fov_deg",
                                                       "size", "show", "texture", "cameras", "leave_out"})) {

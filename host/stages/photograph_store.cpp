@@ -41,7 +41,7 @@ std::vector<std::uint8_t> rgba(const Image8& image) {
   parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t row) {
     for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
       for (std::size_t k = 0; k < 3; ++k) out[4 * i + k] = image.pixels[channels * i + k];
-      out[4 * i + 3] = channels == 4 ? image.pixels[4 * i + 3] : 255;
+      out[4 * i + 3] = channels == 4 && image.pixels[4 * i + 3] == 0 ? 0 : 255;
     }
   });
   return out;

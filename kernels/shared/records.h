@@ -10,10 +10,10 @@
 #define CAMERA_SPHERICAL 3u   // panoramas: from here on no distortion
 #define CAMERA_CYLINDRICAL 4u
 
-#define CAMERA_WRAPS 1u      // a panorama of a full turn: left and right borders are one
-#define CAMERA_ZENITH 2u     // a panorama whose upper border is the zenith: no border
-#define CAMERA_NADIR 4u      // the same of its lower border
-#define CAMERA_HAS_MASK 8u   // a photograph some of whose pixels are none: alpha 0
+#define CAMERA_WRAPS 1u     // a panorama of a full turn: left and right borders are one
+#define CAMERA_ZENITH 2u    // a panorama whose upper border is the zenith: no border
+#define CAMERA_NADIR 4u     // the same of its lower border
+#define CAMERA_HAS_MASK 8u  // a photograph some of whose pixels are none: alpha 0
 
 typedef struct CameraRecord {
   float rotation[9];     // cam_from_world, row-major

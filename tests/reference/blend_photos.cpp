@@ -29,7 +29,8 @@ BlendPhotosCase::Input BlendPhotosCase::make(std::size_t size, std::uint32_t see
   }
   for (const Lens lens : {Lens::spherical, Lens::cylindrical}) {
     const bool full = lens == Lens::spherical;
-    Photo photo{look_at({full ? -1.0 : 1.0, -2, 0.5}, {3, 4, 1}, {0, 0.2, 1}, 50, full ? 80 : 60, 40), {}, {}};
+    Photo photo{
+        look_at({full ? -1.0 : 1.0, -2, 0.5}, {3, 4, 1}, {0, 0.2, 1}, 50, full ? 80 : 60, 40), {}, {}};
     Camera& camera = photo.photograph.camera;
     camera.lens = lens;
     camera.fx = full ? 40 / M_PI : 20;

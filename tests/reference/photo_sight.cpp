@@ -20,8 +20,7 @@ bool closes(const Camera& camera) {
 double border_distance(const Camera& camera, const Vec2& pixel) {
   double border = std::numeric_limits<double>::infinity();
   if (!closes(camera)) border = std::min(pixel.x(), camera.width - pixel.x());
-  const bool poles =
-      camera.lens == Lens::spherical && std::abs(camera.height / camera.fy - M_PI) < 1e-3;
+  const bool poles = camera.lens == Lens::spherical && std::abs(camera.height / camera.fy - M_PI) < 1e-3;
   if (!poles) border = std::min({border, pixel.y(), camera.height - pixel.y()});
   return border;
 }
@@ -69,7 +68,8 @@ std::optional<PhotoSight> photo_sight(const BlendPhotosCase::Input& input, std::
   const BlendPhotosCase::Photo& photo_input = input.photos[photo];
   if (photo_input.masked) {
     const auto masked = [&](int x, int y) {
-      return Vec3::Constant(photo_input.pixels[4 * static_cast<std::size_t>(y * camera.width + x) + 3] ? 0 : 1);
+      return Vec3::Constant(photo_input.pixels[4 * static_cast<std::size_t>(y * camera.width + x) + 3] ? 0
+                                                                                                       : 1);
     };
     if (sample(camera, *pixel, masked).x() > 0) return {};
   }

@@ -61,8 +61,8 @@ ProjectPointsCase::Output ProjectPointsCase::reference(const Input& input) {
     const bool panorama = c.lens == Lens::spherical || c.lens == Lens::cylindrical;
     const Vec2 bent = bend(c, x, y);
     const Vec2 pixel = panorama ? unroll(c, p) : Vec2(c.fx * bent.x() + c.cx, c.fy * bent.y() + c.cy);
-    const bool seen = (panorama || (p.z() > 0 && grows_until(radial, std::hypot(x, y)))) && pixel.x() >= 0 && pixel.x() < c.width && pixel.y() >= 0 &&
-                      pixel.y() < c.height;
+    const bool seen = (panorama || (p.z() > 0 && grows_until(radial, std::hypot(x, y)))) && pixel.x() >= 0 &&
+                      pixel.x() < c.width && pixel.y() >= 0 && pixel.y() < c.height;
     // The ray back through the pixel is the one that came: from the camera's centre to the point.
     const Vec3 ray = cam_from_world.transpose() * p.normalized();
     for (int k = 0; k < 2; ++k) out.pixels.push_back(static_cast<float>(seen ? pixel[k] : kNone));

@@ -123,8 +123,8 @@ double estimate_bytes(const World& world, const Options& options) {
   for (const ScannerPose& pose : world.scanners) {  // points, truth, and what is on its way
     const ScanFormat format = format_of(pose, options);
     const double of_a_point = format == ScanFormat::ply || format == ScanFormat::e57 ? 16
-                              : format == ScanFormat::ptx                             ? 33
-                                                                                      : 16 + 24;
+                              : format == ScanFormat::ptx                            ? 33
+                                                                                     : 16 + 24;
     bytes += static_cast<double>(p.scan_columns) * p.scan_rows * (of_a_point + 5 + 12);
   }
   bytes +=

@@ -49,10 +49,10 @@ std::string pose_xml(const Eigen::Isometry3d& pose) {
   Eigen::Quaterniond q(pose.rotation());
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const Eigen::Vector3d t = pose.translation();
-  return structure("pose", structure("rotation", real("w", q.w()) + real("x", q.x()) + real("y", q.y()) +
-                                                     real("z", q.z())) +
-                               structure("translation", real("x", t.x()) + real("y", t.y()) +
-                                                            real("z", t.z())));
+  return structure(
+      "pose",
+      structure("rotation", real("w", q.w()) + real("x", q.x()) + real("y", q.y()) + real("z", q.z())) +
+          structure("translation", real("x", t.x()) + real("y", t.y()) + real("z", t.z())));
 }
 
 // Pinhole images look along -z with y up; spherical ones along x with z up.
@@ -118,9 +118,8 @@ std::string root_xml(const std::string& file_guid, const std::string& data3d, co
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          "<e57Root type=\"Structure\" xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\">\n" +
          text("formatName", "ASTM E57 3D Imaging Data File") + text("guid", file_guid) +
-         whole("versionMajor", 1) + whole("versionMinor", 0) +
-         text("e57LibraryVersion", "synthetic scenes") + vector("data3D", data3d) +
-         vector("images2D", images2d) + "</e57Root>\n";
+         whole("versionMajor", 1) + whole("versionMinor", 0) + text("e57LibraryVersion", "synthetic scenes") +
+         vector("data3D", data3d) + vector("images2D", images2d) + "</e57Root>\n";
 }
 
 void write_header(E57Pages& pages) {
@@ -254,15 +253,13 @@ void E57ScanFile::finish() {
   std::string scan = text("guid", scan_guid) + text("name", pose_.id) +
                      pose_xml(file_from_world * pose_.world_from_scan) + points_xml();
   scan += structure("intensityLimits", real("intensityMinimum", 0) + real("intensityMaximum", 1));
-  scan += structure("indexBounds",
-                    whole("rowMinimum", 0) + whole("rowMaximum", rows_ - 1) + whole("columnMinimum", 0) +
-                        whole("columnMaximum", columns_ - 1) + whole("returnMinimum", 0) +
-                        whole("returnMaximum", 0));
+  scan += structure("indexBounds", whole("rowMinimum", 0) + whole("rowMaximum", rows_ - 1) +
+                                       whole("columnMinimum", 0) + whole("columnMaximum", columns_ - 1) +
+                                       whole("returnMinimum", 0) + whole("returnMaximum", 0));
   if (records_ > 0)
-    scan += structure("cartesianBounds",
-                      real("xMinimum", low_.x()) + real("xMaximum", high_.x()) + real("yMinimum", low_.y()) +
-                          real("yMaximum", high_.y()) + real("zMinimum", low_.z()) +
-                          real("zMaximum", high_.z()));
+    scan += structure("cartesianBounds", real("xMinimum", low_.x()) + real("xMaximum", high_.x()) +
+                                             real("yMinimum", low_.y()) + real("yMaximum", high_.y()) +
+                                             real("zMinimum", low_.z()) + real("zMaximum", high_.z()));
   std::string images;
   for (const E57Picture& picture : pictures_)
     images += picture_xml(pages_, picture, file_from_world, seed_, scan_guid);

@@ -21,8 +21,8 @@ std::string encoded(const std::string& extension, const Picture8& picture) {
     spec.attribute("Compression", "jpeg:95");
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
-  if (!file->open(name, spec) ||
-      !file->write_image(OIIO::TypeDesc::UINT8, picture.rgb.data()) || !file->close())
+  if (!file->open(name, spec) || !file->write_image(OIIO::TypeDesc::UINT8, picture.rgb.data()) ||
+      !file->close())
     throw std::runtime_error(file->geterror());
   return {bytes.buffer().begin(), bytes.buffer().end()};
 }

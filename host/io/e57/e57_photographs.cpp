@@ -41,9 +41,8 @@ std::string problem_of(const E57Image& image) {
       return "a visual reference has no camera";
     case E57Projection::pinhole:
       if (!positive(image.focal_length_m) || !positive(image.pixel_width) || !positive(image.pixel_height))
-        return fmt::format(
-            "expected a focal length and pixel sizes of more than 0 m, found {}, {} and {}",
-            image.focal_length_m, image.pixel_width, image.pixel_height);
+        return fmt::format("expected a focal length and pixel sizes of more than 0 m, found {}, {} and {}",
+                           image.focal_length_m, image.pixel_width, image.pixel_height);
       break;
     case E57Projection::cylindrical:
       if (!positive(image.radius_m))
@@ -100,8 +99,9 @@ std::optional<std::size_t> scan_of(const E57Contents& contents, const std::strin
 E57Image mended(E57Image image, const std::string& what, std::vector<std::string>& notes) {
   const bool full = image.projection == E57Projection::spherical && image.width == 2 * image.height;
   if (full && !(image.width * image.pixel_width > kLeastPanorama_rad)) {
-    notes.push_back(fmt::format("{}: its pixels of {} rad make no panorama; its sides are 2 : 1: taken as a full sphere",
-                                what, image.pixel_width));
+    notes.push_back(
+        fmt::format("{}: its pixels of {} rad make no panorama; its sides are 2 : 1: taken as a full sphere",
+                    what, image.pixel_width));
     image.pixel_width = image.pixel_height = kTurn / image.width;
   }
   if (!image.world_from_image && image.projection != E57Projection::visual_reference)
@@ -134,10 +134,9 @@ std::string safe_name(const std::string& name, const std::string& fallback) {
   return safe.empty() || safe == "." || safe == ".." ? fallback : safe;
 }
 
-E57Photographs e57_photographs(const E57File& file) {
+E57Photographs e57_photographs(const E57Contents& contents) {
   E57Photographs result;
   std::set<std::string> taken;
-  const E57Contents& contents = file.contents();
   for (std::size_t i = 0; i < contents.images.size(); ++i) {
     const std::string what = fmt::format("image {} ({})", i, excerpt(contents.images[i].name));
     const E57Image image = mended(contents.images[i], what, result.notes);
@@ -149,7 +148,8 @@ E57Photographs e57_photographs(const E57File& file) {
     found.image = i;
     found.scan = scan_of(contents, image.scan_guid);
     if (!image.scan_guid.empty() && !found.scan)
-      result.notes.push_back(fmt::format("{}: its scan {} is not in the file", what, excerpt(image.scan_guid)));
+      result.notes.push_back(
+          fmt::format("{}: its scan {} is not in the file", what, excerpt(image.scan_guid)));
     const std::string name = safe_name(image.name, fmt::format("image-{}", i));
     found.photograph.name = name;
     for (int number = 2; !taken.insert(found.photograph.name).second; ++number)
@@ -170,11 +170,11 @@ Image8 read_e57_photograph(const E57File& file, const E57Photograph& photograph)
   const Camera& camera = photograph.photograph.camera;
   std::vector<std::string> notes;
   const std::vector<char> picture = bytes_of(file, image.picture, place, notes);
-  const std::vector<char> mask = image.mask ? bytes_of(file, *image.mask, place + ", its mask", notes) : std::vector<char>();
-  return decode_photograph({picture, image.png ? PictureFormat::png : PictureFormat::jpeg},
-                           {mask, PictureFormat::png},
-                           fmt::format("{}, byte {}", place, image.picture.offset), camera.width,
-                           camera.height);
+  const std::vector<char> mask =
+      image.mask ? bytes_of(file, *image.mask, place + ", its mask", notes) : std::vector<char>();
+  return decode_photograph(
+      {picture, image.png ? PictureFormat::png : PictureFormat::jpeg}, {mask, PictureFormat::png},
+      fmt::format("{}, byte {}", place, image.picture.offset), camera.width, camera.height);
 }
 
 }  // namespace hybrid::io

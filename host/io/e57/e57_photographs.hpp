@@ -24,7 +24,7 @@ struct E57Photographs {
 // The pinhole, spherical and cylindrical images of a file. ASTM E2807's image frames: a pinhole image looks
 // along -z with y up, a panorama's centre column lies on +x with z up. Visual references have no camera.
 // Images whose numbers make no camera are left out with a note.
-E57Photographs e57_photographs(const E57File& file);
+E57Photographs e57_photographs(const E57Contents& contents);
 
 // Decodes a photograph; with a mask 4 channels, alpha 0 where it is none. Throws ErrorKind::input naming
 // file, image and byte: blobs outside the file, pictures that do not decode or have another size than said.
