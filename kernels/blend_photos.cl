@@ -9,7 +9,8 @@
 //
 // in: the tree; surface[SURFACE_PLANES * cols * rows] as ray_cast writes it (x NaN = no surface; radius > 0:
 // a splat with a known normal, < 0: one without, which faces everything, 0: a face);
-// photo[4 * width * height]: sRGB bytes; low[4 * width * height]: half, linear light (BLEND_DUAL only);
+// photo[4 * width * height]: sRGB bytes, the fourth 0 where the photograph's mask says so (CAMERA_HAS_MASK):
+// what lies there is not seen; low[4 * width * height]: half, linear light (BLEND_DUAL only);
 // linear[256]: light of an sRGB byte.
 //
 // in/out: sums[BLEND_PLANES * cols * rows]; seen[cols * rows] = photographs so far that see the point;
@@ -55,8 +56,11 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
   STORE_LANES(weight, weights);
   for (uint lane = 0u; lane < VW; ++lane) {
     if (!visible[lane]) continue;
+    Bilinear around;
+    bilinear_at(&params.camera, columns[lane], rows[lane], &around);
+    if (!is_photograph(&params.camera, &around, photo)) continue;
     seen[index[lane]] += 1u;
-    add_light(&params.camera, params.mix, params.photograph, columns[lane], rows[lane], weights[lane], photo,
-              low, linear, count, index[lane], sums, best);
+    add_light(&around, params.mix, params.photograph, weights[lane], photo, low, linear, count, index[lane],
+              sums, best);
   }
 }

@@ -66,7 +66,9 @@ kernel void blend_ranked(const BlendRankedParams params, global const float* res
   STORE_LANES(packet_feather(&params.camera, params.feather_px, column, row), feathers);
   for (uint lane = 0u; lane < VW; ++lane) {
     if (!(weights[lane] > 0.0f)) continue;
-    add_light(&params.camera, params.mix, params.photograph, columns[lane], rows[lane],
-              feathers[lane] * weights[lane], photo, low, linear, count, index[lane], sums, best);
+    Bilinear around;
+    bilinear_at(&params.camera, columns[lane], rows[lane], &around);
+    add_light(&around, params.mix, params.photograph, feathers[lane] * weights[lane], photo, low, linear,
+              count, index[lane], sums, best);
   }
 }

@@ -11,10 +11,12 @@
 // weights[radius + 1] by distance in pixels; distance, id[width * height] as ray_cast sees from this camera
 // (+inf, 0: nothing).
 //
-// out: blurred[4 * width * height]: half, linear light; the fourth channel is 1.
+// out: blurred[4 * width * height]: half, linear light; the fourth channel is 1, or 0 like the others where
+// there was nothing but masked pixels.
 //
-// Edges: outside the image there is no tap. Cost: (2 radius + 1) * 16 bytes, mostly from cache, and 10 flops
-// per tap. Reference twin: tests/reference/blur_photo.cpp.
+// Edges: outside the image there is no tap; a full panorama (CAMERA_WRAPS) goes on along the row at its other
+// side. Masked pixels (CAMERA_HAS_MASK, alpha 0) are no taps. Cost: (2 radius + 1) * 16 bytes, mostly from
+// cache, and 10 flops per tap. Reference twin: tests/reference/blur_photo.cpp.
 #include "shared/params_blur_photo.h"
 
 kernel void blur_photo(const BlurPhotoParams params, global const uchar* restrict photo,
@@ -27,7 +29,9 @@ kernel void blur_photo(const BlurPhotoParams params, global const uchar* restric
   const uint along = params.vertical ? y : x;
   const uint extent = params.vertical ? params.height : params.width;
   const uint stride = params.vertical ? params.width : 1u;
-  const uint before = min(along, params.radius), after = min(extent - 1u - along, params.radius);
+  const uint wraps = !params.vertical && (params.flags & CAMERA_WRAPS);
+  const uint before = min(wraps ? extent - 1u : along, params.radius);
+  const uint after = min(wraps ? extent - 1u : extent - 1u - along, params.radius);
 
   float4 sum = (float4)(0.0f);
   for (int side = -1; side <= 1; side += 2) {
@@ -37,21 +41,24 @@ kernel void blur_photo(const BlurPhotoParams params, global const uchar* restric
       if (apart > 0u) {
         const uint last = at;
         at = side < 0 ? at - stride : at + stride;
+        if (wraps && side < 0 && apart == along + 1u) at += params.width;
+        if (wraps && side > 0 && apart == extent - along) at -= params.width;
         const float limit = params.tolerance_m + params.slope * params.pixel_rad * distance[last];
         // NaN between two of sky, whose ids are equal.
         if (id[at] != id[last] && !(fabs(distance[at] - distance[last]) < limit)) break;
       } else if (side > 0) {
         continue;  // the centre counts once
       }
-      float3 light;
+      float4 light;
       if (params.vertical) {
-        light = vload_half4(at, rows).xyz;
+        light = vload_half4(at, rows);
       } else {
         const uchar4 bytes = vload4(at, photo);
-        light = (float3)(linear[bytes.x], linear[bytes.y], linear[bytes.z]);
+        light = (float4)(linear[bytes.x], linear[bytes.y], linear[bytes.z], 1.0f);
+        if ((params.flags & CAMERA_HAS_MASK) && bytes.w == 0) light = (float4)(0.0f);
       }
-      sum += weights[apart] * (float4)(light, 1.0f);
+      sum += weights[apart] * light;
     }
   }
-  vstore_half4_rte(sum / sum.w, centre, blurred);
+  vstore_half4_rte(sum.w > 0.0f ? sum / sum.w : sum, centre, blurred);
 }

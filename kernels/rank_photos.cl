@@ -13,14 +13,16 @@
 //
 // Mapping: one work-item per packet of VW points, as in ray_cast.cl.
 //
-// in: the tree; surface[SURFACE_PLANES * cols * rows] as in blend_photos.cl.
+// in: the tree; surface[SURFACE_PLANES * cols * rows] and photo as in blend_photos.cl (photo is read only
+// where the photograph has a mask).
 //
-// in/out: penalty[kept * cols * rows], photo[kept * cols * rows]: the best so far in growing order, one plane
-// per rank; ranks that nothing has hold +inf and -1. seen[cols * rows] = photographs so far that see the
-// point.
+// in/out: penalty[kept * cols * rows], ranked[kept * cols * rows]: the best so far in growing order, one
+// plane per rank; ranks that nothing has hold +inf and -1. seen[cols * rows] = photographs so far that see
+// the point.
 //
 // Defines: VW (1). Edges: a point on the very border of a photograph is seen. Cost: 28 bytes of surface and
 // 8 kept + 8 bytes of ranks per seen point, one shadow ray. Reference twin: tests/reference/rank_photos.cpp.
+#include "lib/photo_light.h"
 #include "lib/photo_packet.h"
 #include "shared/params_rank_photos.h"
 
@@ -53,8 +55,8 @@ static inline void insert_photo(float value, int index, uint kept, uint count, u
 kernel void rank_photos(const RankPhotosParams params, global const BvhNode* restrict nodes,
                         global const TriangleRecord* restrict triangles,
                         global const SphereRecord* restrict spheres, global const float* restrict surface,
-                        global float* restrict penalty, global int* restrict photo,
-                        global uint* restrict seen) {
+                        global const uchar* restrict photo, global float* restrict penalty,
+                        global int* restrict ranked, global uint* restrict seen) {
   const uint packet_x = get_global_id(0), packet_y = get_global_id(1);
   const uint2 corner = packet_pixel(packet_x, packet_y, 0u, params.rows);
   if (corner.x >= params.cols || corner.y >= params.rows) return;
@@ -71,14 +73,19 @@ kernel void rank_photos(const RankPhotosParams params, global const BvhNode* res
 
   const ShadowTolerance tolerance = {params.tolerance_m, params.face_tolerance_m};
   int visible[VW];
-  float penalties[VW];
+  float penalties[VW], columns[VW], rows[VW];
   STORE_LANES(
       packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked),
       visible);
   STORE_LANES(photo_penalty(&params, &points, &sight, column, row), penalties);
+  STORE_LANES(column, columns);
+  STORE_LANES(row, rows);
   for (uint lane = 0u; lane < VW; ++lane) {
     if (!visible[lane]) continue;
+    Bilinear around;
+    bilinear_at(&params.camera, columns[lane], rows[lane], &around);
+    if (!is_photograph(&params.camera, &around, photo)) continue;
     seen[index[lane]] += 1u;
-    insert_photo(penalties[lane], params.photograph, params.kept, count, index[lane], penalty, photo);
+    insert_photo(penalties[lane], params.photograph, params.kept, count, index[lane], penalty, ranked);
   }
 }

@@ -10,7 +10,7 @@
 //
 // DIR holds scene.toml (written last), proxy.obj, scans/, photographs/, cameras/ (COLMAP), detail.ply (the
 // true mesh), truth.json and truth/. The church's scans: `front` outside and `nave` as PLY without a grid,
-// `chancel` as PTX with one (--format: all as PLY, PTX or EXR); truth/<scan>.exr has kinds 0 planar, 1
+// `chancel` as PTX with one (--format: all as PLY, PTX, EXR or E57); truth/<scan>.exr has kinds 0 planar, 1
 // curved, 2 mixed, 3 ghost behind glass.
 #include <ImfThreading.h>
 #include <fmt/format.h>
@@ -42,8 +42,10 @@ const std::map<std::string, synth::Preset> kChurchPresets = {
     {"demo", {"demo", 1700, 700, 1440, 1080, 1120, 630, 3, 0.3, 96}},
     {"full", {"full", 6700, 3000, 4032, 3024, 1920, 1080, 4, 0.2, 160}}};
 
-const std::map<std::string, synth::ScanFormat> kFormats = {
-    {"ply", synth::ScanFormat::ply}, {"ptx", synth::ScanFormat::ptx}, {"exr", synth::ScanFormat::exr}};
+const std::map<std::string, synth::ScanFormat> kFormats = {{"ply", synth::ScanFormat::ply},
+                                                           {"ptx", synth::ScanFormat::ptx},
+                                                           {"exr", synth::ScanFormat::exr},
+                                                           {"e57", synth::ScanFormat::e57}};
 
 // Whole and not negative; what does not fit would be cut silently.
 const CLI::Validator kSeed(
@@ -109,11 +111,14 @@ void add_common(CLI::App& command, Request& r, const std::map<std::string, synth
       .add_option("--megapixels", r.megapixels, "Samples of each scan, in millions, instead of the preset's")
       ->check(within(0.05, 400.0));
   command
-      .add_option("--format", r.format,
-                  "Of every scan's file: ply: returns in acquisition order; ptx: a grid with a row for each "
-                  "step of the mirror, columns that start elsewhere included; exr: the same grid as a tiled "
-                  "range image. Default: ptx for a scanner whose columns are even, else ply")
-      ->check(CLI::IsMember({"ply", "ptx", "exr"}));
+      .add_option(
+          "--format", r.format,
+          "Of every scan's file: ply: returns in acquisition order; ptx: a grid with a row for each "
+          "step of the mirror, columns that start elsewhere included; exr: the same grid as a tiled "
+          "range image; e57: returns with row, column and pose, and photographs in E57 files: a panorama "
+          "from every scanner, and those of the lens, which has no distortion then. Default: ptx for a "
+          "scanner whose columns are even, else ply")
+      ->check(CLI::IsMember({"ply", "ptx", "exr", "e57"}));
   command.add_option("--threads", r.threads, "0: as many as the machine has")->check(CLI::NonNegativeNumber);
   command.add_flag("--json", r.json, "Summary as JSON on stdout");
   command.add_flag("--quiet", r.quiet, "No summary on stderr");
@@ -163,8 +168,9 @@ void make_archive(Request& r) {
                           r.scenes * synth::estimate_bytes(synth::build_church(r.options), r.options));
   for (int i = 0; i < r.scenes; ++i) {
     r.options.seed = first + static_cast<std::uint64_t>(i);
-    tell(r, synth::generate(synth::build_church(r.options), r.options,
-                            fmt::format("{}/scene-{:04}", r.folder, i)));
+    synth::World world = synth::build_church(r.options);
+    if (r.options.scan_format == synth::ScanFormat::e57) synth::remove_distortion(world);
+    tell(r, synth::generate(world, r.options, fmt::format("{}/scene-{:04}", r.folder, i)));
   }
 }
 
@@ -225,6 +231,7 @@ int main(int argc, char** argv) {
     }
     synth::World world =
         room->parsed() ? synth::build_room(request.options) : synth::build_church(request.options);
+    if (request.options.scan_format == synth::ScanFormat::e57) synth::remove_distortion(world);
     if (!request.only_scan.empty()) synth::keep_only_scan(world, request.only_scan);
     tell(request, synth::generate(world, request.options, request.folder));
     return 0;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "io/e57/e57_photographs.hpp"
 #include "io/model_info.hpp"
 #include "io/obj.hpp"
 #include "io/read_cameras.hpp"
@@ -90,6 +91,38 @@ Json cameras_json(const io::CameraSource& source) {
           {"maximum", json_of(box.maximum)},      {"notes", file.notes}};
 }
 
+bool holds_scans(const fs::path& file, bool salvage) {
+  return !io::E57File(file, {.salvage = salvage}).contents().scans.empty();
+}
+
+// Every image of an E57 file, photograph or not.
+Json images_json(const fs::path& file, bool salvage) {
+  const io::E57File opened(file, {.salvage = salvage});
+  const auto& contents = opened.contents();
+  const auto found = io::e57_photographs(contents);
+  Json images = Json::array();
+  for (std::size_t i = 0; i < contents.images.size(); ++i) {
+    const io::E57Image& image = contents.images[i];
+    images.push_back(
+        {{"name", image.name},
+         {"type", io::name_of(image.projection)},
+         {"picture", image.png ? "PNG" : "JPEG"},
+         {"bytes", image.picture.length},
+         {"size", {image.width, image.height}},
+         {"mask", image.mask.has_value()},
+         {"world_from_image", image.world_from_image ? Json(row_major(*image.world_from_image)) : Json()},
+         {"scan", Json()},
+         {"photograph", Json()}});
+    for (std::size_t k = 0; k < contents.scans.size(); ++k)
+      if (!image.scan_guid.empty() && contents.scans[k].guid == image.scan_guid) images.back()["scan"] = k;
+    for (const auto& one : found.photographs)
+      if (one.image == i) images.back()["photograph"] = one.photograph.name;
+    images.back()["notes"] = image.notes;
+  }
+  if (images.empty()) return Json::object();
+  return {{"images", images}, {"image_notes", found.notes}};
+}
+
 // What the file is follows from its name: a camera folder, a model, else a scan.
 Json describe(const fs::path& file, bool salvage) {
   std::string extension = file.extension().string();
@@ -106,8 +139,11 @@ Json describe(const fs::path& file, bool salvage) {
     json["model"] = model_json(io::describe_model(io::read_obj(file)));
   } else {
     json["scans"] = Json::array();
-    for (const auto& scan : io::read_scan_info(file, {.salvage = salvage}))
-      json["scans"].push_back(scan_json(scan));
+    const Json images = extension == ".e57" ? images_json(file, salvage) : Json::object();
+    if (images.empty() || holds_scans(file, salvage))  // photographs may come in a file of their own
+      for (const auto& scan : io::read_scan_info(file, {.salvage = salvage}))
+        json["scans"].push_back(scan_json(scan));
+    json.update(images);
   }
   return json;
 }

@@ -1,5 +1,7 @@
 #include "batch/planes_json.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace hybrid::batch {
@@ -15,6 +17,17 @@ Json json_of(const ContourRing& ring) {
   Json points = Json::array();
   for (const auto& point : ring.points) points.push_back(json_of(point));
   return {{"ring", ring.outer ? "outer" : "inner"}, {"points_m", points}};
+}
+
+Json intersections_json(const std::vector<stages::Intersection>& intersections) {
+  Json list = Json::array();
+  for (const auto& segment : intersections)
+    list.push_back({{"planes", {segment.planes[0], segment.planes[1]}},
+                    {"from_m", json_of(segment.from)},
+                    {"to_m", json_of(segment.to)},
+                    {"angle_deg", segment.angle_deg},
+                    {"samples", segment.samples}});
+  return list;
 }
 
 // Superclusters that no proxy face explains; empty before registration.
@@ -50,7 +63,19 @@ Json planes_json(const ScanProduct& product) {
           {"frame", "scan"},
           {"square", product.segmentation.square},
           {"sigma_m", product.sigma_m},
-          {"superclusters", list}};
+          {"superclusters", list},
+          {"intersections", intersections_json(product.intersections)}};
+}
+
+std::string intersections_obj(const ScanProduct& product) {
+  std::string text = fmt::format("# lines in which planes of scan {} meet, scan frame, metres\n", product.id);
+  for (const auto& segment : product.intersections)
+    for (const Vec3* end : {&segment.from, &segment.to})
+      text += fmt::format("v {:.5f} {:.5f} {:.5f}\n", end->x(), end->y(), end->z());
+  for (std::size_t i = 0; i < product.intersections.size(); ++i)
+    text += fmt::format("g planes-{}-{}\nl {} {}\n", product.intersections[i].planes[0],
+                        product.intersections[i].planes[1], 2 * i + 1, 2 * i + 2);
+  return text;
 }
 
 Json scan_figures(const ScanProduct& product) {

@@ -1,11 +1,13 @@
 #include "batch/planes_run.hpp"
 
+#include "batch/e57_images.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/timing_json.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
+#include "io/scanner_position.hpp"
 #include "io/scene_file.hpp"
 
 namespace hybrid::batch {
@@ -15,13 +17,15 @@ using Json = nlohmann::ordered_json;
 
 Json process_one(device::Queue& queue, const PlanesRequest& request, const std::string& id,
                  const std::filesystem::path& file, const io::FileFingerprint& print, Scan scan,
-                 Progress& progress) {
+                 std::size_t index, Progress& progress) {
+  if (request.scanner) io::place_scanner(scan, *request.scanner);
   const auto product = process_scan(queue, id, scan, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;
   const auto remains = keep_remains(std::move(scan), product.image);
   write_plane_outputs(folder, product, remains, {{"source", file.filename().string()}, {"hash", print.xxh3}});
   write_detail(folder, product, remains, nullptr);
+  write_references(folder, file, index, request.salvage);
   Json figures = scan_figures(product);
   figures["file"] = file.filename().string();
   figures["xxh3"] = print.xxh3;
@@ -60,8 +64,8 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
         const std::string id = ids.back();
         guarded("scan " + id, [&] {
           if (i > 0) progress.step("read", "scan " + id);
-          scans.push_back(
-              process_one(queue, request, id, file, print, io::read_scan(file, entries[i]), progress));
+          scans.push_back(process_one(queue, request, id, file, print, io::read_scan(file, entries[i]),
+                                      entries[i].index, progress));
         });
       }
     });

@@ -30,10 +30,13 @@ int photograph_index(const PhotographSet& photographs, const std::string& name) 
   return -1;
 }
 
-std::vector<std::uint8_t> seen_mask(const stages::RenderedView& view) {
+// What a view has of the scene, of the pixels that are the photograph's own (its alpha is not 0).
+std::vector<std::uint8_t> compared_mask(const stages::RenderedView& view, const Image8& photograph) {
   std::vector<std::uint8_t> mask(view.coverage.size());
   std::transform(view.coverage.begin(), view.coverage.end(), mask.begin(),
                  [](std::uint32_t photographs) { return static_cast<std::uint8_t>(photographs > 0); });
+  for (std::size_t i = 0; photograph.channels == 4 && i < mask.size(); ++i)
+    if (photograph.pixels[4 * i + 3] == 0) mask[i] = 0;
   return mask;
 }
 
@@ -113,6 +116,7 @@ void write_view(const std::filesystem::path& stem, const stages::RenderedView& v
 
 std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
                                                     const std::vector<Photograph>& cameras) {
+  if (!section.e57_files.empty()) return section.e57_files;
   std::vector<std::filesystem::path> files, missing;
   for (const Photograph& photograph : cameras) {
     files.push_back(section.images / photograph.name);
@@ -128,8 +132,17 @@ std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photogr
   return files;
 }
 
-PhotographSet read_photographs(const io::SceneFile::Photographs& section) {
+PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage) {
   PhotographSet set;
+  if (!section.e57_files.empty()) {
+    E57PhotographSet found = read_e57_photographs(section.e57_files, salvage);
+    set.cameras = std::move(found.cameras);
+    set.pixels = std::move(found.pixels);
+    set.anchors = std::move(found.anchors);
+    set.frames = std::move(found.frames);
+    set.files = section.e57_files;
+    return set;
+  }
   const io::CameraFile cameras = io::read_cameras(section.cameras, section.images);
   for (const std::string& note : cameras.notes) log::warning("{}: {}", section.cameras.path.string(), note);
   set.cameras = cameras.photographs;
@@ -143,6 +156,23 @@ PhotographSet read_photographs(const io::SceneFile::Photographs& section) {
         io::read_photograph(set.files[i], photograph.camera.width, photograph.camera.height));
   }
   return set;
+}
+
+void place_photographs(const io::SceneFile::Photographs& section, const std::vector<PlacedScan>& scans,
+                       PhotographSet& photographs) {
+  photographs.placed_with.clear();
+  for (std::size_t i = 0; i < photographs.anchors.size(); ++i) {
+    const E57Anchor& anchor = photographs.anchors[i];
+    PlacedCamera placed;
+    if (section.world_from_photographs)
+      placed = {camera_in_world(anchor.file_from_cam.inverse(),
+                                pose_from_row_major(*section.world_from_photographs)),
+                "world_from_photographs"};
+    else
+      placed = place_camera(anchor, photographs.frames, scans);
+    photographs.cameras[i].cam_from_world = placed.cam_from_world;
+    photographs.placed_with.push_back(placed.with);
+  }
 }
 
 stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
@@ -229,7 +259,7 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
   if (view.texture && !view.photograph.empty() && left_out) {
     const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
     const auto& photograph = photographs.pixels[index];
-    const auto mask = seen_mask(rendered);
+    const auto mask = compared_mask(rendered, photograph);
     const auto quality = stages::compare_images(rendered.colour, photograph, mask);
     figures["left_out"] = {{"photograph", view.photograph},
                            {"psnr_db", quality.psnr_db},

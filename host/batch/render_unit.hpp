@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "batch/e57_images.hpp"
 #include "batch/registration_unit.hpp"
 #include "io/scene_file.hpp"
 
@@ -14,12 +15,21 @@ struct PhotographSet {
   std::vector<Photograph> cameras;
   std::vector<Image8> pixels;
   std::vector<std::filesystem::path> files;
+  // Photographs out of E57 files, whose cameras stand in the file's frame until place_photographs.
+  std::vector<E57Anchor> anchors;  // one per camera, or none
+  std::vector<E57Frame> frames;
+  std::vector<std::string> placed_with;  // per camera, after place_photographs
 };
 // Every photograph's file, all checked to be there before any is decoded. Throws ErrorKind::input naming the
 // first and telling how many there are.
 std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
                                                     const std::vector<Photograph>& cameras);
-PhotographSet read_photographs(const io::SceneFile::Photographs& section);
+// In salvage a picture inside an E57 file that cannot be read is left out with a warning.
+PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage = false);
+// Cameras out of E57 files into the world: by world_from_photographs where the scene file has it, else with
+// the scans (place_camera). Does nothing to other photographs.
+void place_photographs(const io::SceneFile::Photographs& section, const std::vector<PlacedScan>& scans,
+                       PhotographSet& photographs);
 
 // Proxy, contour polygons and retained samples of all registered scans (as splats), photographs (METHOD 10).
 // Needs products[].drawn (choose_drawn_samples).

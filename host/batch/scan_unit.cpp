@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "batch/planes_json.hpp"
 #include "core/log.hpp"
+#include "core/parallel.hpp"
 #include "geometry/colour.hpp"
 #include "io/exr.hpp"
 #include "io/output.hpp"
@@ -12,6 +14,7 @@
 #include "io/ply.hpp"
 #include "io/range_exr.hpp"
 #include "stages/class_picture.hpp"
+#include "stages/straight_contours.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -103,6 +106,8 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
   product.segmentation = stages::grow_superclusters(queue, product.image, squares, options.superclusters);
   progress.step("contours", unit);
   product.boundary = stages::trace_contours(queue, product.image, product.segmentation, options.contours);
+  product.intersections = stages::find_intersections(product.image, product.segmentation);
+  stages::straighten_contours(product.image, product.intersections, product.segmentation);
   progress.step("decimate", unit);
   product.decimation =
       stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
@@ -116,13 +121,23 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
   const auto& image = product.image;
   if (product.recorded_pose)  // unless a better one is given
     attributes.try_emplace("world_from_scan", nlohmann::json(row_major(*product.recorded_pose)).dump());
-  write_extra(folder, scan);
-  io::write_range_exr(folder / "range.exr", image, attributes);
-  io::write_png(folder / "range.png", stages::range_picture(image));
-  io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));
-  io::write_exr(folder / "labels.exr", image.cols, image.rows,
-                {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
-  io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n");
+  // Encoding takes longer than the disk, and most encoders run on one thread.
+  const std::function<void()> writers[] = {
+      [&] { io::write_range_exr(folder / "range.exr", image, attributes); },
+      [&] { write_extra(folder, scan); },
+      [&] { io::write_png(folder / "range.png", stages::range_picture(image)); },
+      [&] { io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation)); },
+      [&] {
+        io::write_exr(folder / "labels.exr", image.cols, image.rows,
+                      {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
+      },
+      [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); },
+      [&] { io::write_text(folder / "intersections.obj", intersections_obj(product)); },
+      [&] {
+        io::write_png(folder / "intersections.png",
+                      stages::intersection_picture(image, product.segmentation, product.intersections));
+      }};
+  parallel_for(std::size(writers), [&](std::size_t i) { writers[i](); });
 }
 
 ScanRemains keep_remains(Scan scan, const RangeImage& image) {

@@ -11,6 +11,7 @@
 #include "geometry/scan.hpp"
 #include "io/ply.hpp"
 #include "stages/contour_faces.hpp"
+#include "stages/intersections.hpp"
 #include "stages/stray_samples.hpp"
 
 namespace hybrid::batch {
@@ -23,6 +24,7 @@ struct ScanProduct {
   RangeImage image;
   PlaneSegmentation segmentation;
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
+  std::vector<stages::Intersection> intersections;
   stages::Decimation decimation;
   std::vector<std::uint8_t> stray;     // per node: stages::Stray
   stages::ContourFaces contour_faces;  // after registration: what no proxy face explains
@@ -50,7 +52,7 @@ ScanRemains keep_remains(Scan scan, const RangeImage& image);
 using NodeColours = stages::Renderer::ColouredRange;
 
 // scans/<id>/: range.exr, extra.ply (where samples lie beside the grid), range.png, classes.png, labels.exr,
-// planes.json. `attributes` and the recorded pose go to range.exr's header.
+// planes.json, intersections.obj and .png. `attributes` and the recorded pose go to range.exr's header.
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
                          const ScanRemains& scan, std::map<std::string, std::string> attributes);
 // scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours

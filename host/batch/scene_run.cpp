@@ -14,6 +14,7 @@
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
 #include "io/read_scan.hpp"
+#include "io/scanner_position.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -42,6 +43,17 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
   check_output_folder(request.out, scene.name, request.force);
   return scene;
+}
+
+// What the scene file says in the file's coordinates, in the scanner's frame.
+io::SceneScan in_scan_frame(io::SceneScan entry) {
+  if (!entry.scanner) return entry;
+  for (io::SceneLandmark& landmark : entry.landmarks)
+    if (landmark.scan) *landmark.scan -= *entry.scanner;
+  if (entry.pose)
+    entry.pose =
+        row_major(pose_from_row_major(*entry.pose) * Pose{1, Eigen::Quaterniond::Identity(), *entry.scanner});
+  return entry;
 }
 
 PolygonModel read_model(const io::SceneFile::Model& section) {
@@ -93,8 +105,9 @@ class Run {
       add_input(run_.scene.model->file);
     }
     if (run_.scene.photographs) {
-      run_.photographs = read_photographs(*run_.scene.photographs);
-      for (const auto& file : run_.photographs.files) add_input(file);
+      run_.photographs = read_photographs(*run_.scene.photographs, request_.salvage);
+      for (const auto& file : run_.photographs.files)
+        if (!is_scan_file(file)) add_input(file);
     }
     if (request_.leave_one_out && run_.photographs.cameras.size() < 2)
       fail_input("--leave-one-out: {}: expected at least 2 photographs, found {}", run_.scene.path.string(),
@@ -125,6 +138,12 @@ class Run {
     const auto print = io::fingerprint(file);
     inputs_.push_back(
         {{"file", relative_name(file, run_.scene)}, {"bytes", print.bytes}, {"xxh3", print.xxh3}});
+  }
+
+  // An E57 file may hold both; as a scan file it becomes an input when its turn comes.
+  bool is_scan_file(const fs::path& file) const {
+    return std::any_of(run_.scene.scans.begin(), run_.scene.scans.end(),
+                       [&](const io::SceneScan& scan) { return scan.file == file; });
   }
 
   // Runs the body of one unit: an input's or a step's error is recorded and the night goes on; a lost device,
@@ -169,9 +188,11 @@ class Run {
   void process(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
     unit("scan " + id, [&] {
       Scan scan = io::read_scan(entry.file, scan_entry);
+      if (entry.scanner) io::place_scanner(scan, *entry.scanner);
       run_.products.push_back(process_scan(queue_, id, scan, options_, progress_));
       remains_.push_back(keep_remains(std::move(scan), run_.products.back().image));
-      entries_.push_back(entry);
+      entries_.push_back(in_scan_frame(entry));
+      indices_.push_back(scan_entry.index);
     });
     run_.registrations.resize(run_.products.size());
   }
@@ -186,6 +207,7 @@ class Run {
                          pose_json(run_.products[i], *run_.registrations[i]).dump(1) + "\n");
       });
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
     const auto contours = world_contours(run_.products, run_.registrations);
     const fs::path file = request_.out / "model" / "unexplained.obj";
@@ -193,6 +215,15 @@ class Run {
       fs::remove(file);  // of an earlier run
     else
       io::write_obj(file, contours.model);
+  }
+
+  std::vector<PlacedScan> placed_scans() const {
+    std::vector<PlacedScan> scans;
+    for (std::size_t i = 0; i < run_.products.size(); ++i)
+      if (run_.registrations[i])
+        scans.push_back(
+            {entries_[i].file, indices_[i], run_.products[i].id, run_.registrations[i]->world_from_scan()});
+    return scans;
   }
 
   void write_scans() {
@@ -203,6 +234,7 @@ class Run {
         if (wants("planes"))
           write_plane_outputs(scan_folder(product.id), product, remains_[i], exr_attributes(i));
         write_detail(scan_folder(product.id), product, remains_[i], nullptr);
+        write_references(scan_folder(product.id), entries_[i].file, indices_[i], request_.salvage);
       });
   }
 
@@ -282,6 +314,11 @@ class Run {
                     {"scans", scans},
                     {"views", views_},
                     {"failures", Json::array()}};
+    Json placed = Json::array();  // photographs out of E57 files
+    for (std::size_t i = 0; i < run_.photographs.placed_with.size(); ++i)
+      placed.push_back(
+          {{"name", run_.photographs.cameras[i].name}, {"placed_with", run_.photographs.placed_with[i]}});
+    if (!placed.empty()) run_.summary["photographs"] = placed;
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
@@ -309,6 +346,7 @@ class Run {
   StageOptions options_;
   std::vector<ScanRemains> remains_;    // one per product
   std::vector<io::SceneScan> entries_;  // one per product
+  std::vector<std::size_t> indices_;    // one per product: which scan of its file
   std::vector<std::string> ids_;        // no longer free
   std::optional<io::SceneTruth> truth_;
   Json inputs_ = Json::array(), views_ = Json::array();

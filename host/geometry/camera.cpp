@@ -91,7 +91,42 @@ double fisheye_angle(const Camera& c, double radius, double largest) {
 
 constexpr double kRightAngle = std::numbers::pi / 2;
 
+// A panorama's pixel before it is held against the image's borders; NaN on the camera's centre, and on the
+// axis of a cylinder.
+Vec2 panorama_pixel(const Camera& c, const Vec3& p) {
+  const double level = std::hypot(p.x(), p.z()), turn = 2 * std::numbers::pi * c.fx;
+  double column = c.fx * std::atan2(p.x(), p.z()) + c.cx;
+  if (column < 0) column += turn;
+  if (column >= turn) column -= turn;
+  if (c.wraps() && column >= c.width) column -= c.width;  // rounding
+  if (c.lens == Lens::cylindrical) return {column, c.fy * p.y() / level + c.cy};
+  double row = p.isZero() ? std::numeric_limits<double>::quiet_NaN() : c.fy * std::atan2(p.y(), level) + c.cy;
+  if (c.reaches_zenith()) row = std::max(row, 0.0);
+  if (c.reaches_nadir()) row = std::min(row, std::nextafter(c.height, 0));
+  return {column, row};
+}
+
+Vec3 panorama_ray(const Camera& c, const Vec2& pixel) {
+  const double azimuth = (pixel.x() - c.cx) / c.fx, v = (pixel.y() - c.cy) / c.fy;
+  const Vec3 level(std::sin(azimuth), 0, std::cos(azimuth));
+  if (c.lens == Lens::cylindrical) return (level + Vec3(0, v, 0)).normalized();
+  if (std::abs(v) > kRightAngle) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  return std::cos(v) * level + Vec3(0, std::sin(v), 0);
+}
+
 }  // namespace
+
+bool Camera::wraps() const {
+  return panorama() && std::abs(2 * std::numbers::pi * fx - width) < 0.5;
+}
+
+bool Camera::reaches_zenith() const {
+  return lens == Lens::spherical && cy - kRightAngle * fy > -0.5;
+}
+
+bool Camera::reaches_nadir() const {
+  return lens == Lens::spherical && cy + kRightAngle * fy < height + 0.5;
+}
 
 double Camera::max_radius2() const {
   const double infinite = std::numeric_limits<double>::infinity();
@@ -109,16 +144,22 @@ double Camera::max_radius2() const {
 }
 
 std::optional<Vec2> Camera::project(const Vec3& point_in_cam) const {
-  if (!(point_in_cam.z() > 0)) return std::nullopt;
-  const Vec2 p = point_in_cam.head<2>() / point_in_cam.z();
-  if (!(p.squaredNorm() < max_radius2())) return std::nullopt;
-  const Vec2 d = distort(*this, p);
-  const Vec2 pixel(fx * d.x() + cx, fy * d.y() + cy);
+  Vec2 pixel;
+  if (panorama()) {
+    pixel = panorama_pixel(*this, point_in_cam);
+  } else {
+    if (!(point_in_cam.z() > 0)) return std::nullopt;
+    const Vec2 p = point_in_cam.head<2>() / point_in_cam.z();
+    if (!(p.squaredNorm() < max_radius2())) return std::nullopt;
+    const Vec2 d = distort(*this, p);
+    pixel = Vec2(fx * d.x() + cx, fy * d.y() + cy);
+  }
   if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < width && pixel.y() < height)) return std::nullopt;
   return pixel;
 }
 
 Vec3 Camera::ray(const Vec2& pixel) const {
+  if (panorama()) return panorama_ray(*this, pixel);
   const Vec2 target((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
   const Vec3 none = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   const double largest2 = max_radius2(), radius = target.norm();

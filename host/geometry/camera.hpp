@@ -8,8 +8,10 @@ namespace hybrid {
 
 // What happens to a direction on its way to the film.
 enum class Lens {
-  brown,   // radial and tangential polynomials: COLMAP's SIMPLE_PINHOLE to OPENCV and FULL_OPENCV
-  fisheye  // a polynomial of the angle from the axis: COLMAP's *_FISHEYE models without thin prisms
+  brown,       // radial and tangential polynomials: COLMAP's SIMPLE_PINHOLE to OPENCV and FULL_OPENCV
+  fisheye,     // a polynomial of the angle from the axis: COLMAP's *_FISHEYE models without thin prisms
+  spherical,   // a panorama: columns are azimuths, rows are elevations (equirectangular)
+  cylindrical  // a panorama: columns are azimuths, rows are heights on a cylinder around y
 };
 
 // Camera frame: x right, y down, z forward; the centre of the top left pixel is (0.5, 0.5). With
@@ -18,7 +20,11 @@ enum class Lens {
 //            x' = x q + 2 p1 x y + p2 (s + 2 x^2),  y' = y q + 2 p2 x y + p1 (s + 2 y^2)
 //   fisheye: a = atan(sqrt s), q = a (1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8) / sqrt s,  x' = x q, y' = y q.
 // These are OpenCV's formulas. A fisheye sees less than 90 degrees to each side: points with Z <= 0 are
-// behind every camera.
+// behind it and behind every brown camera. Panoramas have no distortion and see to all sides:
+//   pixel = (fx atan2(X, Z) + cx, fy v + cy), fx in pixels per radian, and for
+//   spherical:   v = atan2(Y, hypot(X, Z)), fy in pixels per radian;
+//   cylindrical: v = Y / hypot(X, Z), fy the cylinder's radius in pixels.
+// Columns that differ by a full turn, 2 pi fx, are the same direction.
 struct Camera {
   int width = 0, height = 0;
   double fx = 1, fy = 1, cx = 0, cy = 0;
@@ -30,10 +36,16 @@ struct Camera {
   // the distortion folds back, or outside the image.
   std::optional<Vec2> project(const Vec3& point_in_cam) const;
   // Unit direction of a pixel position in the camera frame (Newton's method on the distortion). NaN where no
-  // direction projects: beyond the radius at which the distortion folds back.
+  // direction projects: beyond the radius at which the distortion folds back, or above a panorama's zenith.
   Vec3 ray(const Vec2& pixel) const;
   // s up to which the radial distortion grows with the angle; infinite without distortion.
   double max_radius2() const;
+  bool panorama() const { return lens == Lens::spherical || lens == Lens::cylindrical; }
+  // A panorama of a full turn, up to half a pixel: its left and right borders are one line of the scene.
+  bool wraps() const;
+  // A spherical panorama whose first (last) row ends at the zenith (nadir), up to half a pixel: no border.
+  bool reaches_zenith() const;
+  bool reaches_nadir() const;
 };
 
 struct Photograph {

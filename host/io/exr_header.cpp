@@ -1,5 +1,6 @@
 #include "io/exr_header.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -16,67 +17,99 @@ class HeaderWalk {
  public:
   explicit HeaderWalk(InputFile& input) : input_(input), file_(input.name()) {}
 
-  void run(unsigned tile_px) {
+  void run() {
     const std::string_view magic = input_.ahead(0, 4).substr(0, 4);
     if (magic != "\x76\x2f\x31\x01")
       fail_input("{}: byte 0: expected an OpenEXR file (76 2f 31 01), found {}; is this a range image?",
                  file_, in_quotes(magic));
     if (input_.size() < 8) fail_at("the version of the file");
-    // Bit 9: tiles; bits 11 and 12: deep samples, several parts.
-    const std::uint32_t flags = static_cast<std::uint32_t>(whole(4)) & 0x1a00u;
-    if (tile_px == kExrEither && (flags & 0x1800u) != 0)
-      fail_input("{}: byte 4: expected one flat image, found {}; write the range image as a flat single part",
-                 file_, (flags & 0x800u) != 0 ? "deep samples (any number per pixel)" : "several parts");
-    const bool lines = tile_px == kExrEither ? flags == 0 : tile_px == kExrLines;
-    if (tile_px != kExrEither && flags != (lines ? 0u : 0x200u))
-      fail_input(
-          "{}: byte 4: expected a {} image in a single part, found another kind of OpenEXR file; write it "
-          "again",
-          file_, lines ? "scan-line" : "tiled");
+    constexpr std::uint32_t kTiles = 0x200, kDeep = 0x800, kParts = 0x1000;
+    const auto flags = static_cast<std::uint32_t>(whole(4));
+    if ((flags & kDeep) != 0) fail_deep(4);
     at_ = 8;
-    for (std::string name = text(); !name.empty(); name = text()) attribute(name);
-    if (width_ < 1 || height_ < 1)
-      fail_input("{}: byte {}: expected a data window of at least 1 x 1, found {} x {}; the file is damaged",
-                 file_, at_, width_, height_);
-    if (lines)
-      check_lines();
-    else
-      check_tiles(tile_px);
+    several_ = (flags & kParts) != 0;
+    if (!several_) {
+      part_ = {};
+      part_.tiled = (flags & kTiles) != 0;
+      for (std::string name = text(); !name.empty(); name = text()) attribute(name);
+      check_part();
+      return;
+    }
+    for (std::string name = text(); !name.empty(); name = text()) {
+      const Part before = part_;
+      part_ = {};
+      for (; !name.empty(); name = text()) attribute(name);
+      check_part();
+      // The slices of one buffer take the pixels of all parts.
+      if (before.width > 0 && (part_.width != before.width || part_.height != before.height ||
+                               part_.left != before.left || part_.top != before.top))
+        fail_input(
+            "{}: byte {}: expected all parts with the data window of the first, {} x {} from ({}, {}), found "
+            "{} "
+            "x {} from ({}, {}); write the range image's parts alone",
+            file_, at_, before.width, before.height, before.left, before.top, part_.width, part_.height,
+            part_.left, part_.top);
+    }
+    if (part_.width == 0) fail_at("the header of a part");
   }
 
  private:
-  void check_tiles(unsigned tile_px) const {
+  struct Part {
+    std::int64_t left = 0, top = 0, width = 0, height = 0;
+    std::size_t compression = 0;
+    std::uint32_t tile_width = 0, tile_height = 0;
+    bool tiled = false;
+  };
+
+  void check_part() {
+    if (part_.width < 1 || part_.height < 1)
+      fail_input("{}: byte {}: expected a data window of at least 1 x 1, found {} x {}; the file is damaged",
+                 file_, at_, part_.width, part_.height);
+    if (part_.tiled)
+      check_tiles();
+    else
+      check_lines();
+  }
+
+  void check_tiles() {
     const auto fits = [](std::uint32_t side) { return side >= 1 && side <= kMostTile_px; };
-    if (tile_px == kExrEither && !(fits(tile_width_) && fits(tile_height_)))
+    if (!(fits(part_.tile_width) && fits(part_.tile_height)))
       fail_input(
           "{}: byte {}: expected tiles of at most {} pixels a side, found {} x {}; write smaller tiles",
-          file_, at_, kMostTile_px, tile_width_, tile_height_);
-    if (tile_px != kExrEither && (tile_width_ != tile_px || tile_height_ != tile_px))
-      fail_input(
-          "{}: byte {}: expected tiles of {} x {} pixels, found {} x {}; this file is from another program",
-          file_, at_, tile_px, tile_px, tile_width_, tile_height_);
+          file_, at_, kMostTile_px, part_.tile_width, part_.tile_height);
     const auto tiles = [](std::int64_t pixels, std::uint32_t side) {
       return static_cast<std::uint64_t>((pixels - 1) / side + 1);
     };
     // A tile takes its entry in the offset table, its coordinates and its size, even when nothing follows.
-    constexpr std::uint64_t kLeastTile = 8 + 20;
-    check_count_fits(file_, fmt::format("byte {}", at_), "tiles",
-                     tiles(width_, tile_width_) * tiles(height_, tile_height_), kLeastTile,
-                     input_.size() - at_);
+    claim("tiles", tiles(part_.width, part_.tile_width) * tiles(part_.height, part_.tile_height), 8 + 20);
   }
 
-  void check_lines() const {
+  void check_lines() {
     constexpr std::int64_t kMostWidth = 1 << 16;
     constexpr std::array<std::uint8_t, 10> kLinesOfBlock{1,  1,  1,  16, 32,
                                                          16, 32, 32, 32, 255};  // by compression
-    if (width_ > kMostWidth || compression_ >= kLinesOfBlock.size())
+    if (part_.width > kMostWidth || part_.compression >= kLinesOfBlock.size())
       fail_input("{}: byte {}: expected lines of at most {} pixels, found {} with compression {}", file_, at_,
-                 kMostWidth, width_, compression_);
+                 kMostWidth, part_.width, part_.compression);
     // A block takes its entry in the offset table, its first line's number and its size.
-    constexpr std::uint64_t kLeastBlock = 8 + 8;
-    check_count_fits(file_, fmt::format("byte {}", at_), "blocks of lines",
-                     static_cast<std::uint64_t>((height_ - 1) / kLinesOfBlock[compression_] + 1), kLeastBlock,
-                     input_.size() - at_);
+    claim("blocks of lines",
+          static_cast<std::uint64_t>((part_.height - 1) / kLinesOfBlock[part_.compression] + 1), 8 + 8);
+  }
+
+  // What no part has claimed yet of the bytes to the end must hold them.
+  void claim(const char* what, std::uint64_t count, std::uint64_t least_bytes) {
+    const std::uint64_t rest = input_.size() - at_;
+    check_count_fits(file_, fmt::format("byte {}", at_), what, count, least_bytes,
+                     rest - std::min(rest, claimed_));
+    claimed_ += count * least_bytes;
+  }
+
+  [[noreturn]] void fail_deep(std::uint64_t at) const {
+    fail_input(
+        "{}: byte {}: expected a flat image, found deep samples (any number per pixel); write the range "
+        "image as "
+        "a flat one",
+        file_, at);
   }
 
   [[noreturn]] void fail_at(const char* expected) const {
@@ -114,33 +147,45 @@ class HeaderWalk {
           "damaged: copy it again",
           file_, at_, size, in_quotes(name), input_.size() - at_);
     if (name == "dataWindow" && type == "box2i" && size == 16) {
-      width_ = std::int64_t{whole(at_ + 8)} - whole(at_) + 1;
-      height_ = std::int64_t{whole(at_ + 12)} - whole(at_ + 4) + 1;
+      part_.left = whole(at_);
+      part_.top = whole(at_ + 4);
+      part_.width = std::int64_t{whole(at_ + 8)} - part_.left + 1;
+      part_.height = std::int64_t{whole(at_ + 12)} - part_.top + 1;
     }
     if (name == "tiles" && type == "tiledesc" && size == 9) {
-      tile_width_ = static_cast<std::uint32_t>(whole(at_));
-      tile_height_ = static_cast<std::uint32_t>(whole(at_ + 4));
+      part_.tile_width = static_cast<std::uint32_t>(whole(at_));
+      part_.tile_height = static_cast<std::uint32_t>(whole(at_ + 4));
     }
-    if (name == "compression" && size == 1) compression_ = static_cast<unsigned char>(*input_.at(at_, 1));
-    if (name == "channels" && size > kMostChannelBytes)
+    if (name == "compression" && size == 1)
+      part_.compression = static_cast<unsigned char>(*input_.at(at_, 1));
+    // Of a single part the flags tell.
+    if (name == "type" && type == "string") {
+      const std::string_view kind =
+          input_.at(at_, static_cast<std::size_t>(std::min<std::int64_t>(size, 16)));
+      if (kind.starts_with("deep")) fail_deep(at_);
+      part_.tiled = kind == "tiledimage";
+    }
+    if (name == "channels") channel_bytes_ += size;
+    if (name == "channels" && channel_bytes_ > kMostChannelBytes)
       fail_input(
           "{}: byte {}: expected at most {} bytes that describe channels, found {}; is this a range image?",
-          file_, at_, kMostChannelBytes, size);
+          file_, at_, kMostChannelBytes, channel_bytes_);
     at_ += static_cast<std::uint64_t>(size);
   }
 
   InputFile& input_;
   const std::string& file_;
   std::uint64_t at_ = 0;
-  std::int64_t width_ = 0, height_ = 0;
-  std::size_t compression_ = 0;
-  std::uint32_t tile_width_ = 0, tile_height_ = 0;
+  bool several_ = false;  // parts
+  Part part_;
+  std::uint64_t claimed_ = 0;       // bytes, by the tiles and lines of the parts so far
+  std::int64_t channel_bytes_ = 0;  // of all parts
 };
 
 }  // namespace
 
-void check_exr_header(InputFile& file, unsigned tile_px) {
-  HeaderWalk(file).run(tile_px);
+void check_exr_header(InputFile& file) {
+  HeaderWalk(file).run();
 }
 
 }  // namespace hybrid::io

@@ -1,7 +1,6 @@
 #include "io/exr_scan.hpp"
 
 #include <ImfChannelList.h>
-#include <ImfInputFile.h>
 #include <ImfStringAttribute.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "core/error.hpp"
 #include "geometry/range_image.hpp"
 #include "io/exr_header.hpp"
+#include "io/exr_parts.hpp"
 #include "io/exr_scan_band.hpp"
 #include "io/exr_threads.hpp"
 #include "io/input_file.hpp"
@@ -38,17 +38,16 @@ class Reader {
   explicit Reader(const fs::path& path) : path_(path), file_(path.string()) {
     {
       InputFile input(path);
-      check_exr_header(input, kExrEither);
+      check_exr_header(input);
     }
-    guarded([&] { in_ = std::make_unique<Imf::InputFile>(path.c_str(), start_exr_threads()); });
-    if (!in_->isComplete())
+    guarded([&] { in_ = std::make_unique<ExrParts>(path, start_exr_threads()); });
+    if (!in_->complete())
       fail_input(
           "{}: tiles: expected all tiles or lines, found some missing; the file is cut short: copy or write "
           "it again",
           file_);
-    const Imath::Box2i window = header().dataWindow();
-    rows_ = window.max.y - window.min.y + 1;
-    cols_ = window.max.x - window.min.x + 1;
+    rows_ = in_->rows();
+    cols_ = in_->cols();
     if (nodes() > std::numeric_limits<std::uint32_t>::max() - 1)
       fail_input("{}: header: expected fewer than 2^32 nodes, found {} x {}; split the image", file_, rows_,
                  cols_);
@@ -155,8 +154,8 @@ class Reader {
   }
 
   void read_bands(Scan& scan) {
-    const bool checked = text_attribute(header(), kFormat) == kFormatName;
-    ExrScanBand band(channels_, cols_, header());
+    const bool checked = is_range_format(text_attribute(header(), kFormat));
+    ExrScanBand band(channels_, *in_);
     RangeChecksum sum(rows_, cols_, scan.range_grid && scan.range_grid->wraps, elevation_rad_, azimuth_rad_);
     for (int row = 0; row < rows_; row += band.rows()) {
       const int count = std::min(band.rows(), rows_ - row);
@@ -254,7 +253,7 @@ class Reader {
 
   fs::path path_;
   std::string file_;
-  std::unique_ptr<Imf::InputFile> in_;
+  std::unique_ptr<ExrParts> in_;
   int rows_ = 0, cols_ = 0;
   ExrScanChannels channels_;
   std::vector<double> elevation_rad_, azimuth_rad_;

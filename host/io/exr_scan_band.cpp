@@ -11,8 +11,6 @@
 namespace hybrid::io {
 namespace {
 
-constexpr int kBandRows = 256;  // of every compression, a whole number of blocks of lines
-
 const char* name_of(Imf::PixelType type) {
   return type == Imf::FLOAT ? "float" : type == Imf::HALF ? "half" : "uint";
 }
@@ -81,17 +79,12 @@ ExrScanChannels find_exr_scan_channels(const std::string& file, const Imf::Heade
   return found;
 }
 
-ExrScanBand::ExrScanBand(const ExrScanChannels& channels, int cols, const Imf::Header& header)
+ExrScanBand::ExrScanBand(const ExrScanChannels& channels, const ExrParts& file)
     : channels_(channels),
-      corner_(header.dataWindow().min),
-      rows_(kBandRows),
-      width_(static_cast<std::size_t>(cols)) {
-  if (header.hasTileDescription()) {
-    const int tile = static_cast<int>(header.tileDescription().ySize);
-    rows_ = tile * std::max(1, kBandRows / tile);
-  }
-  const int height = header.dataWindow().max.y - corner_.y + 1;
-  const std::size_t most = width_ * static_cast<std::size_t>(std::min(rows_, height));
+      corner_(file.header().dataWindow().min),
+      rows_(file.band_rows()),
+      width_(static_cast<std::size_t>(file.cols())) {
+  const std::size_t most = width_ * static_cast<std::size_t>(std::min(rows_, file.rows()));
   if (channels_.points)
     for (auto* values : {&x, &y, &z}) values->resize(most);
   if (channels_.range) range.resize(most);
@@ -101,7 +94,7 @@ ExrScanBand::ExrScanBand(const ExrScanChannels& channels, int cols, const Imf::H
   if (channels_.colour) colour.resize(3 * most);
 }
 
-void ExrScanBand::read(Imf::InputFile& file, int first_row, int rows) {
+void ExrScanBand::read(ExrParts& file, int first_row, int rows) {
   count_ = width_ * static_cast<std::size_t>(rows);
   const Imath::V2i origin(corner_.x, corner_.y + first_row);
   Imf::FrameBuffer buffer;
@@ -123,8 +116,7 @@ void ExrScanBand::read(Imf::InputFile& file, int first_row, int rows) {
     add("G", Imf::HALF, &colour[1], 3 * sizeof(half));
     add("B", Imf::HALF, &colour[2], 3 * sizeof(half));
   }
-  file.setFrameBuffer(buffer);
-  file.readPixels(origin.y, origin.y + rows - 1);
+  file.read(buffer, first_row, rows);
 }
 
 void ExrScanBand::add_to(RangeChecksum& sum) const {

@@ -1,12 +1,12 @@
 #pragma once
 #include <ImfHeader.h>
-#include <ImfInputFile.h>
 #include <half.h>
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "io/exr_parts.hpp"
 #include "io/range_checksum.hpp"
 #include "io/range_exr_band.hpp"
 
@@ -24,14 +24,14 @@ ExrScanChannels find_exr_scan_channels(const std::string& file, const Imf::Heade
 // A band of rows in memory: whole rows of tiles, or whole blocks of lines.
 class ExrScanBand {
  public:
-  ExrScanBand(const ExrScanChannels& channels, int cols, const Imf::Header& header);
+  ExrScanBand(const ExrScanChannels& channels, const ExrParts& file);
 
   int rows() const { return rows_; }
   std::size_t index(int band_row, int col) const {
     return static_cast<std::size_t>(band_row) * width_ + static_cast<std::size_t>(col);
   }
-  // Rows from `first_row` on, counted from the top of the data window. Lets the library's exceptions pass.
-  void read(Imf::InputFile& file, int first_row, int rows);
+  // As ExrParts::read().
+  void read(ExrParts& file, int first_row, int rows);
   // What was read last.
   void add_to(RangeChecksum& sum) const;
 

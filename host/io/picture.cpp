@@ -156,7 +156,70 @@ Image8 encode(const fs::path& file, const ImageF& linear) {
   return result;
 }
 
+// RGB of what is stored, grey or colour, turned as told.
+Image8 rgb_of(const Image8& stored, int orientation, int width, int height) {
+  Image8 result(width, height, 3);
+  const int green = stored.channels >= 3 ? 1 : 0, blue = stored.channels >= 3 ? 2 : 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto [column, row] = stored_position(orientation, x, y, stored.width, stored.height);
+      const std::uint8_t* from = stored.at(column, row);
+      std::uint8_t* to = result.at(x, y);
+      to[0] = from[0];
+      to[1] = from[green];
+      to[2] = from[blue];
+    }
+  }
+  return result;
+}
+
+// Most pixels that a byte can stand for: a grey JPEG's block of 64 takes a bit at least, and deflate packs
+// 1032 bytes of 8 pixels of one bit into one.
+constexpr std::int64_t kJpegPixelsPerByte = 512, kPngPixelsPerByte = 1032 * 8;
+
+// All channels of a picture in memory.
+Image8 decode_bytes(const PictureBytes& picture, const std::string& name, int width, int height) {
+  const bool png = picture.format == PictureFormat::png;
+  OIIO::Filesystem::IOMemReader reader(const_cast<char*>(picture.bytes.data()), picture.bytes.size());
+  OIIO::ImageSpec configuration, spec;
+  configuration["oiio:UnassociatedAlpha"] = 1;
+  const Input input = OIIO::ImageInput::create(png ? "png" : "jpeg");
+  if (!input || !input->set_ioproxy(&reader) ||
+      !input->open(png ? "memory.png" : "memory.jpg", spec, configuration))
+    fail_input("{}: expected a {}, found something else: {}; export the file again", name,
+               png ? "PNG" : "JPEG", reason(input ? input->geterror() : OIIO::geterror()));
+  check_size(name, spec);
+  check_pixels(name, spec);
+  if (spec.width != width || spec.height != height)
+    fail_input("{}: expected the {} x {} pixels of its description, found {} x {}; export the file again",
+               name, width, height, spec.width, spec.height);
+  const std::int64_t most =
+      static_cast<std::int64_t>(picture.bytes.size()) * (png ? kPngPixelsPerByte : kJpegPixelsPerByte);
+  if (std::int64_t{width} * height > most)
+    fail_input(
+        "{}: expected at most the {} pixels that {} bytes can hold, found {} x {}; export the file again",
+        name, most, picture.bytes.size(), width, height);
+  return decode<std::uint8_t>(name, *input, spec, OIIO::TypeUInt8);
+}
+
 }  // namespace
+
+Image8 decode_photograph(const PictureBytes& picture, const PictureBytes& mask, const std::string& name,
+                         int expected_width, int expected_height) {
+  const Image8 rgb = rgb_of(decode_bytes(picture, name, expected_width, expected_height), 1, expected_width,
+                            expected_height);
+  if (mask.bytes.empty()) return rgb;
+  const Image8 valid = decode_bytes(mask, name + ", its mask", expected_width, expected_height);
+  const int colours = valid.channels >= 3 ? 3 : 1;
+  Image8 result(rgb.width, rgb.height, 4);
+  for (int y = 0; y < rgb.height; ++y)
+    for (int x = 0; x < rgb.width; ++x) {
+      const std::uint8_t* from = valid.at(x, y);
+      std::copy_n(rgb.at(x, y), 3, result.at(x, y));
+      result.at(x, y)[3] = std::any_of(from, from + colours, [](int value) { return value != 0; }) ? 255 : 0;
+    }
+  return result;
+}
 
 Image8 read_photograph(const fs::path& file, int expected_width, int expected_height) {
   const Input input = open_picture(file);
@@ -172,21 +235,10 @@ Image8 read_photograph(const fs::path& file, int expected_width, int expected_he
         "{}: expected the camera's {} x {} pixels, found {} x {}; give the photograph the cameras were "
         "computed from",
         file.string(), expected_width, expected_height, spec.width, spec.height);
-  Image8 result(width, height, 3);  // after the check, since a damaged header may say anything
+  // After the check, since a damaged header may say anything.
   const Image8 stored = is_linear(spec) ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat))
                                         : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
-  const int green = stored.channels >= 3 ? 1 : 0, blue = stored.channels >= 3 ? 2 : 0;
-  for (int y = 0; y < result.height; ++y) {
-    for (int x = 0; x < result.width; ++x) {
-      const auto [column, row] = stored_position(orientation, x, y, stored.width, stored.height);
-      const std::uint8_t* from = stored.at(column, row);
-      std::uint8_t* to = result.at(x, y);
-      to[0] = from[0];
-      to[1] = from[green];
-      to[2] = from[blue];
-    }
-  }
-  return result;
+  return rgb_of(stored, orientation, width, height);
 }
 
 PictureSize picture_size(const fs::path& file) {
@@ -206,6 +258,7 @@ void write_png(const fs::path& file, const Image8& image) {
   OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
   spec["oiio:ColorSpace"] = "sRGB";
   spec["oiio:UnassociatedAlpha"] = 1;
+  spec["png:compressionLevel"] = 3;  // half the time of the default 6 for a fifth more bytes
   if (!output || !output->open("memory.png", spec) ||
       !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
     fail(ErrorKind::failed, "{}: cannot encode: {}", file.string(),

@@ -1,5 +1,7 @@
 #pragma once
 #include <filesystem>
+#include <span>
+#include <string>
 
 #include "geometry/image.hpp"
 
@@ -16,6 +18,18 @@ namespace hybrid::io {
 // that is not square is settled by the camera's size, whichever way fits; where the size cannot tell (half
 // turn, mirror, square, any size) it is an error that says how to settle it.
 Image8 read_photograph(const std::filesystem::path& file, int expected_width, int expected_height);
+
+// A photograph that lies in memory, inside another file; `name` says where, for messages. As read_photograph,
+// but JPEG or PNG only, and the pixels as stored: the camera of such a file refers to them, whatever an EXIF
+// orientation says. `mask`: another picture of its size, or empty; where it is black the result has alpha 0
+// (4 channels then). What is allocated is bounded by what that many bytes can hold.
+enum class PictureFormat { jpeg, png };
+struct PictureBytes {
+  std::span<const char> bytes{};
+  PictureFormat format = PictureFormat::jpeg;
+};
+Image8 decode_photograph(const PictureBytes& picture, const PictureBytes& mask, const std::string& name,
+                         int expected_width, int expected_height);
 
 // Of the pixels as stored, without decoding them. Throws as read_photograph does.
 struct PictureSize {

@@ -63,6 +63,10 @@ std::optional<double> one_number(const std::string& file, const Imf::Header& hea
 
 }  // namespace
 
+bool is_range_format(const std::string& name) {
+  return name == range_attribute::kFormatName || name == "range image 2";
+}
+
 bool is_range_attribute(const std::string& name) {
   for (const char* known : {kFormat, kElevation, kAzimuth, kElevationFirst, kElevationStep, kAzimuthFirst,
                             kAzimuthStep, kWraps, kPose, kExtra, kChecksum})

@@ -16,7 +16,7 @@ namespace hybrid::io {
 namespace range_attribute {
 inline constexpr const char* kPrefix = "hybrid:";
 inline constexpr const char* kFormat = "hybrid:format";
-inline constexpr const char* kFormatName = "range image 2";
+inline constexpr const char* kFormatName = "range image 3";  // 2 had all channels in one part
 // Per row and per column; or the first angle and the step.
 inline constexpr const char* kElevation = "hybrid:elevation_rad";
 inline constexpr const char* kAzimuth = "hybrid:azimuth_rad";
@@ -29,6 +29,9 @@ inline constexpr const char* kPose = "hybrid:world_from_scan";
 inline constexpr const char* kExtra = "hybrid:extra_samples";
 inline constexpr const char* kChecksum = "hybrid:xxh3";
 }  // namespace range_attribute
+
+// Whether the value of kFormat is one that read_range_exr() reads.
+bool is_range_format(const std::string& name);
 
 // Whether the format gives this attribute a meaning; the others are text for people.
 bool is_range_attribute(const std::string& name);

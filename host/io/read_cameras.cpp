@@ -2,11 +2,28 @@
 
 #include "io/bundler.hpp"
 #include "io/colmap.hpp"
+#include "io/e57/e57_photographs.hpp"
 #include "io/nerfstudio.hpp"
 #include "io/strecha.hpp"
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
+namespace {
+
+CameraFile read_e57_cameras(const fs::path& file) {
+  const E57File opened(file);
+  E57Photographs found = e57_photographs(opened.contents());
+  CameraFile result;
+  result.notes = std::move(found.notes);
+  for (E57Photograph& one : found.photographs) {
+    const E57Projection projection = opened.contents().images[one.image].projection;
+    result.cameras.push_back({one.photograph.name, name_of(projection), one.photograph.camera});
+    result.photographs.push_back(std::move(one.photograph));
+  }
+  return result;
+}
+
+}  // namespace
 
 std::string_view name_of(CameraFormat format) {
   switch (format) {
@@ -18,6 +35,8 @@ std::string_view name_of(CameraFormat format) {
       return "bundler";
     case CameraFormat::nerfstudio:
       return "nerfstudio";
+    case CameraFormat::e57:
+      return "e57";
   }
   return "";
 }
@@ -32,6 +51,8 @@ CameraFile read_cameras(const CameraSource& source, const fs::path& images) {
       return read_bundler(source.path, images);
     case CameraFormat::nerfstudio:
       return read_nerfstudio(source.path, images);
+    case CameraFormat::e57:
+      return read_e57_cameras(source.path);
   }
   return {};
 }

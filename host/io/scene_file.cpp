@@ -55,6 +55,7 @@ SceneScan read_scan(const SceneTable& table) {
     result.landmarks.push_back(read_landmark(landmark));
   result.pose = table.pose("pose");
   result.fixed = table.flag("fixed", false);
+  result.scanner = table.point("scanner");
   if (result.fixed && !result.pose)
     table.fail_key("fixed", "expected a pose that is to be final, found none");
   if (result.pose && !result.landmarks.empty())
@@ -64,7 +65,7 @@ SceneScan read_scan(const SceneTable& table) {
 
 SceneFile::Photographs read_photographs(const SceneTable& table) {
   constexpr std::array kFormats{CameraFormat::colmap, CameraFormat::strecha, CameraFormat::bundler,
-                                CameraFormat::nerfstudio};
+                                CameraFormat::nerfstudio, CameraFormat::e57};
   std::vector<std::string_view> given;
   SceneFile::Photographs result;
   for (CameraFormat format : kFormats) {
@@ -73,14 +74,21 @@ SceneFile::Photographs read_photographs(const SceneTable& table) {
     result.cameras.format = format;
   }
   if (given.size() != 1)
-    table.fail_table("expected exactly one of colmap, strecha, bundler, nerfstudio, found {}",
+    table.fail_table("expected exactly one of colmap, strecha, bundler, nerfstudio, e57, found {}",
                      given.empty() ? "none" : fmt::format("{}", fmt::join(given, ", ")));
+  result.world_from_photographs = table.pose("world_from_photographs");
+  if (result.cameras.format == CameraFormat::e57) {
+    if (table.has("images"))
+      table.fail_key("images", "the photographs lie in the E57 file itself; remove the key");
+    result.e57_files = table.paths("e57");
+    result.cameras.path = result.e57_files.front();
+    return result;
+  }
   result.cameras.path = table.required_path(given.front());
   // Nerfstudio's names start at its own file's folder.
   result.images = result.cameras.format == CameraFormat::nerfstudio && !table.has("images")
                       ? result.cameras.path.parent_path()
                       : table.required_path("images");
-  result.world_from_photographs = table.pose("world_from_photographs");
   return result;
 }
 
@@ -187,8 +195,8 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.path = file;
   read_scene_table(root, scene);
   std::unordered_map<std::string, int> ids, names;
-  for (const SceneTable& table : root.tables(
-           "scan", {"id", "file", "index", "landmarks", "pose", "fixed", "intrinsics", "depth_scale"})) {
+  for (const SceneTable& table : root.tables("scan", {"id", "file", "index", "landmarks", "pose", "fixed",
+                                                      "scanner", "intrinsics", "depth_scale"})) {
     scene.scans.push_back(read_scan(table));
     check_unique(table, "id", scene.scans.back().id, ids);
   }
@@ -197,8 +205,8 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.edit = read_options(root, "edit");
   scene.render = read_options(root, "render");
   read_model(root, scene);
-  if (const auto table = root.table(
-          "photographs", {"colmap", "strecha", "bundler", "nerfstudio", "images", "world_from_photographs"}))
+  if (const auto table = root.table("photographs", {"colmap", "strecha", "bundler", "nerfstudio", "e57",
+                                                    "images", "world_from_photographs"}))
     scene.photographs = read_photographs(*table);
   for (const SceneTable& table : root.tables("view", {"name", "photograph", "eye", "target", "up", "fov_deg",
                                                       "size", "show", "texture", "cameras", "leave_out"})) {

@@ -32,6 +32,9 @@ struct SceneScan {
   std::vector<SceneLandmark> landmarks;
   std::optional<std::array<double, 16>> pose;
   bool fixed = false;
+  // Where the scanner stood, in the file's coordinates, for files that cannot say. Then landmarks' `scan`
+  // points and `pose` above refer to the file's coordinates, too.
+  std::optional<Vec3> scanner;
 };
 
 struct SceneView {
@@ -71,7 +74,9 @@ struct SceneFile {
   std::optional<Model> model;
   struct Photographs {
     CameraSource cameras;
-    std::filesystem::path images;
+    std::filesystem::path images;  // not of e57
+    std::vector<std::filesystem::path>
+        e57_files;  // whose images are the photographs; `cameras` has the first
     std::optional<std::array<double, 16>> world_from_photographs;
   };
   std::optional<Photographs> photographs;

@@ -107,11 +107,15 @@ std::optional<std::string> SceneTable::folder_name(std::string_view key) const {
 std::optional<fs::path> SceneTable::path(std::string_view key) const {
   const auto written = text(key);
   if (!written) return std::nullopt;
+  return resolved(key, *written);
+}
+
+fs::path SceneTable::resolved(std::string_view key, const std::string& written) const {
   std::string expanded;
-  std::string_view rest = *written;
+  std::string_view rest = written;
   for (std::size_t begin = rest.find("${"); begin != std::string_view::npos; begin = rest.find("${")) {
     const std::size_t end = rest.find('}', begin);
-    if (end == std::string_view::npos) fail_key(key, "expected }} after ${{ in \"{}\"", *written);
+    if (end == std::string_view::npos) fail_key(key, "expected }} after ${{ in \"{}\"", written);
     const std::string_view inside = rest.substr(begin + 2, end - begin - 2);
     const std::size_t split = inside.find(":-");
     const std::string name(inside.substr(0, split));
@@ -128,7 +132,7 @@ std::optional<fs::path> SceneTable::path(std::string_view key) const {
     rest.remove_prefix(end + 1);
   }
   expanded += rest;
-  if (expanded.empty()) fail_key(key, "expected a path that is not empty, found \"{}\"", *written);
+  if (expanded.empty()) fail_key(key, "expected a path that is not empty, found \"{}\"", written);
   return (file_.parent_path() / expanded).lexically_normal();
 }
 
@@ -136,6 +140,19 @@ fs::path SceneTable::required_path(std::string_view key) const {
   auto value = path(key);
   if (!value) fail_table("expected the key {}, found none", key);
   return *value;
+}
+
+std::vector<fs::path> SceneTable::paths(std::string_view key) const {
+  const auto* array = table_->get(key) ? table_->get(key)->as_array() : nullptr;
+  if (!array) return {required_path(key)};
+  std::vector<fs::path> result;
+  for (const toml::node& element : *array) {
+    if (!element.is_string() || has_control_characters(element.as_string()->get()))
+      fail_key(key, "expected a path or an array of paths, found {} in it", describe(element));
+    result.push_back(resolved(key, element.as_string()->get()));
+  }
+  if (result.empty()) fail_key(key, "expected at least one path, found an empty array");
+  return result;
 }
 
 int SceneTable::whole(std::string_view key, const toml::node& node) const {

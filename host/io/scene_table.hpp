@@ -39,6 +39,8 @@ class SceneTable {
   // ${NAME} and ${NAME:-default} expanded, relative to the scene file's folder.
   std::optional<std::filesystem::path> path(std::string_view key) const;
   std::filesystem::path required_path(std::string_view key) const;
+  std::vector<std::filesystem::path> paths(
+      std::string_view key) const;                       // one or an array of them, at least one
   std::optional<int> index(std::string_view key) const;  // 0 or more
   std::optional<double> number(std::string_view key) const;
   bool flag(std::string_view key, bool fallback) const;
@@ -62,6 +64,7 @@ class SceneTable {
 
  private:
   std::vector<double> numbers(std::string_view key, std::size_t count) const;
+  std::filesystem::path resolved(std::string_view key, const std::string& written) const;
   int whole(std::string_view key, const toml::node& node) const;
 
   std::filesystem::path file_;

@@ -21,7 +21,7 @@ std::vector<std::uint32_t> read_uint_channel(const std::filesystem::path& file, 
                                              std::size_t count) {
   {
     InputFile header(file);
-    check_exr_header(header, kExrEither);
+    check_exr_header(header);
   }
   try {
     Imf::InputFile input(file.c_str());

@@ -2,6 +2,7 @@
 #include "geometry/image.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
+#include "stages/intersections.hpp"
 
 namespace hybrid::stages {
 
@@ -9,6 +10,10 @@ namespace hybrid::stages {
 // far apart in hue), dark blue = locally planar but too small, dark green = non-planar (also outliers in a
 // supercluster's square), black = undersampled or no return.
 Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentation);
+
+// The same with the lines in which planes meet: red in corners, blue on edges that stand out.
+Image8 intersection_picture(const RangeImage& image, const PlaneSegmentation& segmentation,
+                            const std::vector<Intersection>& intersections);
 
 // Figure 2(a), one grey pixel per node: near bright, far dark, by the logarithm of the range between its 1st
 // and 99th percentile; black = no return.

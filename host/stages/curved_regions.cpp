@@ -21,13 +21,9 @@ constexpr double kMostBulge = 2;         // times the scatter
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
 constexpr std::size_t kMuchLarger = 8;
 
-// Every stride-th sample of the region's squares that lies on its plane, as (a, b, height); `inner`: those
-// whose four neighbours lie on it too.
-struct Heights {
-  std::vector<Vec3> all, inner;
-};
-Heights heights(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
-                const SuperclusterOptions& options, const PlaneRegion& region) {
+// Every stride-th sample of the region's squares that lies on its plane.
+PlaneHeights heights(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                     const SuperclusterOptions& options, const PlaneRegion& region) {
   const int n = squares.square;
   const std::size_t total = region.squares.size() * static_cast<std::size_t>(n * n);
   const std::size_t stride = (total + kMostSamples - 1) / kMostSamples;
@@ -38,7 +34,7 @@ Heights heights(const RangeImage& image, const SquarePlanes& squares, const Squa
     const double height = region.fit.plane.distance(image.point(image.index(row, col)));
     return std::abs(height) <= noise + options.waviness_m;  // false for NaN
   };
-  Heights samples;
+  PlaneHeights samples;
   for (std::size_t at = 0; at < total; at += stride) {
     const std::uint32_t square = region.squares[at / static_cast<std::size_t>(n * n)];
     const int inside = static_cast<int>(at % static_cast<std::size_t>(n * n));
@@ -46,10 +42,9 @@ Heights heights(const RangeImage& image, const SquarePlanes& squares, const Squa
     const int col = static_cast<int>(square) % grid.cols * n + inside % n;
     if (row >= image.rows || col >= image.cols || !on_plane(row, col)) continue;
     const Vec3 point = image.point(image.index(row, col)), arm = point - region.fit.centroid;
-    samples.all.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
-                             region.fit.plane.distance(point));
-    if (on_plane(row - 1, col) && on_plane(row + 1, col) && on_plane(row, col - 1) && on_plane(row, col + 1))
-      samples.inner.push_back(samples.all.back());
+    samples.add(
+        {arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), region.fit.plane.distance(point)},
+        {on_plane(row, col + 1), on_plane(row + 1, col), on_plane(row, col - 1), on_plane(row - 1, col)});
   }
   return samples;
 }
@@ -182,6 +177,21 @@ bool bends(const std::vector<Vec3>& heights, double min_curvature) {
          fits.curvature > min_curvature;
 }
 
+void PlaneHeights::add(const Vec3& height, const std::array<bool, 4>& neighbours) {
+  all.push_back(height);
+  for (std::size_t side = 0; side < neighbours.size(); ++side)
+    if (neighbours[side]) trimmed[side].push_back(height);
+  if (neighbours[0] && neighbours[1] && neighbours[2] && neighbours[3]) inner.push_back(height);
+}
+
+bool PlaneHeights::bend(double min_curvature) const {
+  const auto may_bend = [&](const std::vector<Vec3>& part) {
+    return !can_bend(part) || bends(part, min_curvature);
+  };
+  return bends(all, min_curvature) && may_bend(inner) &&
+         std::all_of(trimmed.begin(), trimmed.end(), may_bend);
+}
+
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions) {
   struct Verdict {
@@ -195,11 +205,7 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
     verdict.facet = is_facet(image, squares, grid, options, regions, static_cast<std::uint32_t>(i + 1));
     verdict.curved = verdict.facet;
     if (verdict.facet) return;
-    // At its rim the region holds the first samples beyond an edge, which bend a narrow strip: without them
-    // it must bend as well, as far as what is left can show it.
-    const Heights samples = heights(image, squares, grid, options, region);
-    verdict.curved = bends(samples.all, options.min_curvature) &&
-                     (!can_bend(samples.inner) || bends(samples.inner, options.min_curvature));
+    verdict.curved = heights(image, squares, grid, options, region).bend(options.min_curvature);
   });
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     regions.regions[i].curved |= verdicts[i].curved;

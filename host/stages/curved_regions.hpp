@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <vector>
+
 #include "stages/plane_regions.hpp"
 
 namespace hybrid::stages {
@@ -18,5 +21,19 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
 // min_curvature, 1/m. False when the samples are too few or in too few lines to tell (can_bend).
 bool can_bend(const std::vector<Vec3>& heights);
 bool bends(const std::vector<Vec3>& heights, double min_curvature);
+
+// Heights of a plane's samples over it, as (a, b, height). At its rim a plane may hold the first samples
+// beyond an edge, which would bend a narrow strip.
+struct PlaneHeights {
+  std::vector<Vec3> all;
+  std::vector<Vec3> inner;                   // whose four neighbours on the grid are the plane's too
+  std::array<std::vector<Vec3>, 4> trimmed;  // that have a neighbour of the plane's on that side
+
+  // `neighbours`: the plane holds the node to the right, below, left, above.
+  void add(const Vec3& height, const std::array<bool, 4>& neighbours);
+  // All bend, and whatever is left without the outermost samples of one side, or of all, bends as well, as
+  // far as it can show that.
+  bool bend(double min_curvature) const;
+};
 
 }  // namespace hybrid::stages

@@ -15,6 +15,10 @@ constexpr std::size_t kMostHeights = 4000;  // of a flood in a quadratic fit
 constexpr std::size_t kNarrow = 4;          // samples
 constexpr int kReach = 2;                   // samples from a curved flood
 constexpr double kContinuitySigmas = 3;
+constexpr double kMostStretch = 3;  // of a step, against the plane's own
+constexpr double kLeastEdge = 10 * std::numbers::pi / 180;
+constexpr double kMostTurn = 0.25;  // of what the surface turned before
+constexpr double kFlat = 0.07;
 constexpr int kSides = 4;
 
 // Index of the node `steps` beyond sample `i` to the right, below, left or above; none outside the image.
@@ -30,26 +34,63 @@ bool covers(const PlaneFlood& flood, std::uint32_t sample) {
   return std::binary_search(flood.samples.begin(), flood.samples.end(), sample);
 }
 
-// The step leaves the plane by less than 45 degrees, and `slack_m`.
-bool shallow(const Vec3& step, const Vec3& normal, double slack_m) {
-  const double out = std::abs(normal.dot(step));
-  return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m;
+// The surface of the plane may go on from a sample to another: by less than 45 degrees and `slack_m` out of
+// the plane, and not over a gap. Along grazing rays what lies behind an edge is little out of the plane, and
+// far.
+bool goes_on_to(const RayPlane& plane, const Vec3& from, const Vec3& to, double slack_m) {
+  const Vec3 step = to - from;
+  const double out = std::abs(plane.plane().normal.dot(step));
+  return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m &&
+         step.norm() <= kMostStretch * (plane.seen(to) - from).norm() + slack_m;
 }
+
+// Angle by which a step leaves the plane, signed.
+double slope(const Vec3& normal, const Vec3& step) {
+  const double out = normal.dot(step);
+  return std::atan2(out, std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)));
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// One side of a strip: where the surface goes on beyond the rim.
+struct Rim {
+  std::size_t smooth = 0;                     // samples from which it does
+  std::array<std::vector<double>, 3> slopes;  // of the steps to them, and of the second and third beyond them
+
+  // Beyond an edge lies another plane. Then the surface turns on by the second step and no more after that,
+  // where a curved one turns by half as much again; or it does not turn at all up to the rim, where a curved
+  // strip two samples wide turns by a seventh of what it has turned at the third step.
+  bool is_edge() {
+    if (slopes[0].empty() || 2 * slopes[0].size() < smooth) return false;
+    const double rim = median(slopes[0]), second = median(slopes[1]), third = median(slopes[2]);
+    const double turned = second - rim, turns = third - second;
+    return (std::abs(turned) >= kLeastEdge && turns * turned < kMostTurn * turned * turned) ||
+           (std::abs(third) >= 2 * kLeastEdge && std::abs(rim) < kFlat * std::abs(third));
+  }
+};
 
 // The surface goes on beyond sample `i` for two more samples outside the flood, across the strip: along it
 // one may step from sample to sample of another face. Only the first of the two may be a noisy step away:
 // noise must not make an edge of 90 degrees shallow.
-bool goes_on(const RangeImage& image, const PlaneFlood& flood, const Vec3& normal, double slack_m,
-             bool upright, std::uint32_t i) {
-  for (int side = upright ? 0 : 1; side < kSides; side += 2) {
-    const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
-    if (!first || !second || covers(flood, *first) || covers(flood, *second)) continue;
-    if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) continue;
-    if (shallow(image.point(*first) - image.point(i), normal, slack_m) &&
-        shallow(image.point(*second) - image.point(*first), normal, 0))
-      return true;
-  }
-  return false;
+void look_beyond(const RangeImage& image, const PlaneFlood& flood, const Vec3& normal, double slack_m,
+                 int side, std::uint32_t i, Rim& rim) {
+  const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
+  if (!first || !second || covers(flood, *first) || covers(flood, *second)) return;
+  if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) return;
+  const Vec3 from = image.point(i), to = image.point(*first), on = image.point(*second);
+  if (!goes_on_to(flood.plane, from, to, slack_m) || !goes_on_to(flood.plane, to, on, 0)) return;
+  rim.smooth += 1;
+  const auto before = beyond(image, i, side, -1), third = beyond(image, i, side, 3);
+  if (!before || !covers(flood, *before) || !third || image.mask[*third] != kMeasured ||
+      !goes_on_to(flood.plane, on, image.point(*third), slack_m))
+    return;
+  rim.slopes[0].push_back(slope(normal, from - image.point(*before)));
+  rim.slopes[1].push_back(slope(normal, on - to));
+  rim.slopes[2].push_back(slope(normal, image.point(*third) - on));
 }
 
 }  // namespace
@@ -71,27 +112,18 @@ PlaneRegion region_of_flood(const RangeImage& image, const PlaneFlood& flood) {
 bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
                  double min_curvature, bool scattered) {
   const std::size_t stride = (flood.samples.size() + kMostHeights - 1) / kMostHeights;
-  std::vector<Vec3> all, inner;
-  std::array<std::vector<Vec3>, kSides> trimmed;  // without the outermost samples of one side
+  PlaneHeights heights;
   for (std::size_t k = 0; k < flood.samples.size(); k += stride) {
     const Vec3 arm = image.point(flood.samples[k]) - region.fit.centroid;
-    all.emplace_back(arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]),
-                     arm.dot(region.fit.plane.normal));
-    bool inside = true;
+    std::array<bool, kSides> neighbours{};
     for (int side = 0; side < kSides; ++side) {
       const auto next = beyond(image, flood.samples[k], side, 1);
-      const bool covered = next && covers(flood, *next);
-      if (covered) trimmed[static_cast<std::size_t>(side)].push_back(all.back());
-      inside = inside && covered;
+      neighbours[static_cast<std::size_t>(side)] = next && covers(flood, *next);
     }
-    if (inside) inner.push_back(all.back());
+    heights.add({arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), arm.dot(region.fit.plane.normal)},
+                neighbours);
   }
-  if (!bends(all, min_curvature)) return false;
-  if (scattered) return true;
-  const auto may_bend = [&](const std::vector<Vec3>& part) {
-    return !can_bend(part) || bends(part, min_curvature);
-  };
-  return may_bend(inner) && std::all_of(trimmed.begin(), trimmed.end(), may_bend);
+  return scattered ? bends(heights.all, min_curvature) : heights.bend(min_curvature);
 }
 
 bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood, double sigma_m,
@@ -103,15 +135,20 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
   const auto width = static_cast<std::size_t>(std::count(cols.begin(), cols.end(), 1));
   if (flood.samples.size() >= kNarrow * std::max(rows, width)) return false;
   const Vec3 normal = flood.plane.plane().normal;
-  const auto smooth = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-    return goes_on(image, flood, normal, kContinuitySigmas * sigma_m, rows >= width, i);
-  });
+  std::size_t smooth = 0;
+  for (int side = rows >= width ? 0 : 1; side < kSides; side += 2) {
+    Rim rim;
+    for (const std::uint32_t i : flood.samples)
+      look_beyond(image, flood, normal, kContinuitySigmas * sigma_m, side, i, rim);
+    if (!rim.is_edge()) smooth += rim.smooth;
+  }
   return static_cast<double>(smooth) > share * static_cast<double>(flood.samples.size());
 }
 
-bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use, const Vec3& normal,
-                          double sigma_m, std::uint32_t sample,
+bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use,
+                          const RayPlane& plane, double sigma_m, std::uint32_t sample,
                           const std::function<Vec3(std::uint32_t)>& blocked_normal) {
+  const Vec3 normal = plane.plane().normal;
   const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
   for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, image.rows - 1); ++r)
     for (int step = -kReach; step <= kReach; ++step) {
@@ -121,7 +158,7 @@ bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_
       const std::size_t other = image.index(r, c);
       if (use[other] == kBlocked &&
           std::abs(blocked_normal(static_cast<std::uint32_t>(other)).dot(normal)) > std::numbers::sqrt2 / 2 &&
-          shallow(image.point(other) - image.point(sample), normal, kContinuitySigmas * sigma_m))
+          goes_on_to(plane, image.point(sample), image.point(other), kContinuitySigmas * sigma_m))
         return true;
     }
   return false;

@@ -27,10 +27,6 @@ double median_share(double freedom) {
   return root * root * root;
 }
 
-double tangent_of(double cosine) {
-  return std::sqrt(std::max(0.0, 1 - cosine * cosine)) / std::max(cosine, 1e-6);
-}
-
 using Bin = std::vector<Scatter>;
 
 std::vector<Bin> sort_squares(const std::vector<SquareRecord>& squares) {
@@ -40,7 +36,7 @@ std::vector<Bin> sort_squares(const std::vector<SquareRecord>& squares) {
     const double range = std::hypot(square.centroid[0], square.centroid[1], square.centroid[2]);
     const double cosine = std::abs(double{square.offset}) / range;
     if (!(cosine >= kLeastCosine)) continue;
-    const double tangent = tangent_of(cosine);
+    const double tangent = incidence_tangent(cosine);
     const auto column = std::upper_bound(kTangents.begin(), kTangents.end(), tangent) - kTangents.begin();
     if (column == std::ssize(kTangents)) continue;
     const int row = std::clamp(static_cast<int>(2 * (std::log2(range) + 3)), 0, kRangeBins - 1);
@@ -81,11 +77,6 @@ std::vector<Equation> equations(std::vector<Bin>& bins) {
 }
 
 }  // namespace
-
-double RangeNoise::at(double range_m, double cosine) const {
-  const double tangent = std::min(tangent_of(cosine), double{RANGE_NOISE_MOST_TAN});
-  return base_m + per_m * range_m + (per_tan_m + per_m_tan * range_m) * tangent;
-}
 
 RangeNoiseRecord RangeNoise::record() const {
   return {static_cast<float>(base_m), static_cast<float>(per_m), static_cast<float>(per_tan_m),

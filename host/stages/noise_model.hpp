@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -7,12 +9,19 @@
 
 namespace hybrid::stages {
 
+inline double incidence_tangent(double cosine) {
+  return std::sqrt(std::max(0.0, 1 - cosine * cosine)) / std::max(cosine, 1e-6);
+}
+
 // Standard deviation of the noise along a ray as a function of range and incidence (shared/range_noise.h).
 struct RangeNoise {
   double base_m = 0;
   double per_m = 0, per_tan_m = 0, per_m_tan = 0;
 
-  double at(double range_m, double cosine) const;
+  double at(double range_m, double cosine) const {
+    const double tangent = std::min(incidence_tangent(cosine), double{RANGE_NOISE_MOST_TAN});
+    return base_m + per_m * range_m + (per_tan_m + per_m_tan * range_m) * tangent;
+  }
   RangeNoiseRecord record() const;
 };
 

@@ -1,6 +1,7 @@
 #include "stages/organised_grid.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -14,24 +15,39 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMostSteps = 0.9;  // of a table's steps that must go one way
 
+bool is_return(const Vec3& point) {
+  const double square = point.squaredNorm();
+  return std::isfinite(square) && square != 0;
+}
+
 // Which sample is at a node.
 class GridSamples {
  public:
-  // Of a scan without `node`: the samples are in the grid's order.
-  explicit GridSamples(const Scan& scan) : scan_(scan) {}
-  GridSamples(const Scan& scan, const SampleAngles& angles) : scan_(scan) {
-    if (scan.node.empty()) return;
+  explicit GridSamples(const Scan& scan) : scan_(scan) {
+    if (scan.node.empty()) return;  // the samples are in the grid's order
     const std::size_t nodes =
         static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
     sample_.assign(nodes, kNoSource);
-    for (std::size_t i = 0; i < scan.node.size(); ++i) {
-      if (std::isnan(angles.elevation_rad[i])) continue;
-      const std::uint32_t node = scan.node[i];
-      if (node < nodes && sample_[node] == kNoSource)
-        sample_[node] = static_cast<std::uint32_t>(i);
-      else
-        extra_.push_back(static_cast<std::uint32_t>(i));
-    }
+    const auto in_grid = [&](std::size_t i) { return scan.node[i] < nodes && is_return(scan.point(i)); };
+    // Of several returns at a node the first takes it, whichever thread comes first.
+    parallel_for(
+        scan.node.size(),
+        [&](std::size_t i) {
+          if (!in_grid(i)) return;
+          const std::atomic_ref<std::uint32_t> holder(sample_[scan.node[i]]);
+          std::uint32_t held = holder.load(std::memory_order_relaxed);
+          while (i < held && !holder.compare_exchange_weak(held, static_cast<std::uint32_t>(i),
+                                                           std::memory_order_relaxed)) {
+          }
+        },
+        kGrain);
+    std::vector<std::vector<std::uint32_t>> left((scan.node.size() + kGrain - 1) / kGrain);
+    parallel_for(left.size(), [&](std::size_t block) {
+      for (std::size_t i = block * kGrain; i < std::min((block + 1) * kGrain, scan.node.size()); ++i)
+        if (in_grid(i) ? sample_[scan.node[i]] != i : is_return(scan.point(i)))
+          left[block].push_back(static_cast<std::uint32_t>(i));
+    });
+    for (const auto& block : left) extra_.insert(extra_.end(), block.begin(), block.end());
   }
   // False: the node has no sample. A sample need not be a return.
   bool find(int row, int col, std::size_t& sample) const {
@@ -49,6 +65,8 @@ class GridSamples {
   const std::vector<std::uint32_t>& extra() const { return extra_; }
 
  private:
+  static constexpr std::size_t kGrain = 1 << 14;
+
   const Scan& scan_;
   std::vector<std::uint32_t> sample_;  // per node; empty: the samples are in the grid's order
   std::vector<std::uint32_t> extra_;
@@ -61,37 +79,58 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-std::vector<double> row_elevations(const Scan& scan, const GridSamples& grid, const SampleAngles& angles) {
+// Calls take(point) for the returns of a row or column of `count` nodes, of which node(k, sample) finds the
+// k-th: for some of them evenly spread, enough for a median, or for all where these hold few returns.
+template <typename Node, typename Take>
+void for_some_returns(const Scan& scan, int count, const Node& node, const Take& take) {
+  constexpr int kSome = 512, kFew = 16;
+  const auto visit = [&](int first, int stride) {
+    int returns = 0;
+    for (int k = first; k < count; k += stride) {
+      std::size_t i = 0;
+      if (!node(k, i)) continue;
+      const Vec3 point = scan.point(i);
+      if (!is_return(point)) continue;
+      take(point);
+      ++returns;
+    }
+    return returns;
+  };
+  const int stride = std::max(count / kSome, 1);
+  if (visit(stride / 2, stride) >= kFew || stride == 1) return;
+  for (int first = 0; first < stride; ++first)
+    if (first != stride / 2) visit(first, stride);
+}
+
+std::vector<double> row_elevations(const Scan& scan, const GridSamples& grid) {
   std::vector<double> table(static_cast<std::size_t>(scan.grid_rows));
   parallel_for(table.size(), [&](std::size_t row) {
     std::vector<double> values;
-    for (int col = 0; col < scan.grid_cols; ++col) {
-      std::size_t i = 0;
-      if (!grid.find(static_cast<int>(row), col, i)) continue;
-      if (!std::isnan(angles.elevation_rad[i])) values.push_back(angles.elevation_rad[i]);
-    }
+    for_some_returns(
+        scan, scan.grid_cols,
+        [&](int col, std::size_t& i) { return grid.find(static_cast<int>(row), col, i); },
+        [&](const Vec3& p) { values.push_back(std::atan2(p.z(), std::hypot(p.x(), p.y()))); });
     table[row] = median(values);
   });
   return table;
 }
 
 // Medians of offsets from the column's mean direction, then unwrapped from one measured column to the next.
-std::vector<double> column_azimuths(const Scan& scan, const GridSamples& grid, const SampleAngles& angles) {
+std::vector<double> column_azimuths(const Scan& scan, const GridSamples& grid) {
   std::vector<double> table(static_cast<std::size_t>(scan.grid_cols));
   parallel_for(table.size(), [&](std::size_t col) {
-    double x = 0, y = 0;
-    std::vector<std::size_t> samples;
-    for (int row = 0; row < scan.grid_rows; ++row) {
-      std::size_t i = 0;
-      if (!grid.find(row, static_cast<int>(col), i) || std::isnan(angles.elevation_rad[i])) continue;
-      samples.push_back(i);
-      x += std::cos(angles.elevation_rad[i]) * std::cos(angles.azimuth_rad[i]);
-      y += std::cos(angles.elevation_rad[i]) * std::sin(angles.azimuth_rad[i]);
-    }
-    std::vector<double> offsets;
-    const double mean = std::atan2(y, x);
-    for (const std::size_t i : samples) offsets.push_back(wrapped(angles.azimuth_rad[i] - mean));
-    table[col] = mean + median(offsets);
+    Vec2 sum = Vec2::Zero();
+    std::vector<double> azimuths;
+    for_some_returns(
+        scan, scan.grid_rows,
+        [&](int row, std::size_t& i) { return grid.find(row, static_cast<int>(col), i); },
+        [&](const Vec3& p) {
+          sum += p.head<2>() / p.norm();
+          azimuths.push_back(std::atan2(p.y(), p.x()));
+        });
+    const double mean = std::atan2(sum.y(), sum.x());
+    for (double& azimuth : azimuths) azimuth = wrapped(azimuth - mean);
+    table[col] = mean + median(azimuths);
   });
   double before = NAN;
   for (double& azimuth : table) {
@@ -159,25 +198,28 @@ std::vector<double> even_table(int count, double step) {
 void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_cols, RangeImage& image) {
   if (!scan.intensity.empty()) image.intensity.assign(image.count(), 0.0f);
   if (!scan.rgb.empty()) image.rgb.assign(image.count(), {0, 0, 0});
-  parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t r) {
-    const int row = static_cast<int>(r);
-    for (int col = 0; col < image.cols; ++col) {
-      std::size_t source = 0;
-      if (!grid.find(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col, source))
-        continue;
-      const Vec3 point = scan.point(source);
-      const double length = point.squaredNorm();
-      if (!std::isfinite(length) || length == 0) continue;
-      const std::size_t i = image.index(row, col);
-      image.x[i] = static_cast<float>(point.x());
-      image.y[i] = static_cast<float>(point.y());
-      image.z[i] = static_cast<float>(point.z());
-      image.range_m[i] = static_cast<float>(point.norm());
-      image.mask[i] = kMeasured;
-      image.source[i] = static_cast<std::uint32_t>(source);
-      if (!scan.intensity.empty()) image.intensity[i] = scan.intensity[source];
-      if (!scan.rgb.empty()) image.rgb[i] = scan.rgb[source];
-    }
+  const auto copy = [&](int row, int col) {
+    std::size_t source = 0;
+    if (!grid.find(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col, source))
+      return;
+    const Vec3 point = scan.point(source);
+    if (!is_return(point)) return;
+    const std::size_t i = image.index(row, col);
+    image.x[i] = static_cast<float>(point.x());
+    image.y[i] = static_cast<float>(point.y());
+    image.z[i] = static_cast<float>(point.z());
+    image.range_m[i] = static_cast<float>(point.norm());
+    image.mask[i] = kMeasured;
+    image.source[i] = static_cast<std::uint32_t>(source);
+    if (!scan.intensity.empty()) image.intensity[i] = scan.intensity[source];
+    if (!scan.rgb.empty()) image.rgb[i] = scan.rgb[source];
+  };
+  // Files go down the columns, images along the rows: bands of a few rows keep both in the cache.
+  constexpr int kBand = 16;
+  parallel_for(static_cast<std::size_t>((image.rows + kBand - 1) / kBand), [&](std::size_t band) {
+    const int first = static_cast<int>(band) * kBand, end = std::min(first + kBand, image.rows);
+    for (int col = 0; col < image.cols; ++col)
+      for (int row = first; row < end; ++row) copy(row, col);
   });
 }
 
@@ -222,16 +264,15 @@ RangeImage arrange_grid(const Scan& scan) {
   if (scan.node.empty() && nodes != scan.points.size())
     fail_input("scan {}: expected {} samples for a grid of {} rows x {} columns, found {}", scan.name, nodes,
                scan.grid_rows, scan.grid_cols, scan.points.size());
-  const SampleAngles angles = sample_angles(scan);
-  if (std::all_of(angles.elevation_rad.begin(), angles.elevation_rad.end(),
-                  [](double e) { return std::isnan(e); }))
-    fail_no_return(scan);
+  std::size_t first = 0;
+  while (first < scan.points.size() && !is_return(scan.point(first))) ++first;
+  if (first == scan.points.size()) fail_no_return(scan);
 
-  const GridSamples grid(scan, angles);
+  const GridSamples grid(scan);
   RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols);
   image.extra = grid.extra();
-  image.elevation_rad = row_elevations(scan, grid, angles);
-  image.azimuth_rad = column_azimuths(scan, grid, angles);
+  image.elevation_rad = row_elevations(scan, grid);
+  image.azimuth_rad = column_azimuths(scan, grid);
   const int rows_go = complete(image.elevation_rad), cols_go = complete(image.azimuth_rad);
   const double turn = image.azimuth_rad.back() - image.azimuth_rad.front();
   if (rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn) {

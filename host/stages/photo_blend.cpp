@@ -38,7 +38,8 @@ PhotoBlend::PhotoBlend(device::Queue& queue, const RenderOptions& options, std::
       penalty_(queue.array<float>(kept_ * capacity)),
       seen_(queue.array<std::uint32_t>(capacity)),
       best_(queue.array<std::int32_t>(capacity)),
-      ranked_(queue.array<std::int32_t>(kept_ * capacity)) {}
+      ranked_(queue.array<std::int32_t>(kept_ * capacity)),
+      no_pixels_(queue.array<std::uint8_t>(0)) {}
 
 void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const DeviceBvh& everything,
                        const SurfaceTile& tile, const PhotoBlendView& view,
@@ -49,7 +50,7 @@ void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const
   if (kept_ > 0) {
     fill(queue_, penalty_, kept_ * tile.count(), std::numeric_limits<float>::infinity());
     fill(queue_, ranked_, kept_ * tile.count(), std::int32_t{-1});
-    for (std::size_t index : used) rank(store, index, occluders, tile, view);
+    for (std::size_t index : used) rank(store, index, occluders, everything, tile, view);
   }
   for (std::size_t index : used) {
     const PhotographStore::Entry& photograph = store.get(index, everything);
@@ -81,8 +82,8 @@ void PhotoBlend::add(PhotographStore& store, std::size_t index, const Photograph
          photograph.pixels, photograph.low, store.linear(), sums_, seen_, best_);
 }
 
-void PhotoBlend::rank(const PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
-                      const SurfaceTile& tile, const PhotoBlendView& view) {
+void PhotoBlend::rank(PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
+                      const DeviceBvh& everything, const SurfaceTile& tile, const PhotoBlendView& view) {
   RankPhotosParams params{};
   params.camera = store.camera(index);
   for (std::size_t k = 0; k < 3; ++k) params.eye[k] = view.eye[k];
@@ -97,8 +98,10 @@ void PhotoBlend::rank(const PhotographStore& store, std::size_t index, const Dev
   params.root = occluders.root;
   params.resolution_cost = static_cast<float>(options_.ulr_resolution);
   params.field_of_view_cost = static_cast<float>(options_.ulr_field_of_view);
+  // Only a mask makes the pixels matter here.
+  const auto& pixels = store.masked(index) ? store.get(index, everything).pixels : no_pixels_;
   launch("rank_photos", tile, params, occluders.nodes, occluders.triangles, occluders.spheres, tile.surface,
-         penalty_, ranked_, seen_);
+         pixels, penalty_, ranked_, seen_);
 }
 
 void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,

@@ -33,8 +33,8 @@ class PhotoBlend {
  private:
   void add(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
            const DeviceBvh& occluders, const SurfaceTile& tile, const PhotoBlendView& view);
-  void rank(const PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
-            const SurfaceTile& tile, const PhotoBlendView& view);
+  void rank(PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
+            const DeviceBvh& everything, const SurfaceTile& tile, const PhotoBlendView& view);
   void add_ranked(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
                   const SurfaceTile& tile, const PhotoBlendView& view);
   template <typename... Args>
@@ -46,6 +46,7 @@ class PhotoBlend {
   device::Array<float> sums_, colour_, penalty_;
   device::Array<std::uint32_t> seen_;
   device::Array<std::int32_t> best_, ranked_;
+  device::Array<std::uint8_t> no_pixels_;
 };
 
 }  // namespace hybrid::stages

@@ -41,10 +41,17 @@ std::vector<std::uint8_t> rgba(const Image8& image) {
   parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t row) {
     for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
       for (std::size_t k = 0; k < 3; ++k) out[4 * i + k] = image.pixels[channels * i + k];
-      out[4 * i + 3] = 255;
+      out[4 * i + 3] = channels == 4 && image.pixels[4 * i + 3] == 0 ? 0 : 255;
     }
   });
   return out;
+}
+
+bool has_mask(const Image8& image) {
+  if (image.channels != 4) return false;
+  for (std::size_t i = 3; i < image.pixels.size(); i += 4)
+    if (image.pixels[i] == 0) return true;
+  return false;
 }
 
 std::vector<float> linear_table() {
@@ -75,6 +82,7 @@ PhotographStore::PhotographStore(device::Queue& queue, const RenderScene& scene,
   check(scene);
   linear_ = queue.array(linear_table());
   resident_.resize(scene.photographs.size());
+  for (const Image8& image : scene.photograph_pixels) masked_.push_back(has_mask(image));
 }
 
 std::size_t PhotographStore::bytes(std::size_t index) const {
@@ -84,7 +92,9 @@ std::size_t PhotographStore::bytes(std::size_t index) const {
 }
 
 CameraRecord PhotographStore::camera(std::size_t index) const {
-  return camera_record(scene_.photographs[index], origin_);
+  CameraRecord record = camera_record(scene_.photographs[index], origin_);
+  if (masked_[index]) record.flags |= CAMERA_HAS_MASK;
+  return record;
 }
 
 float PhotographStore::pixel_rad(std::size_t index) const {
@@ -124,6 +134,7 @@ void PhotographStore::blur(Entry& entry, float pixel_rad, const DeviceBvh& every
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
   params.slope = kSteepestSlope;
   params.pixel_rad = pixel_rad;
+  params.flags = entry.camera.flags;
   const auto& kernel = queue_.kernel("blur_photo");
   queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low, linear_,
                 weights, map.distance, map.id, rows);

@@ -16,7 +16,7 @@ class PhotographStore {
  public:
   struct Entry {
     CameraRecord camera;                 // relative to the local origin
-    device::Array<std::uint8_t> pixels;  // RGBA, sRGB
+    device::Array<std::uint8_t> pixels;  // RGBA, sRGB; alpha 0: no photograph
     device::Array<std::uint16_t> low;  // half x 4: the low band, linear light; empty unless it was asked for
   };
 
@@ -29,6 +29,7 @@ class PhotographStore {
   // What is known of a photograph without loading it.
   CameraRecord camera(std::size_t index) const;  // relative to the local origin
   float pixel_rad(std::size_t index) const;
+  bool masked(std::size_t index) const { return masked_[index]; }
   // Kernels: ray_cast and blur_photo when low bands are wanted.
   const Entry& get(std::size_t index, const DeviceBvh& everything);
   // Linear light of each sRGB byte, on the device.
@@ -46,6 +47,7 @@ class PhotographStore {
   bool low_bands_;
   device::Array<float> linear_;
   std::vector<std::optional<Entry>> resident_;
+  std::vector<bool> masked_;  // some of its pixels are none
   std::size_t budget_bytes_ = 0, resident_bytes_ = 0;
   std::optional<Entry> visiting_;
 };

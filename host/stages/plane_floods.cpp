@@ -30,29 +30,31 @@ std::vector<std::uint32_t> PlaneFlooder::seed_samples(const WindowSeed& seed) co
   return samples;
 }
 
-PlaneFlood PlaneFlooder::flood(const WindowSeed& seed, const Tile& limits) const {
-  PlaneFlood result;
+std::vector<std::uint32_t> PlaneFlooder::samples(const WindowSeed& seed, const Tile& limits) const {
   const int cols = image_.cols, reach = seed.shape == kSparseSeed ? kSparseReach : 1;
-  result.samples = seed_samples(seed);
+  std::vector<std::uint32_t> samples = seed_samples(seed);
   // kInside, or the number of the fit that rejected the sample: the same fit need not be asked again.
   thread_local SampleMarks marks;
   marks.clear();
-  for (const std::uint32_t i : result.samples) marks.of(i) = kInside;
-  RayPlane plane(image_.point(result.samples.empty() ? seed.sample : result.samples[0]));
-  for (const std::uint32_t i : result.samples) plane.add(image_.point(i));
+  for (const std::uint32_t i : samples) marks.of(i) = kInside;
+  RayPlane plane(image_.point(samples.empty() ? seed.sample : samples[0]));
+  for (const std::uint32_t i : samples) plane.add(image_.point(i));
   if (!plane.solve()) return {};
 
   const auto lies_on = [&](const Vec3& point) {
-    const double cosine = plane.cosine(point);
-    const double limit =
-        kFloodSigmas * noise_.at(point.norm(), cosine) * std::sqrt(1 + plane.prediction_variance(point));
-    return std::abs(plane.residual_m(point)) <= limit && cosine >= kLeastCosine;
+    const double range = point.norm();
+    const auto [residual, cosine] = plane.at(point, range);
+    // The plane's own uncertainty is looked at only where it could matter.
+    if (!(cosine >= kLeastCosine)) return false;
+    const double limit = kFloodSigmas * noise_.at(range, cosine);
+    return std::abs(residual) <= limit ||
+           std::abs(residual) <= limit * std::sqrt(1 + plane.prediction_variance(point));
   };
   std::size_t fitted = plane.samples();
   std::uint32_t fit = 1;
-  for (std::size_t next = 0; next < result.samples.size(); ++next) {
-    const int row = static_cast<int>(result.samples[next]) / cols;
-    const int col = static_cast<int>(result.samples[next]) % cols;
+  for (std::size_t next = 0; next < samples.size(); ++next) {
+    const int row = static_cast<int>(samples[next]) / cols;
+    const int col = static_cast<int>(samples[next]) % cols;
     for (int r = std::max(row - reach, limits.row); r <= std::min(row + reach, limits.row + limits.rows - 1);
          ++r)
       for (int step = -reach; step <= reach; ++step) {
@@ -66,7 +68,7 @@ PlaneFlood PlaneFlooder::flood(const WindowSeed& seed, const Tile& limits) const
         const Vec3 point = image_.point(i);
         mark = lies_on(point) ? kInside : fit;
         if (mark != kInside) continue;
-        result.samples.push_back(i);
+        samples.push_back(i);
         plane.add(point);
         // A refit per tenth of growth: the plane is always known to where it is tested.
         if (10 * plane.samples() < 11 * fitted) continue;
@@ -77,22 +79,29 @@ PlaneFlood PlaneFlooder::flood(const WindowSeed& seed, const Tile& limits) const
   }
   // Samples taken while the plane was uncertain leave when all of them contradict it.
   if (!plane.solve()) return {};
-  std::erase_if(result.samples, [&](std::uint32_t i) {
+  std::erase_if(samples, [&](std::uint32_t i) {
     const Vec3 point = image_.point(i);
-    const double cosine = plane.cosine(point);
-    return !(std::abs(plane.residual_m(point)) <= kFloodSigmas * noise_.at(point.norm(), cosine)) ||
-           !(cosine >= kLeastCosine);
+    const double range = point.norm();
+    const auto [residual, cosine] = plane.at(point, range);
+    return !(std::abs(residual) <= kFloodSigmas * noise_.at(range, cosine)) || !(cosine >= kLeastCosine);
   });
-  std::sort(result.samples.begin(), result.samples.end());
+  return samples;
+}
+
+PlaneFlood PlaneFlooder::flood(const WindowSeed& seed, const Tile& limits) const {
+  PlaneFlood result;
+  result.samples = samples(seed, limits);
   if (result.samples.empty()) return {};
+  std::sort(result.samples.begin(), result.samples.end());
   result.plane = RayPlane(image_.point(result.samples[0]));
   for (const std::uint32_t i : result.samples) result.plane.add(image_.point(i));
   if (!result.plane.solve()) return {};
   for (const std::uint32_t i : result.samples) {
     const Vec3 point = image_.point(i);
-    const double residual =
-        result.plane.residual_m(point) / noise_.at(point.norm(), result.plane.cosine(point));
-    result.chi2 += residual * residual;
+    const double range = point.norm();
+    const auto [residual, cosine] = result.plane.at(point, range);
+    const double sigmas = residual / noise_.at(range, cosine);
+    result.chi2 += sigmas * sigmas;
   }
   return result;
 }

@@ -42,6 +42,8 @@ class PlaneFlooder {
   // small included. Samples outside `limits` are not entered. Empty when the seed's free samples fix no
   // plane.
   PlaneFlood flood(const WindowSeed& seed, const Tile& limits) const;
+  // Its samples alone, in the order of the flood: a third of the work.
+  std::vector<std::uint32_t> samples(const WindowSeed& seed, const Tile& limits) const;
 
  private:
   std::vector<std::uint32_t> seed_samples(const WindowSeed& seed) const;

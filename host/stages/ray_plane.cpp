@@ -36,25 +36,12 @@ bool RayPlane::solve() {
   inverse_ = frame_.transpose() * solver.solve(Mat3::Identity()) * frame_;
   m_ = frame_.transpose() * solver.solve(right_);
   squares_m2_ = std::max(0.0, constant_ - right_.dot(solver.solve(right_)));
-  return m_.allFinite() && m_.squaredNorm() > 0;
-}
-
-double RayPlane::residual_m(const Vec3& point) const {
-  const double reached = m_.dot(point);  // measured over predicted range
-  return reached > 0 ? point.norm() * (reached - 1) / reached : NAN;
-}
-
-double RayPlane::prediction_variance(const Vec3& point) const {
-  return point.squaredNorm() * point.dot(inverse_ * point);
-}
-
-double RayPlane::cosine(const Vec3& point) const {
-  return std::abs(m_.dot(point)) / (m_.norm() * point.norm());
+  length_ = m_.norm();
+  return m_.allFinite() && length_ > 0;
 }
 
 Plane RayPlane::plane() const {
-  const double length = m_.norm();
-  return {-m_ / length, -1 / length};
+  return {-m_ / length_, -1 / length_};
 }
 
 }  // namespace hybrid::stages

@@ -1,4 +1,7 @@
 #pragma once
+#include <cmath>
+#include <limits>
+
 #include "geometry/plane.hpp"
 
 namespace hybrid::stages {
@@ -17,13 +20,22 @@ class RayPlane {
   bool solve();
 
   std::size_t samples() const { return samples_; }
-  // Of the last solve(). Measured minus predicted range at the ray of `point`, NaN where the ray misses the
-  // plane.
-  double residual_m(const Vec3& point) const;
+  // Of the last solve(), at the ray of `point`, which is `range_m` away. Measured minus predicted range, NaN
+  // where the ray misses the plane; |normal . ray|.
+  struct At {
+    double residual_m, cosine;
+  };
+  At at(const Vec3& point, double range_m) const {
+    const double reached = m_.dot(point);  // measured over predicted range
+    return {reached > 0 ? range_m * (reached - 1) / reached : std::numeric_limits<double>::quiet_NaN(),
+            std::abs(reached) / (length_ * range_m)};
+  }
+  // Where that ray meets the plane, not finite where it runs along it; behind the scanner where it misses it.
+  Vec3 seen(const Vec3& point) const { return point / m_.dot(point); }
   // Variance of that prediction, in units of the noise's variance.
-  double prediction_variance(const Vec3& point) const;
-  // |normal . ray|.
-  double cosine(const Vec3& point) const;
+  double prediction_variance(const Vec3& point) const {
+    return point.squaredNorm() * point.dot(inverse_ * point);
+  }
   // Sum of the squared residuals of the samples added, m2.
   double squares_m2() const { return squares_m2_; }
   // Normal towards the scanner.
@@ -36,6 +48,7 @@ class RayPlane {
   Vec3 right_ = Vec3::Zero();
   double constant_ = 0;
   Vec3 m_ = Vec3::Zero();
+  double length_ = 0;  // of m
   Mat3 inverse_ = Mat3::Zero();
   double squares_m2_ = 0;
 };

@@ -109,8 +109,9 @@ void add_tile(const TilePixels& pixels, const Tile& tile, const CameraRecord& ca
       const Vec3f point = pixels.plane_vector(SURFACE_X, from);
       Vec3f normal = pixels.plane_vector(SURFACE_NORMAL_X, from);
       if (normal.dot(point - eye) > 0) normal = -normal;
-      view.depth_m[to] =
-          axis[0] * point.x() + axis[1] * point.y() + axis[2] * point.z() + camera.translation[2];
+      view.depth_m[to] = camera.lens >= CAMERA_SPHERICAL ? (point - eye).norm()
+                                                         : axis[0] * point.x() + axis[1] * point.y() +
+                                                               axis[2] * point.z() + camera.translation[2];
       for (int k = 0; k < 3; ++k) view.normal.pixels[3 * to + static_cast<std::size_t>(k)] = normal[k];
       view.id[to] = pixels.id[from];
       view.coverage[to] = pixels.seen[from];

@@ -49,7 +49,8 @@ struct RenderScene {
   std::vector<std::uint32_t> contour_scan;  // per face of `contours`: index of its scan
   std::vector<Splat> splats;
   std::vector<Photograph> photographs;
-  std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph
+  std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph; alpha 0: masked, not
+                                          // part of the photograph
 };
 
 struct ViewRequest {
@@ -63,7 +64,8 @@ struct ViewRequest {
 // One rendered view; all images have the camera's extent.
 struct RenderedView {
   ImageF colour;  // linear RGB; red (1,0,0) where no photograph sees the surface; background black
-  std::vector<float> depth_m;           // along the viewing axis (Z); +inf where nothing is hit
+  std::vector<float> depth_m;           // along the viewing axis (Z), of panoramas along the ray; +inf where
+                                        // nothing is hit
   ImageF normal;                        // world, unit, towards the viewer
   std::vector<std::uint32_t> id;        // 0 nothing, 1 + proxy face index, 0x80000000 + splat index,
                                         // 0x20000000 + contour face index, 0x40000000 + photograph index

@@ -61,6 +61,8 @@ void launch(device::Queue& queue, const DeviceBvh& geometry, const RayCastParams
 
 std::uint32_t lens_of(const Camera& camera) {
   if (camera.lens == Lens::fisheye) return CAMERA_FISHEYE;
+  if (camera.lens == Lens::spherical) return CAMERA_SPHERICAL;
+  if (camera.lens == Lens::cylindrical) return CAMERA_CYLINDRICAL;
   const bool rational = camera.k3 != 0 || camera.k4 != 0 || camera.k5 != 0 || camera.k6 != 0;
   return rational ? CAMERA_RATIONAL : CAMERA_POLYNOMIAL;
 }
@@ -93,6 +95,8 @@ CameraRecord camera_record(const Photograph& photograph, const Vec3& origin) {
   record.k3 = static_cast<float>(c.k3), record.k4 = static_cast<float>(c.k4);
   record.k5 = static_cast<float>(c.k5), record.k6 = static_cast<float>(c.k6);
   record.lens = lens_of(c);
+  record.flags = (c.wraps() ? CAMERA_WRAPS : 0) | (c.reaches_zenith() ? CAMERA_ZENITH : 0) |
+                 (c.reaches_nadir() ? CAMERA_NADIR : 0);
   record.max_radius2 = static_cast<float>(c.max_radius2());
   record.width = static_cast<std::uint32_t>(c.width);
   record.height = static_cast<std::uint32_t>(c.height);
@@ -137,6 +141,16 @@ DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, co
     if ((photograph.centre() - eye).norm() < 2 * size_m) continue;
     const Camera& c = photograph.camera;
     const Pose world_from_cam = photograph.cam_from_world.inverse();
+    const std::uint32_t id = kMarkerId | static_cast<std::uint32_t>(i);
+    if (c.panorama()) {  // an octahedron: it sees to all sides
+      for (const double x : {-0.5, 0.5})
+        for (const double y : {-0.5, 0.5})
+          for (const double z : {-0.5, 0.5})
+            triangles.push_back(triangle_record(apex + size_m * world_from_cam.rotate({x, 0, 0}),
+                                                apex + size_m * world_from_cam.rotate({0, y, 0}),
+                                                apex + size_m * world_from_cam.rotate({0, 0, z}), id));
+      continue;
+    }
     std::array<Vec3, 4> base;
     const std::array<Vec2, 4> corners{Vec2(0, 0), Vec2(c.width, 0), Vec2(c.width, c.height),
                                       Vec2(0, c.height)};
@@ -144,7 +158,6 @@ DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, co
       const Vec3 in_cam((corners[k].x() - c.cx) / c.fx, (corners[k].y() - c.cy) / c.fy, 1);
       base[k] = apex + size_m * world_from_cam.rotate(in_cam);
     }
-    const std::uint32_t id = kMarkerId | static_cast<std::uint32_t>(i);
     for (std::size_t k = 0; k < 4; ++k)
       triangles.push_back(triangle_record(apex, base[k], base[(k + 1) % 4], id));
     triangles.push_back(triangle_record(base[0], base[1], base[2], id));

@@ -6,7 +6,8 @@
 namespace hybrid::stages {
 
 // A number per sample, 0 where none was given: an open-addressed table that holds a few samples of many,
-// cleared in no time and used again by the next flood of the same thread.
+// cleared in no time and used again by the next flood of the same thread. Sixteen samples in a row lie side
+// by side, as floods ask for them.
 class SampleMarks {
  public:
   void clear() {
@@ -31,9 +32,11 @@ class SampleMarks {
     std::uint32_t sample = 0, value = 0, epoch = 0;
   };
   Slot& find(std::uint32_t sample) {
+    constexpr std::size_t kRow = 16;
     const std::size_t mask = slots_.size() - 1;
-    std::size_t at = (sample * 0x9e3779b97f4a7c15ull) >> 32 & mask;
-    while (slots_[at].epoch == epoch_ && slots_[at].sample != sample) at = (at + 1) & mask;
+    const std::size_t row = (sample / kRow * 0x9e3779b97f4a7c15ull) >> 32;
+    std::size_t at = (row * kRow + sample % kRow) & mask;
+    while (slots_[at].epoch == epoch_ && slots_[at].sample != sample) at = (at + kRow) & mask;
     return slots_[at];
   }
   void grow() {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <queue>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
@@ -16,12 +15,12 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr float kWindowShare = 0.7f;    // of a window's samples, as METHOD 2 asks of a square
-constexpr float kWindowSigmas = 4;      // of chi2's standard deviation
-constexpr float kWindowCosine = 0.02f;  // noise along rays nearer to grazing leaves no plane
-constexpr double kLeastNoise_m = 1e-4;  // as estimate_range_noise(): what floats and the model leave
-constexpr int kBlock = 64;              // samples; floods of a block look one block around it
-constexpr double kMostChi2 = 1.6;       // per sample
+constexpr float kWindowShare = 0.7f;      // of a window's samples, as METHOD 2 asks of a square
+constexpr float kWindowSigmas = 4;        // of chi2's standard deviation
+constexpr float kWindowCosine = 0.02f;    // noise along rays nearer to grazing leaves no plane
+constexpr double kLeastNoise_m = 1e-4;    // as estimate_range_noise(): what floats and the model leave
+constexpr int kBlock = 64, kAround = 16;  // samples; floods of a block look so far around it
+constexpr double kMostChi2 = 1.6;         // per sample
 constexpr double kMostBesideCurved = 0.3;
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
@@ -89,8 +88,8 @@ struct Candidate {
   }
 };
 
-// Floods from the seeds of each block that no earlier flood of the block covers, no farther than one block
-// around: how much a seed is worth. Blocks do not see each other.
+// Floods from the seeds of each block that no earlier flood of the block covers, no farther than
+// kAround: how much a seed is worth. Blocks do not see each other.
 std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& flooder,
                                  const std::vector<WindowSeed>& seeds, std::size_t least) {
   const int block_cols = (image.cols + kBlock - 1) / kBlock, block_rows = (image.rows + kBlock - 1) / kBlock;
@@ -105,16 +104,21 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& fl
   parallel_for(of_block.size(), [&](std::size_t b) {
     const int row = static_cast<int>(b) / block_cols * kBlock,
               col = static_cast<int>(b) % block_cols * kBlock;
-    const int top = std::max(row - kBlock, 0), left = std::max(col - kBlock, 0);
-    const Tile limits{top, left, std::min(row + 2 * kBlock, image.rows) - top,
-                      std::min(col + 2 * kBlock, image.cols) - left};
-    std::unordered_set<std::uint32_t> covered;
+    const int top = std::max(row - kAround, 0), left = std::max(col - kAround, 0);
+    const Tile limits{top, left, std::min(row + kBlock + kAround, image.rows) - top,
+                      std::min(col + kBlock + kAround, image.cols) - left};
+    std::vector<bool> covered(static_cast<std::size_t>(limits.rows) * static_cast<std::size_t>(limits.cols));
+    const auto inside = [&](std::uint32_t i) {
+      const int r = static_cast<int>(i) / image.cols - top, c = static_cast<int>(i) % image.cols - left;
+      return static_cast<std::size_t>(r) * static_cast<std::size_t>(limits.cols) +
+             static_cast<std::size_t>(c);
+    };
     for (const WindowSeed& seed : of_block[b]) {
-      if (covered.contains(seed.member)) continue;
-      const PlaneFlood flood = flooder.flood(seed, limits);
-      if (flood.samples.size() < least) continue;
-      covered.insert(flood.samples.begin(), flood.samples.end());
-      found[b].push_back({flood.samples.size(), seed});
+      if (covered[inside(seed.member)]) continue;
+      const auto samples = flooder.samples(seed, limits);
+      if (samples.size() < least) continue;
+      for (const std::uint32_t i : samples) covered[inside(i)] = true;
+      found[b].push_back({samples.size(), seed});
     }
   });
   std::vector<Candidate> candidates;
@@ -131,9 +135,8 @@ std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int sid
 SampleUse judge(const RangeImage& image, const std::vector<std::uint8_t>& use, const PlaneFlood& flood,
                 const PlaneRegion& region, double sigma_m, double min_curvature,
                 const std::function<Vec3(std::uint32_t)>& blocked_normal) {
-  const Vec3 normal = flood.plane.plane().normal;
   const auto beside_curved = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-    return meets_curved_surface(image, use, normal, sigma_m, i, blocked_normal);
+    return meets_curved_surface(image, use, flood.plane, sigma_m, i, blocked_normal);
   });
   const auto samples = static_cast<double>(flood.samples.size());
   const bool scattered = flood.chi2 > kMostChi2 * (samples - 3);

@@ -9,6 +9,7 @@
 #include "stages/absorb_squares.hpp"
 #include "stages/coplanar_merge.hpp"
 #include "stages/curved_regions.hpp"
+#include "stages/refuted_planes.hpp"
 #include "stages/sample_labels.hpp"
 #include "stages/small_planes.hpp"
 
@@ -244,12 +245,17 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   if (options.min_plane_samples > 0)
     presence = recover_small_planes(queue, image, squares, grid, labels, options, regions, planes);
   // The second pass competes with the planes refitted to the first one's labels, and with the small ones.
-  labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
-                         planes, options);
-  refit_planes(image, squares.square, labels, planes);
+  const auto compete = [&] {
+    labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
+                           planes, options);
+    refit_planes(image, squares.square, labels, planes);
+  };
+  compete();
+  const std::int64_t least = least_plane_samples(image, options);
+  if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete();
   own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
-  const auto ids = number_regions(measured, regions, least_plane_samples(image, options));
+  const auto ids = number_regions(measured, regions, least);
   return assemble(squares, grid, regions, ids, std::move(labels), std::move(measured));
 }
 

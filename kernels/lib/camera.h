@@ -62,12 +62,22 @@ static inline float3 camera_brown_direction(const CameraRecord* c, float2 target
   return (float3)(p.x, p.y, 1.0f);
 }
 
+// Direction of a panorama's pixel position, `target` relative to the principal point in radians (rows of a
+// cylinder: in radii). NaN above the zenith and below the nadir.
+static inline float3 camera_panorama_direction(const CameraRecord* c, float2 target) {
+  const float level_x = sin(target.x), level_z = cos(target.x);
+  if (c->lens == CAMERA_CYLINDRICAL) return (float3)(level_x, target.y, level_z);
+  if (!(fabs(target.y) <= 1.5707964f)) return (float3)(NAN);
+  return (float3)(cos(target.y) * level_x, sin(target.y), cos(target.y) * level_z);
+}
+
 // Unit world direction of a pixel position. NaN where no direction projects there: beyond the radius at which
-// the distortion folds back.
+// the distortion folds back, or beyond a panorama's poles.
 static inline float3 camera_ray(const CameraRecord* c, float2 pixel) {
   const float2 target = (float2)((pixel.x - c->cx) / c->fx, (pixel.y - c->cy) / c->fy);
-  const float3 p =
-      c->lens == CAMERA_FISHEYE ? camera_fisheye_direction(c, target) : camera_brown_direction(c, target);
+  const float3 p = c->lens >= CAMERA_SPHERICAL ? camera_panorama_direction(c, target)
+                   : c->lens == CAMERA_FISHEYE ? camera_fisheye_direction(c, target)
+                                               : camera_brown_direction(c, target);
   const float* m = c->rotation;  // world_from_cam is its transpose
   return normalize((float3)(m[0] * p.x + m[3] * p.y + m[6] * p.z, m[1] * p.x + m[4] * p.y + m[7] * p.z,
                             m[2] * p.x + m[5] * p.y + m[8] * p.z));

@@ -3,7 +3,8 @@
 #define HYBRID_LIB_PHOTO_LIGHT_H
 #include "shared/params_blend_photos.h"
 
-// The four pixels around a position and their shares; the image goes on beyond its border.
+// The four pixels around a position and their shares; the image goes on beyond its border, and a full
+// panorama on its other side.
 typedef struct Bilinear {
   uint pixel[4];
   float share[4];
@@ -11,10 +12,15 @@ typedef struct Bilinear {
 
 // Through a pointer: oclgrind's compiler stumbles over structs returned through two inlined functions.
 static inline void bilinear_at(const CameraRecord* camera, float column, float row, Bilinear* at) {
-  const float x = clamp(column - 0.5f, 0.0f, (float)(camera->width - 1u));
+  const uint wraps = camera->flags & CAMERA_WRAPS;
+  float x = column - 0.5f;
+  if (wraps && x < 0.0f) x += (float)camera->width;
+  // A full turn reaches up to the width, beyond the last pixel's centre.
+  x = clamp(x, 0.0f, wraps ? nextafter((float)camera->width, 0.0f) : (float)(camera->width - 1u));
   const float y = clamp(row - 0.5f, 0.0f, (float)(camera->height - 1u));
   const uint x0 = (uint)x, y0 = (uint)y;
-  const uint x1 = min(x0 + 1u, camera->width - 1u), y1 = min(y0 + 1u, camera->height - 1u);
+  const uint x1 = x0 + 1u < camera->width ? x0 + 1u : wraps ? 0u : x0;
+  const uint y1 = min(y0 + 1u, camera->height - 1u);
   const float right = x - (float)x0, below = y - (float)y0;
   at->pixel[0] = y0 * camera->width + x0;
   at->pixel[1] = y0 * camera->width + x1;
@@ -24,6 +30,14 @@ static inline void bilinear_at(const CameraRecord* camera, float column, float r
   at->share[1] = right * (1.0f - below);
   at->share[2] = (1.0f - right) * below;
   at->share[3] = right * below;
+}
+
+// Is the position one of the photograph's own, none of whose pixels the mask takes out?
+static inline int is_photograph(const CameraRecord* camera, const Bilinear* at, global const uchar* photo) {
+  if (!(camera->flags & CAMERA_HAS_MASK)) return 1;
+  int whole = 1;
+  for (int k = 0; k < 4; ++k) whole &= at->share[k] == 0.0f || photo[4u * at->pixel[k] + 3u] != 0;
+  return whole;
 }
 
 static inline float3 light_at(const Bilinear* at, global const uchar* photo, global const float* linear) {
@@ -67,14 +81,11 @@ static inline void add_high(float3 high, float weight, uint high_power, uint cou
 }
 
 // Adds the light that photograph number `photograph` has at a position to point i of `count`.
-static inline void add_light(const CameraRecord* camera, BlendMode mix, int photograph, float column,
-                             float row, float weight, global const uchar* photo, global const half* low,
-                             global const float* linear, uint count, uint i, global float* sums,
-                             global int* best) {
-  Bilinear around;
-  bilinear_at(camera, column, row, &around);
-  const float3 light = light_at(&around, photo, linear);
-  const float3 smooth = mix.mode == BLEND_DUAL ? low_at(&around, low) : light;
+static inline void add_light(const Bilinear* around, BlendMode mix, int photograph, float weight,
+                             global const uchar* photo, global const half* low, global const float* linear,
+                             uint count, uint i, global float* sums, global int* best) {
+  const float3 light = light_at(around, photo, linear);
+  const float3 smooth = mix.mode == BLEND_DUAL ? low_at(around, low) : light;
   sums[BLEND_SUM_R * count + i] += weight * smooth.x;
   sums[BLEND_SUM_G * count + i] += weight * smooth.y;
   sums[BLEND_SUM_B * count + i] += weight * smooth.z;

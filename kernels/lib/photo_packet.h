@@ -103,11 +103,14 @@ static inline floatv packet_angle(const PacketSight* a, const PacketSight* b) {
   return 2.0f * arc_sine(min(0.5f * chord, (floatv)(1.0f)));
 }
 
-// 1 inside the photograph, falling to (almost) 0 over the last feather_px to its border.
+// 1 inside the photograph, falling to (almost) 0 over the last feather_px to its border. Where a panorama
+// closes it has none.
 static inline floatv packet_feather(const CameraRecord* camera, float feather_px, floatv column, floatv row) {
   if (!(feather_px > 0.0f)) return (floatv)(1.0f);
-  const floatv border =
-      min(min(column, (float)camera->width - column), min(row, (float)camera->height - row));
+  floatv border = (floatv)(INFINITY);
+  if (!(camera->flags & CAMERA_WRAPS)) border = min(column, (float)camera->width - column);
+  if (!(camera->flags & CAMERA_ZENITH)) border = min(border, row);
+  if (!(camera->flags & CAMERA_NADIR)) border = min(border, (float)camera->height - row);
   return min(max(border / feather_px, (floatv)(1e-6f)), (floatv)(1.0f));
 }
 

@@ -7,6 +7,13 @@
 #define CAMERA_POLYNOMIAL 0u  // k1, k2, p1, p2 (the rest is 0): the common case
 #define CAMERA_RATIONAL 1u    // k1 to k6, p1, p2
 #define CAMERA_FISHEYE 2u     // k1 to k4
+#define CAMERA_SPHERICAL 3u   // panoramas: from here on no distortion
+#define CAMERA_CYLINDRICAL 4u
+
+#define CAMERA_WRAPS 1u     // a panorama of a full turn: left and right borders are one
+#define CAMERA_ZENITH 2u    // a panorama whose upper border is the zenith: no border
+#define CAMERA_NADIR 4u     // the same of its lower border
+#define CAMERA_HAS_MASK 8u  // a photograph some of whose pixels are none: alpha 0
 
 typedef struct CameraRecord {
   float rotation[9];     // cam_from_world, row-major
@@ -18,7 +25,7 @@ typedef struct CameraRecord {
   HYBRID_UINT width, height;
   HYBRID_UINT lens;  // CAMERA_...
   float k3, k4, k5, k6;
-  float pad;
+  HYBRID_UINT flags;  // CAMERA_WRAPS ...
 } CameraRecord;
 LAYOUT_CHECK(CameraRecord, 128);
 

@@ -13,13 +13,20 @@
 
 namespace hybrid::testing {
 
-// Three small photographs of a cloud of triangles and spheres, blended into random surface points.
+// Small photographs of a cloud of triangles and spheres, blended into random surface points: three through a
+// lens, the last of them with a mask, and two panoramas, one of them full.
 struct BlendPhotosCase {
   static constexpr const char* kName = "blend_photos";
   struct Photo {
     Photograph photograph;
     std::vector<std::uint8_t> pixels;  // RGBA
     std::vector<float> low;            // 4 per pixel, multiples of 1/256: exact as half
+    bool masked = false;               // alpha 0 is no photograph
+    CameraRecord record() const {
+      CameraRecord camera = stages::camera_record(photograph, Vec3::Zero());
+      if (masked) camera.flags |= CAMERA_HAS_MASK;
+      return camera;
+    }
     std::vector<std::uint16_t> low_halves() const {
       std::vector<std::uint16_t> halves;
       for (float value : low) halves.push_back(Eigen::half(value).x);
@@ -59,7 +66,7 @@ struct BlendPhotosCase {
       const auto pixels = queue.array(photo.pixels);
       const auto low = queue.array(photo.low_halves());
       BlendPhotosParams params{};
-      params.camera = stages::camera_record(photo.photograph, Vec3::Zero());
+      params.camera = photo.record();
       for (int k = 0; k < 3; ++k) params.eye[k] = input.eye[static_cast<std::size_t>(k)];
       params.pixel_rad = input.pixel_rad;
       params.cols = input.cols;

@@ -32,7 +32,7 @@ struct BlendRankedCase {
       const auto pixels = queue.array(blend.photos[i].pixels);
       const auto low = queue.array(blend.photos[i].low_halves());
       BlendRankedParams params{};
-      params.camera = stages::camera_record(blend.photos[i].photograph, Vec3::Zero());
+      params.camera = blend.photos[i].record();
       params.cols = blend.cols;
       params.rows = blend.rows;
       params.mix = blend.mix;

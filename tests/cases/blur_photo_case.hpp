@@ -20,6 +20,7 @@ struct BlurPhotoCase {
     std::vector<float> linear, weights, distance;
     std::vector<std::uint32_t> id;
     float tolerance_m = 0.02f, slope = 3, pixel_rad = 0.001f;
+    std::uint32_t flags = 0;  // CAMERA_WRAPS, CAMERA_HAS_MASK
     std::size_t count() const { return std::size_t{width} * height; }
   };
   struct Output {
@@ -41,6 +42,7 @@ struct BlurPhotoCase {
     params.tolerance_m = input.tolerance_m;
     params.slope = input.slope;
     params.pixel_rad = input.pixel_rad;
+    params.flags = input.flags;
     const auto& kernel = queue.kernel(kName);
     queue.launch(kName, kernel, device::grid(input.width, input.height), params, pixels, low, linear, weights,
                  distance, id, rows);

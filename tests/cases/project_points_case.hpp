@@ -17,7 +17,14 @@ struct NamedCamera {
   Camera camera;
 };
 
-// Every camera model with distortion of the size that real lenses have; the last ones are far from a pinhole.
+inline Camera panorama(Lens lens, int width, int height, double fx, double fy, double cy) {
+  Camera camera{width, height, fx, fy, 0.5 * width, cy};
+  camera.lens = lens;
+  return camera;
+}
+
+// Every camera model with distortion of the size that real lenses have; the last ones are far from a
+// pinhole, or panoramas.
 inline std::vector<NamedCamera> camera_models() {
   constexpr auto kFisheye = Lens::fisheye;
   return {
@@ -32,6 +39,10 @@ inline std::vector<NamedCamera> camera_models() {
       {"SIMPLE_RADIAL_FISHEYE", {1000, 800, 450, 450, 500, 400, 0.02, 0, 0, 0, 0, 0, 0, 0, kFisheye}},
       {"RADIAL_FISHEYE", {1000, 800, 450, 450, 500, 400, 0.03, -0.01, 0, 0, 0, 0, 0, 0, kFisheye}},
       {"OPENCV_FISHEYE", {1000, 800, 450, 445, 505, 395, -0.02, 0.01, 0, 0, -0.004, 0.0006, 0, 0, kFisheye}},
+      {"spherical, full", panorama(Lens::spherical, 2048, 1024, 2048 / (2 * M_PI), 1024 / M_PI, 512)},
+      {"spherical, 120 x 60 degrees", panorama(Lens::spherical, 1200, 600, 1800 / M_PI, 1800 / M_PI, 300)},
+      {"cylindrical, full", panorama(Lens::cylindrical, 3000, 700, 3000 / (2 * M_PI), 477, 300.5)},
+      {"cylindrical, 270 degrees", panorama(Lens::cylindrical, 900, 500, 600 / M_PI, 200, 250)},
   };
 }
 

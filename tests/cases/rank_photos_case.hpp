@@ -18,7 +18,7 @@ struct RankPhotosCase {
     std::vector<std::uint32_t> seen;
   };
 
-  // Six photographs: twice those of BlendPhotosCase, from places a little apart.
+  // Twice the photographs of BlendPhotosCase, from places a little apart.
   static Input make(std::size_t size, std::uint32_t seed);  // reference/rank_photos.cpp
   static Output run(device::Queue& queue, const Input& input) {
     const auto& blend = input.blend;
@@ -32,7 +32,8 @@ struct RankPhotosCase {
     const auto seen = queue.array(std::vector<std::uint32_t>(blend.count(), 0));
     for (std::size_t i = 0; i < blend.photos.size(); ++i) {
       RankPhotosParams params{};
-      params.camera = stages::camera_record(blend.photos[i].photograph, Vec3::Zero());
+      params.camera = blend.photos[i].record();
+      const auto pixels = queue.array(blend.photos[i].pixels);
       for (int k = 0; k < 3; ++k) params.eye[k] = blend.eye[static_cast<std::size_t>(k)];
       params.pixel_ratio = input.pixel_ratio;
       params.cols = blend.cols;
@@ -47,9 +48,9 @@ struct RankPhotosCase {
       params.field_of_view_cost = input.field_of_view_cost;
       queue.launch(kName, queue.kernel(kName, {{"VW", width}}),
                    stages::packet_grid(width, blend.cols, blend.rows), params, bvh.nodes, bvh.triangles,
-                   bvh.spheres, surface, penalty, photo, seen);
+                   bvh.spheres, surface, pixels, penalty, photo, seen);
+      queue.finish();
     }
-    queue.finish();
     return {queue.read(penalty), queue.read(photo), queue.read(seen)};
   }
   static Output reference(const Input& input);  // reference/rank_photos.cpp

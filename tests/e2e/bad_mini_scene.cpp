@@ -124,6 +124,8 @@ std::vector<std::string> mini_outputs() {
           "scans/s/classes.png",
           "scans/s/labels.exr",
           "scans/s/planes.json",
+          "scans/s/intersections.obj",
+          "scans/s/intersections.png",
           "scans/s/detail.ply",
           "scans/s/colour.exr",
           "scans/s/pose.json",

@@ -171,8 +171,8 @@ TEST(Options, only_writes_the_stages_named) {
       {"register SCENE", {"scans/s/pose.json"}},
       {"render SCENE --view front", {"views/front.exr", "views/front.png"}},
       {"run SCENE --only planes",
-       {"scans/s/classes.png", "scans/s/detail.ply", "scans/s/labels.exr", "scans/s/planes.json",
-        "scans/s/range.exr", "scans/s/range.png"}},
+       {"scans/s/classes.png", "scans/s/detail.ply", "scans/s/intersections.obj", "scans/s/intersections.png",
+        "scans/s/labels.exr", "scans/s/planes.json", "scans/s/range.exr", "scans/s/range.png"}},
   };
   for (auto [command, names] : expected) {
     const Scratch scratch;

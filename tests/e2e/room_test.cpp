@@ -110,8 +110,9 @@ TEST(TinyRoom, every_promised_file_is_there) {
         "views/points.png", "views/proxy.png", "views/leave-one-out-pair.png"})
     EXPECT_TRUE(std::filesystem::exists(result() / file)) << file;
   for (const char* scan : {"west", "east"})
-    for (const char* file : {"range.exr", "range.png", "classes.png", "labels.exr", "planes.json",
-                             "detail.ply", "colour.exr", "pose.json"})
+    for (const char* file :
+         {"range.exr", "range.png", "classes.png", "labels.exr", "planes.json", "intersections.obj",
+          "intersections.png", "detail.ply", "colour.exr", "pose.json"})
       EXPECT_TRUE(std::filesystem::exists(result() / "scans" / scan / file)) << scan << "/" << file;
 }
 

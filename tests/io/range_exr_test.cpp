@@ -118,7 +118,7 @@ class RangeExrDamage : public ::testing::Test {
 TEST_F(RangeExrDamage, OtherFiles) {
   expect_error("", "empty");
   expect_error("ply\nformat ascii 1.0\n", "byte 0: expected an OpenEXR file");
-  expect_error(std::string("\x76\x2f\x31\x01\x02\0\0\0", 8), "byte 4: expected a tiled image");
+  expect_error(std::string("\x76\x2f\x31\x01\x02\x08\0\0", 8), "byte 4: expected a flat image");
   expect_input_error([&] { io::read_range_exr(folder_.path("none.exr")); }, {"no such file"});
   expect_input_error([&] { io::read_range_exr(folder_.path("")); }, {"folder"});
 }

@@ -16,10 +16,26 @@ BlendPhotosCase::Input BlendPhotosCase::make(std::size_t size, std::uint32_t see
   std::mt19937 random(seed + 1);
   std::uniform_real_distribution<float> place(-4, 4), part(-1, 1);
   for (const Vec3& eye : {Vec3(0, -9, 1), Vec3(7, -6, 0), Vec3(-5, -7, -3)}) {
-    Photo photo{look_at(eye, Vec3::Zero(), {0, 0, 1}, 50, 60, 44), {}, {}};
+    Photo photo{look_at(eye, Vec3::Zero(), {0, 0, 1}, 50, 60, 44), {}, {}, input.photos.size() == 2};
     photo.photograph.camera.k1 = -0.1, photo.photograph.camera.k2 = 0.02;
     photo.photograph.camera.p1 = 0.003, photo.photograph.camera.p2 = -0.002;
     for (int i = 0; i < 4 * 60 * 44; ++i) {
+      photo.pixels.push_back(static_cast<std::uint8_t>(random() % 256));
+      photo.low.push_back(static_cast<float>(random() % 256) / 256);
+    }
+    for (int i = 0; photo.masked && i < 60 * 44; ++i)
+      photo.pixels[static_cast<std::size_t>(4 * i + 3)] = (i % 60) / 15 == 1 || i / 60 < 4 ? 0 : 255;
+    input.photos.push_back(std::move(photo));
+  }
+  for (const Lens lens : {Lens::spherical, Lens::cylindrical}) {
+    const bool full = lens == Lens::spherical;
+    Photo photo{
+        look_at({full ? -1.0 : 1.0, -2, 0.5}, {3, 4, 1}, {0, 0.2, 1}, 50, full ? 80 : 60, 40), {}, {}};
+    Camera& camera = photo.photograph.camera;
+    camera.lens = lens;
+    camera.fx = full ? 40 / M_PI : 20;
+    camera.fy = full ? 40 / M_PI : 15;
+    for (int i = 0; i < 4 * camera.width * camera.height; ++i) {
       photo.pixels.push_back(static_cast<std::uint8_t>(random() % 256));
       photo.low.push_back(static_cast<float>(random() % 256) / 256);
     }

@@ -36,25 +36,30 @@ BlurPhotoCase::Output BlurPhotoCase::reference(const Input& input) {
   const auto index = [&](int x, int y) {
     return static_cast<std::size_t>(y) * input.width + static_cast<std::size_t>(x);
   };
-  std::vector<Vec3> image;
+  using Light = Eigen::Vector4d;  // the fourth is how much of the others there is
+  std::vector<Light> image;
   for (std::size_t i = 0; i < input.count(); ++i) {
     const std::uint8_t* p = input.pixels.data() + 4 * i;
+    const bool masked = (input.flags & CAMERA_HAS_MASK) && p[3] == 0;
     image.emplace_back(linear_from_srgb(p[0] / 255.0), linear_from_srgb(p[1] / 255.0),
-                       linear_from_srgb(p[2] / 255.0));
+                       linear_from_srgb(p[2] / 255.0), 1);
+    if (masked) image.back().setZero();
   }
   const int radius = static_cast<int>(input.weights.size()) - 1;
   for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
-    std::vector<Vec3> next(image.size());
+    std::vector<Light> next(image.size());
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        Vec3 sum = Vec3::Zero();
-        double weight = 0;
+        Light sum = Light::Zero();
         for (const int side : {-1, 1})
           for (int k = 0; k <= radius; ++k) {
             const auto at = [&](int apart) {
-              return std::pair(x + side * apart * dx, y + side * apart * dy);
+              int u = x + side * apart * dx;
+              if (input.flags & CAMERA_WRAPS) u = (u + width) % width;
+              return std::pair(u, y + side * apart * dy);
             };
             const auto [u, v] = at(k);
+            if (k >= width && dx == 1) break;  // once around
             if (u < 0 || v < 0 || u >= width || v >= height) break;
             if (k > 0) {
               const auto [pu, pv] = at(k - 1);
@@ -67,16 +72,14 @@ BlurPhotoCase::Output BlurPhotoCase::reference(const Input& input) {
             }
             const double w = std::exp(-0.5 * k * k / 16.0);
             sum += w * image[index(u, v)];
-            weight += w;
           }
-        next[index(x, y)] = sum / weight;
+        next[index(x, y)] = sum.w() > 0 ? Light(sum / sum.w()) : sum;
       }
     image = next;
   }
   Output out;
-  for (const Vec3& light : image)
-    out.low.insert(out.low.end(), {static_cast<float>(light.x()), static_cast<float>(light.y()),
-                                   static_cast<float>(light.z()), 1.0f});
+  for (const Light& light : image)
+    for (int k = 0; k < 4; ++k) out.low.push_back(static_cast<float>(light[k]));
   return out;
 }
 

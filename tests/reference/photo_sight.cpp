@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "geometry/colour.hpp"
 #include "reference/shadow.hpp"
@@ -9,13 +10,32 @@
 namespace hybrid::testing {
 namespace {
 
+// A full panorama's left and right borders are neighbours.
+bool closes(const Camera& camera) {
+  const bool panorama = camera.lens == Lens::spherical || camera.lens == Lens::cylindrical;
+  return panorama && std::abs(camera.width / camera.fx - 2 * M_PI) < 1e-3;
+}
+
+// Distance to the nearest line where a photograph ends. A full sphere ends nowhere.
+double border_distance(const Camera& camera, const Vec2& pixel) {
+  double border = std::numeric_limits<double>::infinity();
+  if (!closes(camera)) border = std::min(pixel.x(), camera.width - pixel.x());
+  const bool poles = camera.lens == Lens::spherical && std::abs(camera.height / camera.fy - M_PI) < 1e-3;
+  if (!poles) border = std::min({border, pixel.y(), camera.height - pixel.y()});
+  return border;
+}
+
 // value(x, y) gives a pixel.
 template <typename Value>
 Vec3 sample(const Camera& camera, const Vec2& position, const Value& value) {
-  const Vec2 p = (position - Vec2(0.5, 0.5)).cwiseMax(0).cwiseMin(Vec2(camera.width - 1, camera.height - 1));
-  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
-  const int x1 = std::min(x + 1, camera.width - 1), y1 = std::min(y + 1, camera.height - 1);
-  const double u = p.x() - x, v = p.y() - y;
+  const Vec2 p = position - Vec2(0.5, 0.5);
+  const auto column = [&](int x) {
+    return closes(camera) ? (x + camera.width) % camera.width : std::clamp(x, 0, camera.width - 1);
+  };
+  const auto row = [&](int y) { return std::clamp(y, 0, camera.height - 1); };
+  const double left = std::floor(p.x()), top = std::floor(p.y()), u = p.x() - left, v = p.y() - top;
+  const int x = column(static_cast<int>(left)), x1 = column(static_cast<int>(left) + 1);
+  const int y = row(static_cast<int>(top)), y1 = row(static_cast<int>(top) + 1);
   return (1 - v) * ((1 - u) * value(x, y) + u * value(x1, y)) +
          v * ((1 - u) * value(x, y1) + u * value(x1, y1));
 }
@@ -41,10 +61,18 @@ std::optional<PhotoSight> photo_sight(const BlendPhotosCase::Input& input, std::
   sight.facing = radius < 0 ? 1 : -normal.dot(direction);
   sight.eye_facing = radius < 0 ? 1 : normal.dot(to_eye);
   sight.angle = std::atan2(to_eye.cross(-direction).norm(), to_eye.dot(-direction));
-  const double border =
-      std::min({pixel->x(), pixel->y(), camera.width - pixel->x(), camera.height - pixel->y()});
+  const double border = border_distance(camera, *pixel);
   sight.feather = input.feather_px > 0 ? std::clamp(border / input.feather_px, 1e-6, 1.0) : 1;
   if (sight.facing <= 0) return {};
+  // A position is the photograph's when no pixel with a share in it is masked.
+  const BlendPhotosCase::Photo& photo_input = input.photos[photo];
+  if (photo_input.masked) {
+    const auto masked = [&](int x, int y) {
+      return Vec3::Constant(photo_input.pixels[4 * static_cast<std::size_t>(y * camera.width + x) + 3] ? 0
+                                                                                                       : 1);
+    };
+    if (sample(camera, *pixel, masked).x() > 0) return {};
+  }
 
   const double stretch = 1 / std::max(sight.facing, 0.2);
   const double clear_of_faces = (radius == 0 ? input.face_tolerance_m : input.tolerance_m) * stretch;

@@ -23,6 +23,17 @@ Vec2 bend(const Camera& c, double x, double y) {
           y * q + c.p1 * (r2 + 2 * y * y) + 2 * c.p2 * x * y};
 }
 
+// A panorama by its meaning: turn the direction until its azimuth is 0 and read off how much; columns that
+// are a full turn apart are one.
+Vec2 unroll(const Camera& c, const Vec3& p) {
+  const double level = std::sqrt(p.x() * p.x() + p.z() * p.z());
+  double azimuth = std::acos(p.z() / level);
+  if (p.x() < 0) azimuth = -azimuth;
+  const double up = c.lens == Lens::cylindrical ? p.y() / level : std::asin(p.y() / p.norm());
+  const double column = std::fmod(c.cx + c.fx * azimuth + 2 * M_PI * c.fx, 2 * M_PI * c.fx);
+  return {column, c.cy + c.fy * up};
+}
+
 // Does the radial part grow all the way from the axis to this radius? Walked in small steps.
 bool grows_until(const Camera& radial, double r) {
   double before = 0;
@@ -47,9 +58,11 @@ ProjectPointsCase::Output ProjectPointsCase::reference(const Input& input) {
     const Vec3 world(input.points[i], input.points[i + 1], input.points[i + 2]);
     const Vec3 p = cam_from_world * world + input.photograph.cam_from_world.translation;
     const double x = p.x() / p.z(), y = p.y() / p.z();
-    const Vec2 bent = bend(c, x, y), pixel(c.fx * bent.x() + c.cx, c.fy * bent.y() + c.cy);
-    const bool seen = p.z() > 0 && pixel.x() >= 0 && pixel.x() < c.width && pixel.y() >= 0 &&
-                      pixel.y() < c.height && grows_until(radial, std::hypot(x, y));
+    const bool panorama = c.lens == Lens::spherical || c.lens == Lens::cylindrical;
+    const Vec2 bent = bend(c, x, y);
+    const Vec2 pixel = panorama ? unroll(c, p) : Vec2(c.fx * bent.x() + c.cx, c.fy * bent.y() + c.cy);
+    const bool seen = (panorama || (p.z() > 0 && grows_until(radial, std::hypot(x, y)))) && pixel.x() >= 0 &&
+                      pixel.x() < c.width && pixel.y() >= 0 && pixel.y() < c.height;
     // The ray back through the pixel is the one that came: from the camera's centre to the point.
     const Vec3 ray = cam_from_world.transpose() * p.normalized();
     for (int k = 0; k < 2; ++k) out.pixels.push_back(static_cast<float>(seen ? pixel[k] : kNone));

@@ -9,10 +9,10 @@ namespace hybrid::testing {
 RankPhotosCase::Input RankPhotosCase::make(std::size_t size, std::uint32_t seed) {
   Input input{BlendPhotosCase::make(size, seed)};
   auto& photos = input.blend.photos;
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0, once = photos.size(); i < once; ++i) {
     auto copy = photos[i];
     copy.photograph.cam_from_world.translation += Vec3(0.3, -0.2, 0.5);
-    std::reverse(copy.pixels.begin(), copy.pixels.end());
+    std::reverse(copy.pixels.begin(), copy.pixels.end());  // colours and mask move
     photos.push_back(std::move(copy));
   }
   return input;

@@ -31,8 +31,9 @@ TEST(RayPlane, fits_exact_samples_however_close_together_they_are) {
     ASSERT_TRUE(plane.solve());
     EXPECT_LT((plane.plane().normal - Vec3(-1, 0, 0)).norm(), 1e-6) << step;
     EXPECT_NEAR(plane.plane().offset_m, -5, 1e-6);
-    EXPECT_NEAR(plane.residual_m(points[7] * 1.001), 0.001 * points[7].norm(), 1e-5);
-    EXPECT_NEAR(plane.cosine(points[0]), 5 / points[0].norm(), 1e-6);
+    EXPECT_NEAR(plane.at(points[7] * 1.001, 1.001 * points[7].norm()).residual_m, 0.001 * points[7].norm(),
+                1e-5);
+    EXPECT_NEAR(plane.at(points[0], points[0].norm()).cosine, 5 / points[0].norm(), 1e-6);
   }
 }
 
@@ -45,7 +46,7 @@ TEST(RayPlane, predicts_its_own_uncertainty) {
     stages::RayPlane plane(points[0]);
     for (const Vec3& p : points) plane.add(p);
     ASSERT_TRUE(plane.solve());
-    const double error = plane.residual_m(far) / 0.002;
+    const double error = plane.at(far, far.norm()).residual_m / 0.002;
     squares += error * error / 2000;
     variance += plane.prediction_variance(far) / 2000;
     chi2 += plane.squares_m2() / (0.002 * 0.002) / 2000;

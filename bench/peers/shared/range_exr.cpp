@@ -3,41 +3,48 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfInputFile.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
 
 namespace hybrid::peers {
 namespace {
 
-void check_channel(const Imf::ChannelList& channels, const std::string& name, Imf::PixelType type) {
-  const Imf::Channel* channel = channels.findChannel(name.c_str());
-  if (!channel)
-    throw std::runtime_error("no channel \"" + name + "\"; expected a range.exr of hybrid planes");
-  if (channel->type != type)
-    throw std::runtime_error("channel \"" + name + "\" has another type than expected");
+// The part of the file that holds the channel.
+int find_part(const Imf::MultiPartInputFile& file, const std::string& name, Imf::PixelType type) {
+  for (int part = 0; part < file.parts(); ++part) {
+    const Imf::Channel* channel = file.header(part).channels().findChannel(name.c_str());
+    if (!channel) continue;
+    if (channel->type != type)
+      throw std::runtime_error("channel \"" + name + "\" has another type than expected");
+    return part;
+  }
+  throw std::runtime_error("no channel \"" + name + "\"; expected a range.exr of hybrid planes");
 }
 
 RangeScan read(const std::filesystem::path& file) {
-  Imf::InputFile input(file.c_str());
-  const auto window = input.header().dataWindow();
+  Imf::MultiPartInputFile input(file.c_str());
+  const auto window = input.header(0).dataWindow();
   const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1),
              height = static_cast<std::size_t>(window.max.y - window.min.y + 1);
   RangeScan scan;
   scan.rows = static_cast<int>(height);
   scan.cols = static_cast<int>(width);
   std::vector<std::uint32_t> mask(width * height);
-  Imf::FrameBuffer pixels;
+  std::map<int, Imf::FrameBuffer> pixels;  // of each part
   const auto add = [&](const char* name, Imf::PixelType type, void* data) {
-    check_channel(input.header().channels(), name, type);
+    const int part = find_part(input, name, type);
+    if (input.header(part).dataWindow() != window) throw std::runtime_error("parts of several sizes");
     // Slices count from pixel (0, 0), which the data window need not hold.
     char* origin =
         static_cast<char*>(data) - 4 * (window.min.x + static_cast<std::ptrdiff_t>(width) * window.min.y);
-    pixels.insert(name, Imf::Slice(type, origin, 4, 4 * width));
+    pixels[part].insert(name, Imf::Slice(type, origin, 4, 4 * width));
   };
   const std::pair<const char*, std::vector<float>*> axes[] = {{"x", &scan.x}, {"y", &scan.y}, {"z", &scan.z}};
   for (const auto& [name, values] : axes) {
@@ -45,8 +52,11 @@ RangeScan read(const std::filesystem::path& file) {
     add(name, Imf::FLOAT, values->data());
   }
   add("mask", Imf::UINT, mask.data());
-  input.setFrameBuffer(pixels);
-  input.readPixels(window.min.y, window.max.y);
+  for (const auto& [number, buffer] : pixels) {
+    Imf::InputPart part(input, number);
+    part.setFrameBuffer(buffer);
+    part.readPixels(window.min.y, window.max.y);
+  }
   scan.mask.assign(mask.begin(), mask.end());
   return scan;
 }

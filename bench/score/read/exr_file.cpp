@@ -2,6 +2,7 @@
 
 #include <ImfChannelList.h>
 #include <ImfHeader.h>
+#include <ImfInputPart.h>
 #include <ImfIntAttribute.h>
 
 #include "score/error.hpp"
@@ -17,8 +18,8 @@ constexpr double kMostPixels = 2e9;  // a damaged header must not ask for all th
 ExrFile::ExrFile(const std::filesystem::path& path) : path_(path) {
   check_file(path);
   try {
-    file_ = std::make_unique<Imf::InputFile>(path.c_str());
-    const auto window = file_->header().dataWindow();
+    file_ = std::make_unique<Imf::MultiPartInputFile>(path.c_str());
+    const auto window = file_->header(0).dataWindow();
     left_ = window.min.x;
     top_ = window.min.y;
     const double width = 1.0 + window.max.x - window.min.x, height = 1.0 + window.max.y - window.min.y;
@@ -27,9 +28,13 @@ ExrFile::ExrFile(const std::filesystem::path& path) : path_(path) {
                 path.string(), width, height);
     width_ = static_cast<int>(width);
     height_ = static_cast<int>(height);
-    if (!file_->isComplete())
+    for (int part = 0; part < file_->parts(); ++part) {
+      if (file_->header(part).dataWindow() != window)
+        bad_input("{}: header: expected all parts of one size, found others; write it again", path.string());
+      if (file_->partComplete(part)) continue;
       bad_input("{}: expected all tiles, found some missing; the file is cut short: write it again",
                 path.string());
+    }
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& problem) {
@@ -38,8 +43,14 @@ ExrFile::ExrFile(const std::filesystem::path& path) : path_(path) {
   }
 }
 
+const Imf::Channel* ExrFile::find(const std::string& channel) const {
+  for (int part = 0; part < file_->parts(); ++part)
+    if (const auto* found = file_->header(part).channels().findChannel(channel)) return found;
+  return nullptr;
+}
+
 bool ExrFile::has(const std::string& channel) const {
-  return file_->header().channels().findChannel(channel) != nullptr;
+  return find(channel) != nullptr;
 }
 
 template <typename T>
@@ -54,8 +65,18 @@ Imf::Slice ExrFile::slice(std::vector<T>& values, Imf::PixelType type) const {
 
 void ExrFile::decode(const Imf::FrameBuffer& buffer) {
   try {
-    file_->setFrameBuffer(buffer);
-    file_->readPixels(top_, top_ + height_ - 1);
+    for (int i = 0; i < file_->parts(); ++i) {
+      const auto& channels = file_->header(i).channels();
+      Imf::FrameBuffer own;  // the library fills slices of other channels with zeros
+      for (auto at = buffer.begin(); at != buffer.end(); ++at) {
+        const auto* channel = channels.findChannel(at.name());
+        if (channel != nullptr && channel == find(at.name())) own.insert(at.name(), at.slice());
+      }
+      if (own.begin() == own.end()) continue;
+      Imf::InputPart part(*file_, i);
+      part.setFrameBuffer(own);
+      part.readPixels(top_, top_ + height_ - 1);
+    }
   } catch (const std::exception& problem) {
     std::string names;
     for (auto at = buffer.begin(); at != buffer.end(); ++at)
@@ -68,7 +89,7 @@ void ExrFile::decode(const Imf::FrameBuffer& buffer) {
 void ExrFile::prepare(const std::vector<std::string>& channels) {
   Imf::FrameBuffer buffer;
   for (const auto& name : channels) {
-    const Imf::Channel* channel = file_->header().channels().findChannel(name);
+    const Imf::Channel* channel = find(name);
     if (!channel || channel->xSampling != 1 || channel->ySampling != 1) continue;  // read() says so
     buffer.insert(name, channel->type == Imf::UINT ? slice(prepared_uints_[name], Imf::UINT)
                                                    : slice(prepared_floats_[name], Imf::FLOAT));
@@ -78,7 +99,7 @@ void ExrFile::prepare(const std::vector<std::string>& channels) {
 
 template <typename T>
 std::vector<T> ExrFile::read(const std::string& name, Imf::PixelType type) {
-  const Imf::Channel* channel = file_->header().channels().findChannel(name);
+  const Imf::Channel* channel = find(name);
   const bool counts = channel && channel->type == Imf::UINT;
   if (!channel || counts != (type == Imf::UINT) || channel->xSampling != 1 || channel->ySampling != 1)
     bad_input("{}: expected a channel \"{}\" of {} numbers, found {}; SCENE.md's Outputs name the channels",
@@ -102,7 +123,7 @@ std::vector<float> ExrFile::floats(const std::string& channel) {
 }
 
 std::optional<int> ExrFile::whole_number(const std::string& attribute) const {
-  const auto* found = file_->header().findTypedAttribute<Imf::IntAttribute>(attribute);
+  const auto* found = file_->header(0).findTypedAttribute<Imf::IntAttribute>(attribute);
   return found ? std::optional<int>(found->value()) : std::nullopt;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 #include <ImfFrameBuffer.h>
-#include <ImfInputFile.h>
+#include <ImfMultiPartInputFile.h>
 #include <ImfPixelType.h>
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 
 namespace score {
 
-// A single-part OpenEXR image, tiles or lines. Everything throws InputError that names the file.
+// A flat OpenEXR image, tiles or lines, its channels in one or several parts. Everything throws InputError
+// that names the file.
 class ExrFile {
  public:
   explicit ExrFile(const std::filesystem::path& path);
@@ -33,11 +34,12 @@ class ExrFile {
   template <typename T>
   std::vector<T> read(const std::string& channel, Imf::PixelType type);
   void decode(const Imf::FrameBuffer& buffer);
+  const Imf::Channel* find(const std::string& channel) const;  // in the first part that has it; or null
   template <typename T>
   Imf::Slice slice(std::vector<T>& values, Imf::PixelType type) const;
 
   std::filesystem::path path_;
-  std::unique_ptr<Imf::InputFile> file_;
+  std::unique_ptr<Imf::MultiPartInputFile> file_;
   std::map<std::string, std::vector<std::uint32_t>> prepared_uints_;
   std::map<std::string, std::vector<float>> prepared_floats_;
   int left_ = 0, top_ = 0, width_ = 0, height_ = 0;

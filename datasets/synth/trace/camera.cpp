@@ -8,6 +8,11 @@
 namespace synth {
 
 Vec3 Camera::ray_direction(double x_px, double y_px) const {
+  if (spherical) {
+    const double right = (x_px - centre_x_px) / focal_px, down = (y_px - centre_y_px) / focal_px;
+    const Vec3 in_camera(std::sin(right) * std::cos(down), std::sin(down), std::cos(right) * std::cos(down));
+    return (camera_from_world_rotation.transpose() * in_camera).normalized();
+  }
   const Eigen::Vector2d distorted((x_px - centre_x_px) / focal_px, (y_px - centre_y_px) / focal_px);
   // Newton on the radius: s (1 + k1 s^2 + k2 s^4) = |distorted|, monotone over the image for our small k.
   const double radius = distorted.norm();
@@ -23,6 +28,9 @@ Vec3 Camera::ray_direction(double x_px, double y_px) const {
 
 std::optional<Eigen::Vector2d> Camera::project(const Vec3& point_in_world) const {
   const Vec3 p = camera_from_world_rotation * (point_in_world - eye);
+  if (spherical)
+    return Eigen::Vector2d(centre_x_px + focal_px * std::atan2(p.x(), p.z()),
+                           centre_y_px + focal_px * std::asin(p.y() / p.norm()));
   if (p.z() <= 0) return std::nullopt;
   const Eigen::Vector2d flat(p.x() / p.z(), p.y() / p.z());
   const double r2 = flat.squaredNorm();
@@ -55,6 +63,23 @@ Camera photograph_camera(std::size_t index, const Preset& preset, double horizon
   camera.centre_y_px = camera.height_px * 0.4970;
   camera.k1 = -0.06;
   camera.k2 = 0.02;
+  return camera;
+}
+
+Camera panorama(const std::string& name, int width_px, const Eigen::Matrix3d& world_from_scan_rotation,
+                const Vec3& eye) {
+  Camera camera;
+  camera.name = name;
+  camera.spherical = true;
+  camera.width_px = width_px;
+  camera.height_px = width_px / 2;
+  camera.focal_px = width_px / (2 * std::numbers::pi);
+  camera.centre_x_px = camera.width_px / 2.0;
+  camera.centre_y_px = camera.height_px / 2.0;
+  camera.camera_from_world_rotation.row(0) = -world_from_scan_rotation.col(1);
+  camera.camera_from_world_rotation.row(1) = -world_from_scan_rotation.col(2);
+  camera.camera_from_world_rotation.row(2) = world_from_scan_rotation.col(0);
+  camera.eye = eye;
   return camera;
 }
 

@@ -8,6 +8,7 @@
 namespace synth {
 
 double Development::corner_share(const Camera& camera, double x_px, double y_px) const {
+  if (camera.spherical) return 1;  // it is put together from many pictures
   const double half = std::hypot(camera.width_px, camera.height_px) / 2;
   const double radius = std::hypot(x_px - camera.centre_x_px, y_px - camera.centre_y_px) / half;
   return 1 - vignetting * std::pow(radius, 4.0);

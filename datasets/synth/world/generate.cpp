@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -10,6 +12,7 @@
 #include "trace/scanner.hpp"
 #include "world/landmarks.hpp"
 #include "write/colmap.hpp"
+#include "write/e57_file.hpp"
 #include "write/files.hpp"
 #include "write/images.hpp"
 #include "write/meshes.hpp"
@@ -20,7 +23,9 @@
 namespace synth {
 namespace {
 
-constexpr std::uint64_t kHeldOutPictures = 50;  // their indices start here
+constexpr std::uint64_t kHeldOutPictures = 50, kPanoramas = 80;  // their indices start here
+
+using TakePicture = std::function<Picture8(const Camera&, const RenderOptions&)>;
 
 std::vector<Camera> held_out_cameras(const World& world, const Preset& preset) {
   std::vector<Camera> cameras;
@@ -47,8 +52,26 @@ std::vector<Camera> erring(std::vector<Camera> cameras, const Options& options) 
   return cameras;
 }
 
+// What a scanner's own camera puts together, and the mask that takes the tripod out.
+E57Picture take_panorama(const ScannerPose& pose, const Preset& preset, const TakePicture& take,
+                         std::uint64_t index, const Options& options) {
+  const int width = preset.photograph_width_px * 5 / 4 * 2;
+  E57Picture picture{panorama(pose.id + "-panorama.jpg", width, pose.world_from_scan.rotation(),
+                              pose.world_from_scan.translation()),
+                     {},
+                     {}};
+  picture.jpeg = encoded(".jpg", take(picture.camera, {options.seed, kPanoramas + index, 2, 2,
+                                                       development(options, kPanoramas + index)}));
+  Picture8 mask{picture.camera.width_px, picture.camera.height_px, {}};
+  mask.rgb.assign(3 * static_cast<std::size_t>(mask.width_px) * static_cast<std::size_t>(mask.height_px), 0);
+  const int whole = mask.height_px * 5 / 6;  // down to 60 degrees below the horizon, as the scanner
+  std::fill_n(mask.rgb.begin(), std::ptrdiff_t{3} * mask.width_px * whole, std::uint8_t{255});
+  picture.mask_png = encoded(".png", mask);
+  return picture;
+}
+
 std::vector<ScanCounts> write_scans(const std::filesystem::path& out, const World& world,
-                                    const Tracer& tracer, const Options& options) {
+                                    const Tracer& tracer, const TakePicture& take, const Options& options) {
   std::vector<ScanCounts> scans;
   for (std::size_t i = 0; i < world.scanners.size(); ++i) {
     const ScannerPose& pose = world.scanners[i];
@@ -60,6 +83,8 @@ std::vector<ScanCounts> write_scans(const std::filesystem::path& out, const Worl
                                     truth->add(column);
                                   }));
     scans.back().samples = file_samples(pose, options, scans.back().returns);
+    if (auto* e57 = dynamic_cast<E57ScanFile*>(file.get()); e57 && !world.photographs.empty())
+      e57->attach(take_panorama(pose, options.preset, take, world.first_scanner + i, options));
     file->finish();
     truth->finish();
   }
@@ -97,11 +122,17 @@ double estimate_bytes(const World& world, const Options& options) {
   double bytes = 64.0 * static_cast<double>(world.mesh.triangles.size()) + 1e6;
   for (const ScannerPose& pose : world.scanners) {  // points, truth, and what is on its way
     const ScanFormat format = format_of(pose, options);
-    const double of_a_point = format == ScanFormat::ply ? 16 : format == ScanFormat::ptx ? 33 : 16 + 24;
+    const double of_a_point = format == ScanFormat::ply || format == ScanFormat::e57 ? 16
+                              : format == ScanFormat::ptx                            ? 33
+                                                                                     : 16 + 24;
     bytes += static_cast<double>(p.scan_columns) * p.scan_rows * (of_a_point + 5 + 12);
   }
   bytes +=
       0.8 * p.photograph_width_px * p.photograph_height_px * static_cast<double>(world.photographs.size());
+  if (options.scan_format == ScanFormat::e57)  // the photographs twice, and panoramas
+    bytes += 0.8 * p.photograph_width_px *
+             (static_cast<double>(p.photograph_height_px) * static_cast<double>(world.photographs.size()) +
+              3.2 * p.photograph_width_px * static_cast<double>(world.scanners.size()));
   return bytes + 3.0 * p.view_width_px * p.view_height_px * static_cast<double>(world.views.size());
 }
 
@@ -123,17 +154,22 @@ Summary generate(const World& world, const Options& options, const std::string& 
   for (std::size_t i = 0; i < world.scanners.size(); ++i)
     landmarks.push_back(
         pick_landmarks(world, tracer, world.scanners[i], options.seed, world.first_scanner + i));
-  const std::vector<ScanCounts> scans = write_scans(out, world, tracer, options);
-
   std::optional<IndirectLight> indirect;
   if (world.sun && !world.photographs.empty())
     indirect.emplace(world, tracer, options.preset.light_step_m, options.preset.light_rays);
   const auto picture = [&](const Camera& camera, const RenderOptions& how) {
     return render(world, tracer, indirect ? &*indirect : nullptr, camera, how);
   };
-  for (std::size_t i = 0; i < world.photographs.size(); ++i)
-    write_jpeg_or_png(out / "photographs" / world.photographs[i].name,
-                      picture(world.photographs[i], {options.seed, i, 2, 2, development(options, i)}));
+  const std::vector<ScanCounts> scans = write_scans(out, world, tracer, picture, options);
+  const std::vector<Camera> told = erring(world.photographs, options);
+  std::vector<E57Picture> embedded;
+  for (std::size_t i = 0; i < world.photographs.size(); ++i) {
+    const std::string jpeg =
+        encoded(".jpg", picture(world.photographs[i], {options.seed, i, 2, 2, development(options, i)}));
+    write_bytes(out / "photographs" / world.photographs[i].name, jpeg);
+    if (options.scan_format == ScanFormat::e57) embedded.push_back({told[i], jpeg, {}});
+  }
+  if (!embedded.empty()) write_e57_pictures(out / "photographs.e57", embedded, options.seed);
   Development clean;
   clean.noise = false;
   for (std::size_t i = 0; i < held_out.size(); ++i)

@@ -24,7 +24,9 @@ struct ScannerModel {
 };
 
 // own: PTX for a scanner that keeps a grid, else PLY. The samples are the same in every format.
-enum class ScanFormat : std::uint8_t { own, ply, ptx, exr };
+// e57 holds photographs, too: a panorama from every scanner, and those of the lens, which has no distortion
+// then.
+enum class ScanFormat : std::uint8_t { own, ply, ptx, exr, e57 };
 
 struct Options {
   std::uint64_t seed = 1;

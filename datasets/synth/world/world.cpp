@@ -21,6 +21,10 @@ void keep_only_scan(World& world, const std::string& id) {
   world.views.clear();
 }
 
+void remove_distortion(World& world) {
+  for (Camera& camera : world.photographs) camera.k1 = camera.k2 = 0;
+}
+
 void hang(World& world, const std::string& surface, const Decor& decor) {
   world.decor_of_surface.resize(world.mesh.surfaces.size());
   for (std::size_t i = 0; i < world.mesh.surfaces.size(); ++i)

@@ -92,6 +92,8 @@ void hang(World&, const std::string& surface, const Decor&);
 // Takes out all other scans, all photographs and all views; the scan keeps its bytes. Throws
 // std::invalid_argument when there is none of that name.
 void keep_only_scan(World&, const std::string& id);
+// Photographs through a perfect lens: E57's pinhole images know no other.
+void remove_distortion(World&);
 // Adds the bounding box of the vertices from `first_vertex` on.
 void note_clutter(World&, const std::string& name, const std::string& kind, std::size_t first_vertex);
 

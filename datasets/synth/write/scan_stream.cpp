@@ -5,6 +5,7 @@
 #include <bit>
 #include <iterator>
 
+#include "write/e57_file.hpp"
 #include "write/files.hpp"
 #include "write/range_exr_file.hpp"
 #include "write/truth_file.hpp"
@@ -85,7 +86,8 @@ ScanFormat format_of(const ScannerPose& pose, const Options& options) {
 
 std::string scan_file_name(const ScannerPose& pose, const Options& options) {
   const ScanFormat format = format_of(pose, options);
-  return pose.id + (format == ScanFormat::ply ? ".ply" : format == ScanFormat::ptx ? ".ptx" : ".exr");
+  constexpr const char* kExtensions[] = {"", ".ply", ".ptx", ".exr", ".e57"};
+  return pose.id + kExtensions[static_cast<std::size_t>(format)];
 }
 
 std::vector<Sample> on_grid(const std::vector<Sample>& column, int rows) {
@@ -95,7 +97,8 @@ std::vector<Sample> on_grid(const std::vector<Sample>& column, int rows) {
 }
 
 std::size_t file_samples(const ScannerPose& pose, const Options& options, std::size_t returns) {
-  if (format_of(pose, options) == ScanFormat::ply) return returns;
+  const ScanFormat format = format_of(pose, options);
+  if (format == ScanFormat::ply || format == ScanFormat::e57) return returns;
   return static_cast<std::size_t>(options.preset.scan_columns) *
          static_cast<std::size_t>(grid_rows(pose, options.preset));
 }
@@ -105,6 +108,8 @@ std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path& path, cons
   const ScanFormat format = format_of(pose, options);
   if (format == ScanFormat::exr) return open_range_exr(path, pose, options.preset);
   if (format == ScanFormat::ply) return std::make_unique<PlyFile>(path);
+  if (format == ScanFormat::e57)
+    return std::make_unique<E57ScanFile>(path, pose, options.preset, options.seed);
   return std::make_unique<PtxFile>(path, options.preset.scan_columns, grid_rows(pose, options.preset));
 }
 

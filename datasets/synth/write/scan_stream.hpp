@@ -17,11 +17,13 @@ class ScanFile {
 };
 
 // id.ply: returns in acquisition order, no grid. id.ptx, id.exr: a grid as of grid_rows(), its empty places
-// included, for scanners with uneven columns too. `own` becomes one of these.
+// included, for scanners with uneven columns too. id.e57: returns in acquisition order, each with its row and
+// column of that grid. `own` becomes one of these.
 std::string scan_file_name(const ScannerPose&, const Options&);
 ScanFormat format_of(const ScannerPose&, const Options&);
 
-// PLY (binary), PTX (text, identity as pose) or EXR (tiled range image, no pose).
+// PLY (binary), PTX (text, identity as pose), EXR (tiled range image, no pose) or E57 (pose in a frame of its
+// own).
 std::unique_ptr<ScanFile> open_scan_file(const std::filesystem::path&, const ScannerPose&, const Options&);
 
 // Channels plane (uint), range (float), kind (uint: 0 planar, 1 curved, 2 mixed, 3 ghost) per sample of the

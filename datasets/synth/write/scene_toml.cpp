@@ -53,7 +53,14 @@ void write_scene_toml(const std::filesystem::path& path, const World& world, con
     text += "]\n";
   }
   text += "\n[model]\nfile = \"proxy.obj\"\nunit = \"m\"\nup = \"z\"\n";
-  if (!world.photographs.empty()) text += "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
+  if (!world.photographs.empty() && options.scan_format == ScanFormat::e57) {
+    text += "\n[photographs]\ne57 = [\"photographs.e57\"";
+    for (const ScannerPose& pose : world.scanners)
+      text += fmt::format(", \"scans/{}\"", scan_file_name(pose, options));
+    text += "]\n";
+  } else if (!world.photographs.empty()) {
+    text += "\n[photographs]\ncolmap = \"cameras\"\nimages = \"photographs\"\n";
+  }
   for (const View& view : world.views) text += view_table(view, options.preset);
   write_bytes(path, text);
 }

@@ -1,0 +1,73 @@
+#pragma once
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfTiledInputPart.h>
+#include <ImfTiledOutputPart.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hybrid::io {
+
+// One flat image whose channels lie in one or several parts of an OpenEXR file, in tiles or scan lines, read
+// as if they lay in one. Check the file with check_exr_header() first. Lets the library's exceptions pass.
+class ExrParts {
+ public:
+  ExrParts(const std::filesystem::path& file, int threads);
+
+  // The first part's attributes, every part's channels (of two with one name the first).
+  const Imf::Header& header() const { return header_; }
+  bool complete() const;
+  int rows() const { return last_ - first_ + 1; }
+  int cols() const { return header_.dataWindow().max.x - header_.dataWindow().min.x + 1; }
+  // So many rows at once are read fastest: whole tiles or blocks of lines of the first part.
+  int band_rows() const { return band_rows_; }
+  // Fills the buffer's slices with rows from `row` on, counted from the top of the data window; `row` is a
+  // multiple of band_rows(), and so is `count` but at the image's end.
+  void read(const Imf::FrameBuffer& buffer, int row, int count);
+
+ private:
+  struct Part {
+    Imf::ChannelList channels;
+    std::optional<Imf::TiledInputPart> tiles;  // of tiles that fit into a band; else:
+    std::optional<Imf::InputPart> lines;
+  };
+  std::unique_ptr<Imf::MultiPartInputFile> file_;
+  std::vector<Part> parts_;
+  Imf::Header header_;
+  int first_ = 0, last_ = 0, band_rows_ = 0;
+};
+
+// Channels that compress alike.
+struct ExrPart {
+  std::string name;
+  Imf::Compression compression;
+  std::vector<std::string> channels;
+};
+
+// Writes an image in parts, each with its own compression, in bands of whole tiles from the top. A part none
+// of whose channels is in the header is left out; the attributes go into the first.
+class ExrPartsWriter {
+ public:
+  ExrPartsWriter(Imf::OStream& stream, const Imf::Header& header, const std::vector<ExrPart>& parts,
+                 int threads);
+
+  void write(const Imf::FrameBuffer& buffer, int row, int count);
+
+ private:
+  static std::vector<Imf::Header> headers_of(const Imf::Header& header, const std::vector<ExrPart>& parts);
+
+  std::vector<Imf::Header> headers_;
+  Imf::MultiPartOutputFile file_;
+  std::vector<Imf::TiledOutputPart> parts_;
+};
+
+}  // namespace hybrid::io

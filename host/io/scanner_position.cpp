@@ -1,0 +1,48 @@
+#include "io/scanner_position.hpp"
+
+#include <limits>
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+
+namespace hybrid::io {
+namespace {
+
+bool is_identity(const Pose& pose) {
+  const PoseDifference apart = difference(pose, Pose());
+  return apart.angle_rad < 1e-12 && apart.distance_m < 1e-12;
+}
+
+}  // namespace
+
+void place_scanner(Scan& scan, const Vec3& scanner) {
+  if (!scanner.allFinite())
+    fail_input("scan {}: scanner: expected finite numbers, found {}, {}, {}", scan.name, scanner.x(),
+               scanner.y(), scanner.z());
+  if (scan.range_grid)
+    fail_input("scan {}: scanner: a range image has the scanner at its origin; remove the position",
+               scan.name);
+  if (scan.world_from_scan && !is_identity(*scan.world_from_scan)) {
+    const Vec3& t = scan.world_from_scan->translation;
+    fail_input(
+        "scan {}: scanner: the file has the scanner's pose (at {}, {}, {}) and its points in the scanner's "
+        "frame; remove the position",
+        scan.name, t.x(), t.y(), t.z());
+  }
+  const Vec3 shift = scan.origin - scanner;
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  parallel_for(
+      scan.points.size(),
+      [&](std::size_t i) {
+        auto& point = scan.points[i];
+        const bool none = scan.point(i).isZero();
+        for (std::size_t k = 0; k < 3; ++k)
+          point[k] =
+              none ? kNone : static_cast<float>(double{point[k]} + shift[static_cast<Eigen::Index>(k)]);
+      },
+      4096);
+  scan.origin = Vec3::Zero();
+  scan.world_from_scan = Pose{1, Eigen::Quaterniond::Identity(), scanner};
+}
+
+}  // namespace hybrid::io

@@ -1,0 +1,69 @@
+#include "stages/refuted_planes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hybrid::stages {
+namespace {
+
+// How the samples of small planes scatter, in sigmas of the noise along the ray.
+struct Scatter {
+  std::vector<float> residuals;
+  double squares = 0, products = 0;  // of the residuals, of those of neighbours
+  std::int64_t neighbours = 0;
+
+  // The residuals exceed the noise and follow their neighbours': the surface is another than the plane. Noise
+  // that is only larger than thought follows little. Measured: reliefs of the church 0.60 to 0.75, a true
+  // plane whose noise was underrated by half 0.47.
+  bool is_relief() {
+    constexpr double kMostScatter = 2, kMedianOfNormal = 0.6745, kMostCorrelation = 0.55;
+    const auto count = static_cast<double>(residuals.size());
+    const auto middle = residuals.begin() + std::ssize(residuals) / 2;
+    std::nth_element(residuals.begin(), middle, residuals.end());
+    return static_cast<double>(*middle) > kMostScatter * kMedianOfNormal &&
+           products * count > kMostCorrelation * squares * static_cast<double>(neighbours);
+  }
+};
+
+std::vector<Scatter> small_plane_scatter(const RangeImage& image, const RangeNoise& noise,
+                                         const std::vector<Plane>& planes,
+                                         const std::vector<std::uint32_t>& labels,
+                                         const PlaneRegions& regions) {
+  std::vector<Scatter> scatters(regions.regions.size() + 1);
+  const auto residual = [&](const Plane& plane, std::size_t i) {
+    const Vec3 point = image.point(i);
+    const double range = point.norm(), cosine = std::abs(plane.normal.dot(point)) / range;
+    return plane.distance(point) / (noise.at(range, cosine) * cosine);
+  };
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::uint32_t id = labels[i];
+    if (id == 0 || !regions.regions[id - 1].small) continue;
+    Scatter& scatter = scatters[id];
+    const double own = residual(planes[id - 1], i);
+    scatter.residuals.push_back(static_cast<float>(std::abs(own)));
+    scatter.squares += own * own;
+    for (const std::size_t j : {i + 1, i + static_cast<std::size_t>(image.cols)})
+      if (j < labels.size() && labels[j] == id) {
+        scatter.products += own * residual(planes[id - 1], j);
+        scatter.neighbours += 1;
+      }
+  }
+  return scatters;
+}
+
+}  // namespace
+
+bool drop_refuted_planes(const RangeImage& image, const RangeNoise& noise, const std::vector<Plane>& planes,
+                         const std::vector<std::uint32_t>& labels, std::int64_t least, PlaneRegions& regions,
+                         SquarePresence& presence) {
+  auto scatters = small_plane_scatter(image, noise, planes, labels, regions);
+  std::vector<bool> drop(regions.regions.size() + 1);
+  for (std::uint32_t id = 1; id <= regions.regions.size(); ++id) {
+    if (!regions.regions[id - 1].small) continue;
+    drop[id] = std::ssize(scatters[id].residuals) < least || scatters[id].is_relief();
+    if (drop[id]) regions.regions[id - 1].small = false;
+  }
+  return std::erase_if(presence, [&](const auto& entry) { return drop[entry.second]; }) > 0;
+}
+
+}  // namespace hybrid::stages

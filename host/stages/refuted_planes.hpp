@@ -1,0 +1,20 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "geometry/plane.hpp"
+#include "stages/noise_model.hpp"
+#include "stages/plane_regions.hpp"
+#include "stages/small_planes.hpp"
+
+namespace hybrid::stages {
+
+// Forgets small planes that the labels show to be none, so that their samples may go to others: other planes
+// left it fewer than `least` samples, or they are relief. Floods take what lies within the noise, labels what
+// lies within the waviness as well; on a plane that adds little, on a curved surface most. Labels: index + 1
+// into planes and regions. True when there were any.
+bool drop_refuted_planes(const RangeImage& image, const RangeNoise& noise, const std::vector<Plane>& planes,
+                         const std::vector<std::uint32_t>& labels, std::int64_t least, PlaneRegions& regions,
+                         SquarePresence& presence);
+
+}  // namespace hybrid::stages
