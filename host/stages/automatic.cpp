@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "stages/automatic_checks.hpp"
 #include "stages/automatic_search.hpp"
@@ -62,6 +63,18 @@ std::size_t choose(const ScanEvidence& scan, const Search& search) {
   return best;
 }
 
+constexpr double kSeenShare = 0.002;
+
+std::vector<std::uint32_t> faces_of(const ScanEvidence& scan, const Finalist& pose) {
+  std::map<std::uint32_t, double> areas;
+  for (std::size_t k = 0; k < pose.lines.size(); ++k)
+    if (pose.lines[k].sight == Sight::supported) areas[pose.lines[k].face] += scan.rays[k].area_m2;
+  std::vector<std::uint32_t> faces;
+  for (const auto& [face, area] : areas)
+    if (area >= kSeenShare * scan.area_m2) faces.push_back(face);
+  return faces;
+}
+
 }  // namespace
 
 const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
@@ -104,6 +117,7 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.world_from_scan = best.fit.world_from_scan;
   result.has_pose = true;
   result.shares = best.shares;
+  result.faces = faces_of(scan, best);
   result.rivals = rivals_of(scan, search, chosen, options);
   result.margin = 1;
   for (const RivalPose& rival : result.rivals)

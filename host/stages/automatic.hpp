@@ -40,9 +40,10 @@ struct AutomaticAlignment {
   std::string reason;    // when not: in words, what is missing and what to do
   Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
   bool has_pose = false;
-  SightShares shares;             // under it
-  double margin = 0;              // least gap to a rival, share of the planar area; 1 without rivals
-  std::vector<RivalPose> rivals;  // closest first, at most 8
+  SightShares shares;                // under it
+  std::vector<std::uint32_t> faces;  // that hold 0.2 % of the planar area and more under it, ascending
+  double margin = 0;                 // least gap to a rival, share of the planar area; 1 without rivals
+  std::vector<RivalPose> rivals;     // closest first, at most 8
   int rotations = 0, guesses = 0, finalists = 0;
 };
 
