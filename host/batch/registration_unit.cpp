@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batch/automatic_json.hpp"
 #include "core/log.hpp"
 
 namespace hybrid::batch {
@@ -90,25 +91,44 @@ Json share_json(const WallShare& share) {
   return {{"samples", share.samples}, {"within_5cm", share.within_5cm}, {"within_10cm", share.within_10cm}};
 }
 
+// From the scene's pose, landmarks or the planes alone, in METHOD's order of trust.
+void find_start(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
+                const StageOptions& options, const ScanProduct& product, ScanRegistration& result) {
+  const bool has_landmarks = !entry.landmarks.empty();
+  if (entry.pose) {
+    result.how = "given";
+    result.fixed = entry.fixed;
+    result.start = pose_from_row_major(*entry.pose);
+    return;
+  }
+  if (options.automatic == "first" || (options.automatic == "missing" && !has_landmarks)) {
+    const auto evidence = stages::gather_evidence(product.image, product.segmentation, options.alignment.rays,
+                                                  options.alignment.seed);
+    result.how = "automatic";
+    result.automatic = stages::align_automatically(queue, evidence, model, options.alignment);
+    result.start = result.automatic->world_from_scan;
+    if (result.automatic->accepted) return;
+    result.abstained = !has_landmarks;
+    if (result.abstained) return;
+    log::info("scan {}: landmarks decide: {}", product.id, result.automatic->reason);
+  }
+  if (!has_landmarks)
+    fail_input(
+        "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
+  result.how = "landmarks";
+  result.landmarks = fit_start(entry, model, product, options);
+  result.start = result.landmarks->world_from_scan;
+}
+
 }  // namespace
 
 ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
                                const StageOptions& options, ScanProduct& product, Progress& progress) {
   const std::string unit = "scan " + product.id;
   ScanRegistration result;
-  progress.step("landmarks", unit);
-  if (entry.pose) {
-    result.how = "given";
-    result.fixed = entry.fixed;
-    result.start = pose_from_row_major(*entry.pose);
-  } else if (!entry.landmarks.empty()) {
-    result.how = "landmarks";
-    result.landmarks = fit_start(entry, model, product, options);
-    result.start = result.landmarks->world_from_scan;
-  } else {
-    fail_input(
-        "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
-  }
+  progress.step("start pose", unit);
+  find_start(queue, entry, model, options, product, result);
+  if (result.abstained) return result;
 
   progress.step("ICP", unit);
   result.icp.world_from_scan = result.start;
@@ -133,6 +153,14 @@ ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry,
 }
 
 Json pose_json(const ScanProduct& product, const ScanRegistration& registration) {
+  if (registration.abstained) {
+    Json json = {{"scan", product.id},
+                 {"world_from_scan", nullptr},
+                 {"how", registration.how},
+                 {"status", "abstained"}};
+    json.update(automatic_json(*registration.automatic));
+    return json;
+  }
   const auto& icp = registration.icp;
   Json json = {{"scan", product.id},
                {"world_from_scan", row_major(registration.world_from_scan())},
@@ -153,16 +181,23 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                          {"residual_m", registration.landmarks->residual_m},
                          {"leave_one_out_m", registration.landmarks->leave_one_out_m}};
   }
+  if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
   return json;
 }
 
 Json registration_figures(const ScanRegistration& registration) {
+  if (registration.abstained) {
+    Json json = {{"how", registration.how}, {"status", "abstained"}};
+    json.update(automatic_json(*registration.automatic));
+    return json;
+  }
   const auto moved = difference(registration.start, registration.world_from_scan());
   Json json = {{"how", registration.how},
                {"status", "accepted"},
                {"moved_by_icp", {{"deg", moved.angle_rad * 180 / M_PI}, {"m", moved.distance_m}}},
                {"wall_before_icp", share_json(registration.wall_before)},
                {"wall_after_icp", share_json(registration.wall_after)}};
+  if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
   if (registration.landmarks) json["landmark_rms_m"] = registration.landmarks->rms_m;
   if (!registration.fixed) {
     json["icp_rms_m"] = registration.icp.rms_m;

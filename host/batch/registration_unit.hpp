@@ -16,10 +16,12 @@ struct WallShare {
 };
 
 struct ScanRegistration {
-  std::string how;  // "landmarks" | "given"
+  std::string how;  // "landmarks" | "automatic" | "given"
   bool fixed = false;
-  Pose start;  // from landmarks or the scene file
+  bool abstained = false;  // the automatic alignment did, and there are no landmarks: there is no pose
+  Pose start;              // from landmarks, the automatic alignment or the scene file
   std::optional<stages::LandmarkFit> landmarks;
+  std::optional<stages::AutomaticAlignment> automatic;
   stages::Registration icp;  // world_from_scan: the result
   WallShare wall_before, wall_after;
   std::vector<float>
@@ -27,10 +29,12 @@ struct ScanRegistration {
   const Pose& world_from_scan() const { return icp.world_from_scan; }
 };
 
-// METHOD 5 and 6: landmarks (or the scene's pose) give the start, ICP on the planes the result; a pose with
-// fixed = true is final. Then marks the planar samples that a proxy face explains, turns superclusters
-// without a face into their contour polygons and gives the other samples back (METHOD 4): product.decimation
-// and contour_faces change. Throws ErrorKind::input when neither landmarks nor a pose are given.
+// METHOD 5 to 7: landmarks, the scene's pose or the automatic alignment give the start, ICP on the planes the
+// result; a pose with fixed = true is final. A scan whose automatic alignment abstains and that has no
+// landmarks is returned as such, product unchanged. Then marks the planar samples that a proxy face explains,
+// turns superclusters without a face into their contour polygons and gives the other samples back (METHOD 4):
+// product.decimation and contour_faces change. Throws ErrorKind::input when neither landmarks nor a pose are
+// given and [register] automatic = "never".
 ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
                                const StageOptions& options, ScanProduct& product, Progress& progress);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "batch/drawn_samples.hpp"
+#include "batch/landmark_sheet.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/timing_json.hpp"
@@ -195,16 +196,21 @@ class Run {
       indices_.push_back(scan_entry.index);
     });
     run_.registrations.resize(run_.products.size());
+    run_.abstentions.resize(run_.products.size());
   }
 
   void register_all() {
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] {
-        run_.registrations[i] =
+        auto registration =
             register_scan(queue_, entries_[i], *run_.model, options_, run_.products[i], progress_);
         if (wants("register"))
           io::write_text(scan_folder(run_.products[i].id) / "pose.json",
-                         pose_json(run_.products[i], *run_.registrations[i]).dump(1) + "\n");
+                         pose_json(run_.products[i], registration).dump(1) + "\n");
+        auto& list = registration.abstained ? run_.abstentions : run_.registrations;
+        list[i] = std::move(registration);
+        if (run_.abstentions[i]) abstain(i);
+        if (wants("register")) remove_landmark_sheet(scan_folder(run_.products[i].id));
       });
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
     if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
@@ -224,6 +230,15 @@ class Run {
         scans.push_back(
             {entries_[i].file, indices_[i], run_.products[i].id, run_.registrations[i]->world_from_scan()});
     return scans;
+  }
+
+  // The scan takes no part in views; the sheet asks a person. The run's exit code tells.
+  [[noreturn]] void abstain(std::size_t i) {
+    const auto& alignment = *run_.abstentions[i]->automatic;
+    if (wants("register"))
+      write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,
+                           alignment);
+    fail_input("no landmarks and no pose, and the automatic alignment abstains: {}", alignment.reason);
   }
 
   void write_scans() {
@@ -288,6 +303,7 @@ class Run {
     Json json = scan_figures(run_.products[i]);
     const auto& registration = run_.registrations[i];
     if (registration) json["registration"] = registration_figures(*registration);
+    if (run_.abstentions[i]) json["registration"] = registration_figures(*run_.abstentions[i]);
     if (truth_)
       for (const auto& truth : truth_->scans)
         if (truth.id == run_.products[i].id)

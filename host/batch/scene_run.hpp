@@ -49,7 +49,8 @@ struct SceneRun {
   PhotographSet photographs;
   std::vector<ScanProduct> products;
   std::vector<std::optional<ScanRegistration>>
-      registrations;  // one per product; nothing when it failed or was not asked
+      registrations;  // one per product; nothing when it failed, abstained or was not asked
+  std::vector<std::optional<ScanRegistration>> abstentions;  // one per product; of those that abstained
   std::vector<UnitFailure> failures;
   nlohmann::ordered_json summary;
   nlohmann::ordered_json timing;

@@ -15,6 +15,13 @@ const std::vector<OptionRow<StageOptions>>& register_rows() {
   static const std::vector<OptionRow<StageOptions>> rows = {
       {"explain_m", "m", &StageOptions::explain_m, 0.001, 10,
        "a planar sample this near a face is explained by it"},
+      {"automatic",
+       "",
+       &StageOptions::automatic,
+       0,
+       0,
+       "align scans without a start: those that have none, first of all, or never",
+       {"missing", "first", "never"}},
   };
   return rows;
 }
@@ -50,12 +57,13 @@ bool apply_planes(StageOptions& options, const std::string& key, const OptionVal
 bool apply_register(StageOptions& options, const std::string& key, const OptionValue& value) {
   if (key == "scale") {
     const auto scale = detail::checked_text(key, {"fixed", "free"}, value);
-    options.icp.free_scale = options.landmarks.free_scale = scale == "free";
+    options.icp.free_scale = options.landmarks.free_scale = options.alignment.free_scale = scale == "free";
     return true;
   }
   return apply(key, value, options.landmarks, landmark_rows()) ||
          apply(key, value, options, register_rows()) ||
-         apply(key, value, options.icp, stages::icp_option_table());
+         apply(key, value, options.icp, stages::icp_option_table()) ||
+         apply(key, value, options.alignment, stages::automatic_option_table());
 }
 
 bool apply_render(StageOptions& options, const std::string& key, const OptionValue& value) {
@@ -90,7 +98,8 @@ const std::vector<Section>& sections() {
        names_of({{"scale"},
                  option_names(landmark_rows()),
                  option_names(register_rows()),
-                 option_names(stages::icp_option_table())})},
+                 option_names(stages::icp_option_table()),
+                 option_names(stages::automatic_option_table())})},
       {"render", &io::SceneFile::render, apply_render, option_names(stages::render_option_table())},
   };
   return all;
@@ -133,7 +142,7 @@ void StageOptions::set_tile(int tile) {
 }
 
 void StageOptions::set_seed(int seed) {
-  squares.seed = icp.seed = seed;
+  squares.seed = icp.seed = alignment.seed = seed;
 }
 
 void StageOptions::set_square(const OptionValue& value) {
@@ -164,6 +173,7 @@ void StageOptions::set(const std::string& assignment) {
 
 StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<std::string>& assignments) {
   StageOptions options;
+  options.alignment.levelled = scene.levelled;
   for (const auto& section : sections())
     for (const auto& [key, option] : scene.*section.written)
       with_context(fmt::format("{}:{}: [{}]", scene.path.string(), option.line, section.name),
@@ -180,6 +190,7 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   Json registration = describe_table(options.icp, stages::icp_option_table());
   registration.update(describe_table(options.landmarks, landmark_rows()));
   registration.update(describe_table(options, register_rows()));
+  registration.update(describe_table(options.alignment, stages::automatic_option_table()));
   registration["scale"] = options.icp.free_scale ? "free" : "fixed";
   return {{"planes", planes},
           {"register", registration},

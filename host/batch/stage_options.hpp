@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "io/scene_file.hpp"
+#include "stages/automatic.hpp"
 #include "stages/contour_faces.hpp"
 #include "stages/contours.hpp"
 #include "stages/decimate.hpp"
@@ -30,7 +31,11 @@ struct StageOptions {
   stages::ContourFaceOptions contour_faces;
   stages::LandmarkOptions landmarks;
   stages::IcpOptions icp;
-  double explain_m = 0.05;  // a planar sample within this of a compatible face is explained by it
+  stages::AutomaticOptions alignment;
+  // Which scans are aligned without a start: those with neither landmarks nor pose; all but those with a
+  // pose, landmarks deciding where it abstains; none.
+  std::string automatic = "missing";  // "missing" | "first" | "never"
+  double explain_m = 0.05;            // a planar sample within this of a compatible face is explained by it
   stages::RenderOptions render;
 
   void set_tile(int tile);

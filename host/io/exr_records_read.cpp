@@ -32,7 +32,7 @@ struct ExrRecords::State {
   explicit State(const std::filesystem::path& path) : file(path.string()) {
     {
       InputFile input(path);
-      check_exr_header(input, kRangeTile_px);
+      check_exr_header(input);
     }
     guarded([&] { in = std::make_unique<Imf::TiledInputFile>(path.c_str(), start_exr_threads()); });
     if (text(range_attribute::kFormat) != kFormatName)
@@ -41,7 +41,9 @@ struct ExrRecords::State {
     const Imath::Box2i window = header().dataWindow();
     layout = RecordLayout::parse(file, text(kLayout), whole(kSamples));
     if (window.min != Imath::V2i(0, 0) || window.max != Imath::V2i(layout.cols - 1, layout.rows - 1) ||
-        header().tileDescription().mode != Imf::ONE_LEVEL)
+        header().tileDescription().mode != Imf::ONE_LEVEL ||
+        header().tileDescription().xSize != kRangeTile_px ||
+        header().tileDescription().ySize != kRangeTile_px)
       fail_input(
           "{}: header: expected {} x {} pixels from (0, 0) in one level, as {} says, found others; copy or "
           "write "
@@ -301,7 +303,7 @@ void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, 
 
 bool holds_exr_records(const std::filesystem::path& file) {
   InputFile input(file);
-  check_exr_header(input, kExrEither);
+  check_exr_header(input);
   try {
     const Imf::InputFile image(file.c_str());
     return text_attribute(image.header(), range_attribute::kFormat) == kFormatName;

@@ -1,8 +1,8 @@
 #include "report/figures.hpp"
 
 #include <algorithm>
-#include <cmath>
 
+#include "batch/overview_camera.hpp"
 #include "io/picture.hpp"
 
 namespace hybrid::report {
@@ -45,21 +45,6 @@ void keep_fronts(const Vec3& eye, stages::RenderScene& scene) {
   });
 }
 
-// All corners of the box lie in the picture, a twentieth of its height from the border.
-bool holds(const Photograph& view, const Eigen::AlignedBox3d& box) {
-  const double margin = 0.05 * view.camera.height;
-  for (const auto corner : {Eigen::AlignedBox3d::BottomLeftFloor, Eigen::AlignedBox3d::BottomRightFloor,
-                            Eigen::AlignedBox3d::TopLeftFloor, Eigen::AlignedBox3d::TopRightFloor,
-                            Eigen::AlignedBox3d::BottomLeftCeil, Eigen::AlignedBox3d::BottomRightCeil,
-                            Eigen::AlignedBox3d::TopLeftCeil, Eigen::AlignedBox3d::TopRightCeil}) {
-    const auto pixel = view.camera.project(view.cam_from_world * box.corner(corner));
-    if (!pixel || pixel->x() < margin || pixel->y() < margin || pixel->x() > view.camera.width - margin ||
-        pixel->y() > view.camera.height - margin)
-      return false;
-  }
-  return true;
-}
-
 // Points of a drawing, not surfaces: sparse scans would otherwise hide the model behind large spheres.
 constexpr float kLargestRadius_m = 0.02f;
 
@@ -67,7 +52,7 @@ Image8 draw(device::Queue& queue, const batch::SceneRun& run,
             const std::vector<std::optional<batch::ScanRegistration>>& registrations) {
   auto scene = batch::build_render_scene(*run.model, run.products, registrations, {});
   stages::ViewRequest request;
-  request.camera = overview_camera(*run.model, 1280, 900);
+  request.camera = batch::overview_camera(*run.model, 1280, 900);
   request.texture = false;
   keep_fronts(request.camera.centre(), scene);
   for (auto& splat : scene.splats) {
@@ -85,23 +70,6 @@ Image8 draw(device::Queue& queue, const batch::SceneRun& run,
 }
 
 }  // namespace
-
-Photograph overview_camera(const PolygonModel& model, int width, int height) {
-  Eigen::AlignedBox3d box;
-  for (const auto& vertex : model.vertices) box.extend(vertex);
-  const double fov_deg = 40;
-  const Vec3 direction = Vec3(-0.45, -0.75, 0.85).normalized();
-  const auto from = [&](double distance_m) {
-    return look_at(box.center() + distance_m * direction, box.center(), Vec3::UnitZ(), fov_deg, width,
-                   height);
-  };
-  // The nearest eye, to a percent, that sees all corners with a margin. The sphere around the box is seen
-  // from `far` in any case.
-  const double near = 0.5 * box.diagonal().norm(), far = 1.1 * near / std::sin(0.5 * fov_deg * M_PI / 180);
-  double distance_m = far;
-  while (distance_m > near && holds(from(0.99 * distance_m), box)) distance_m *= 0.99;
-  return from(distance_m);
-}
 
 void write_registration_figures(device::Queue& queue, const batch::SceneRun& run,
                                 const std::filesystem::path& folder) {

@@ -5,9 +5,6 @@
 
 namespace hybrid::report {
 
-// A camera that sees the whole model obliquely from above and outside.
-Photograph overview_camera(const PolygonModel& model, int width, int height);
-
 // The paper's figures 3 and 4: retained samples of all registered scans, one colour each, on the plain proxy,
 // before (landmarks or given start) and after ICP. Faces and samples that turn their back to the camera are
 // left out, so that one looks into the rooms.

@@ -8,7 +8,9 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
       "scan {}: {} measured samples, {} superclusters, {:.1f} % discarded\n", scan["id"].get<std::string>(),
       scan["decimation"]["measured"].get<std::int64_t>(), scan["superclusters"].get<std::int64_t>(),
       100 * scan["decimation"]["discarded_share"].get<double>());
-  if (scan.contains("registration")) {
+  if (scan.contains("registration") && scan["registration"]["status"] == "abstained")
+    text += "  no pose: the automatic alignment abstains; see sheet/ in the scan's folder\n";
+  else if (scan.contains("registration")) {
     const auto& pose = scan["registration"];
     const auto& before = pose["wall_before_icp"];
     const auto& after = pose["wall_after_icp"];

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/error.hpp"
-#include "device.hpp"
 #include "io/e57/e57_xml.hpp"
+#include "io/files.hpp"
 #include "io/picture.hpp"
 
 namespace hybrid::testing {

@@ -1,0 +1,33 @@
+#include "batch/automatic_json.hpp"
+
+namespace hybrid::batch {
+
+using Json = nlohmann::ordered_json;
+
+Json automatic_json(const stages::AutomaticAlignment& alignment) {
+  Json json;
+  json["accepted"] = alignment.accepted;
+  if (!alignment.accepted) json["reason"] = alignment.reason;
+  if (!alignment.has_pose) return json;
+  if (!alignment.accepted) json["best_world_from_scan"] = row_major(alignment.world_from_scan);
+  json["margin"] = alignment.margin;
+  json["planar_area"] = {{"on_faces", alignment.shares.supported},
+                         {"in_front_of_faces", alignment.shares.in_front},
+                         {"seen_through_faces", alignment.shares.through},
+                         {"behind_faces", alignment.shares.behind},
+                         {"without_face", alignment.shares.nothing}};
+  json["hypotheses"] = {{"rotations", alignment.rotations},
+                        {"poses", alignment.guesses},
+                        {"looked_at_closely", alignment.finalists}};
+  json["rivals"] = Json::array();
+  for (const auto& rival : alignment.rivals)
+    json["rivals"].push_back({{"how", rival.words},
+                              {"speaks_for_the_best", rival.comparison.for_it},
+                              {"speaks_for_the_rival", rival.comparison.against_it},
+                              {"without_its_largest_plane", rival.comparison.without_largest},
+                              {"strength", rival.strength},
+                              {"world_from_scan", row_major(rival.world_from_scan)}});
+  return json;
+}
+
+}  // namespace hybrid::batch

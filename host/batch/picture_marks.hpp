@@ -1,0 +1,23 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "geometry/image.hpp"
+#include "geometry/vectors.hpp"
+
+namespace hybrid::batch {
+
+using Ink = std::array<std::uint8_t, 3>;
+
+// Marks on 3-channel pictures; what lies outside is left out.
+void draw_line(Image8& picture, const Vec2& from, const Vec2& to, const Ink& ink, int width = 1);
+void draw_disc(Image8& picture, const Vec2& centre, int radius, const Ink& ink);
+
+// A whole number in digits of 5 x 7 cells of `cell` pixels, its top left corner at (x, y).
+struct NumberSize {
+  int width, height;
+};
+NumberSize number_size(int number, int cell);
+void draw_number(Image8& picture, int x, int y, int number, int cell, const Ink& ink);
+
+}  // namespace hybrid::batch

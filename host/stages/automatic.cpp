@@ -1,0 +1,131 @@
+#include "stages/automatic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "stages/automatic_checks.hpp"
+#include "stages/automatic_search.hpp"
+#include "stages/automatic_words.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr std::size_t kNamedRivals = 8;
+
+MarginRule rule_of(const AutomaticOptions& options) {
+  return {options.least_gap, options.least_consistency, options.least_without_largest};
+}
+
+// Poses this near are one hypothesis, of which the best is looked at: ICP decides between them.
+constexpr double kNear_m = 0.3;
+
+bool is_near(const ScanEvidence& scan, const Finalist& a, const Finalist& b) {
+  return same_place(scan, a.fit.world_from_scan, b.fit.world_from_scan, kNear_m);
+}
+
+std::vector<RivalPose> rivals_of(const ScanEvidence& scan, const Search& search, std::size_t chosen,
+                                 const AutomaticOptions& options) {
+  std::vector<RivalPose> rivals;
+  const Finalist& best = search.finalists[chosen];
+  for (std::size_t k = 0; k < search.finalists.size(); ++k) {
+    if (k == chosen || is_near(scan, best, search.finalists[k])) continue;
+    RivalPose rival;
+    rival.world_from_scan = search.finalists[k].fit.world_from_scan;
+    rival.words = motion_in_words(best.fit.world_from_scan, rival.world_from_scan);
+    rival.comparison = compare(scan.rays, best.lines, search.finalists[k].lines);
+    rival.strength = strength(rival.comparison, rule_of(options));
+    rivals.push_back(std::move(rival));
+  }
+  std::stable_sort(rivals.begin(), rivals.end(),
+                   [](const RivalPose& a, const RivalPose& b) { return a.strength < b.strength; });
+  return rivals;
+}
+
+// The pose whose weakest comparison is strongest: the score alone lets one large doubtful face decide.
+std::size_t choose(const ScanEvidence& scan, const Search& search) {
+  std::size_t best = 0;
+  double best_strength = -std::numeric_limits<double>::infinity();
+  // Poses far below the best score cannot win.
+  for (std::size_t k = 0; k < search.finalists.size(); ++k) {
+    if (search.finalists[k].shares.score < search.finalists[0].shares.score - 0.1) continue;
+    double weakest = std::numeric_limits<double>::infinity();
+    for (std::size_t l = 0; l < search.finalists.size(); ++l)
+      if (l != k && !is_near(scan, search.finalists[k], search.finalists[l]))
+        weakest =
+            std::min(weakest, compare(scan.rays, search.finalists[k].lines, search.finalists[l].lines).gap());
+    if (weakest > best_strength) {
+      best_strength = weakest;
+      best = k;
+    }
+  }
+  return best;
+}
+
+constexpr double kSeenShare = 0.002;
+
+std::vector<std::uint32_t> faces_of(const ScanEvidence& scan, const Finalist& pose) {
+  std::map<std::uint32_t, double> areas;
+  for (std::size_t k = 0; k < pose.lines.size(); ++k)
+    if (pose.lines[k].sight == Sight::supported) areas[pose.lines[k].face] += scan.rays[k].area_m2;
+  std::vector<std::uint32_t> faces;
+  for (const auto& [face, area] : areas)
+    if (area >= kSeenShare * scan.area_m2) faces.push_back(face);
+  return faces;
+}
+
+}  // namespace
+
+const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
+  using O = AutomaticOptions;
+  static const std::vector<OptionRow<AutomaticOptions>> table = {
+      {"automatic_rays", "", &O::rays, 200, 1e6, "lines of sight a pose is judged by", {}},
+      {"automatic_tolerance_m", "m", &O::tolerance_m, 0.001, 10, "a sample this near a face supports it", {}},
+      {"automatic_clear_m", "m", &O::clear_m, 0.002, 20, "beyond this a sample contradicts a face", {}},
+      {"automatic_face_offset_m", "m", &O::face_offset_m, 0, 10, "each face may be this far off", {}},
+      {"automatic_gap", "", &O::least_gap, 0, 1, "area that must speak against every rival, share", {}},
+      {"automatic_consistency", "", &O::least_consistency, 0, 1, "how far it must all point one way", {}},
+      {"automatic_rest", "", &O::least_without_largest, 0, 1, "the gap without its largest plane", {}},
+      {"automatic_support", "", &O::least_support, 0, 1, "planar area that must lie on faces, share", {}},
+      {"automatic_through", "", &O::most_through, 0, 1, "planar area that may be seen through faces", {}},
+      {"automatic_hold", "", &O::least_hold, 0, 1, "least resistance along any direction, share", {}},
+  };
+  return table;
+}
+
+AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence& scan,
+                                       const PolygonModel& model, const AutomaticOptions& options) {
+  AutomaticAlignment result;
+  const ModelShapes shapes = measure_model(model);
+  result.reason = unsuitable(scan, shapes, options);
+  if (!result.reason.empty()) return result;
+
+  SightCaster caster(queue, model);
+  Search search = search_poses(caster, scan, shapes, 1, options);
+  result.rotations = search.rotations;
+  result.guesses = search.guesses;
+  if (search.finalists.empty()) {
+    result.reason = nothing_fits();
+    return result;
+  }
+  const Pose first = search.finalists[0].fit.world_from_scan;
+  add_symmetric_rivals(caster, scan, shapes, first, options, search);
+  const std::size_t chosen = choose(scan, search);
+  const Finalist& best = search.finalists[chosen];
+  result.finalists = static_cast<int>(search.finalists.size());
+  result.world_from_scan = best.fit.world_from_scan;
+  result.has_pose = true;
+  result.shares = best.shares;
+  result.faces = faces_of(scan, best);
+  result.rivals = rivals_of(scan, search, chosen, options);
+  result.margin = 1;
+  for (const RivalPose& rival : result.rivals)
+    result.margin = std::min(result.margin, rival.comparison.gap());
+  result.reason = doubts(best.fit, best.shares, result.rivals, options);
+  result.accepted = result.reason.empty();
+  if (result.rivals.size() > kNamedRivals) result.rivals.resize(kNamedRivals);
+  return result;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,59 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "core/option_table.hpp"
+#include "device/queue.hpp"
+#include "stages/automatic_decision.hpp"
+#include "stages/automatic_scene.hpp"
+
+namespace hybrid::stages {
+
+struct AutomaticOptions {
+  int rays = 4000;              // lines of sight a pose is judged by, chosen by area
+  double tolerance_m = 0.05;    // a sample this near a face supports it
+  double clear_m = 0.15;        // and beyond this it contradicts it
+  double face_offset_m = 0.05;  // each face may be this far off
+  double least_gap = 0.006;     // MarginRule: what must speak for a pose against every rival
+  double least_consistency = 0.6;
+  double least_without_largest = 0.003;
+  double least_support = 0.35;  // of the planar area on faces
+  double most_through = 0.25;   // of the planar area seen through faces
+  double least_hold = 0.002;    // least resistance along any direction, share of the area
+  int seed = 1;
+  // Of the scene, not of the option table:
+  bool levelled = false;
+  bool free_scale = false;
+};
+const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table();
+
+// A pose that the scan could nearly as well have.
+struct RivalPose {
+  Pose world_from_scan;
+  std::string words;      // how it differs, motion_in_words()
+  Comparison comparison;  // of the chosen pose against it
+  double strength = 0;    // below 1: too close
+};
+
+struct AutomaticAlignment {
+  bool accepted = false;
+  std::string reason;    // when not: in words, what is missing and what to do
+  Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
+  bool has_pose = false;
+  SightShares shares;                // under it
+  std::vector<std::uint32_t> faces;  // that hold 0.2 % of the planar area and more under it, ascending
+  double margin = 0;                 // least gap to a rival, share of the planar area; 1 without rivals
+  std::vector<RivalPose> rivals;     // closest first, at most 8
+  int rotations = 0, guesses = 0, finalists = 0;
+};
+
+// METHOD 7: aligns superclusters to the proxy's faces without a start. Hypotheses from planes in fixed order,
+// pruned; tile ICP; lines of sight traced through the model (kernel ray_cast); the best pose is accepted only
+// when enough speaks for it against every other hypothesis and every near-symmetry of the proxy. Else
+// abstains and names the rivals. What is wrong with scan or model as a whole (fewer than 3 planes, parallel
+// planes, millimetres, mirrored) is a reason to abstain too, in words. Throws ErrorKind::input what
+// measure_model() and triangulate() throw.
+AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence& scan,
+                                       const PolygonModel& model, const AutomaticOptions& options = {});
+
+}  // namespace hybrid::stages

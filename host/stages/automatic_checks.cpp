@@ -1,0 +1,102 @@
+#include "stages/automatic_checks.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace hybrid::stages {
+namespace {
+
+// Sine of the angle that normals must at least span in every direction.
+constexpr double kSpan = 0.1;
+constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
+
+constexpr const char* kGiveLandmarks = "; give 3 or more landmarks (the landmark sheet helps) or a pose";
+
+// Least singular direction of unit normals: near 0 when they all lie in one plane, as those of a corridor
+// without ends do.
+template <typename T>
+double span_of(const std::vector<T>& planes) {
+  Mat3 sum = Mat3::Zero();
+  for (const T& plane : planes) sum += plane.plane.normal * plane.plane.normal.transpose();
+  return std::sqrt(std::max(Eigen::SelfAdjointEigenSolver<Mat3>(sum).eigenvalues()(0), 0.0));
+}
+
+template <typename T>
+bool all_parallel(const std::vector<T>& planes) {
+  return std::all_of(planes.begin(), planes.end(), [&](const T& plane) {
+    return std::abs(plane.plane.normal.dot(planes[0].plane.normal)) > std::cos(kSpan);
+  });
+}
+
+template <typename T>
+std::string lacking(const std::vector<T>& planes, const char* whose) {
+  if (planes.size() < 3)
+    return fmt::format("automatic alignment needs at least 3 planes, the {} has {}{}", whose, planes.size(),
+                       kGiveLandmarks);
+  if (all_parallel(planes))
+    return fmt::format(
+        "automatic alignment needs planes in three directions, those of the {} are all parallel{}", whose,
+        kGiveLandmarks);
+  if (span_of(planes) < kSpan)
+    return fmt::format(
+        "automatic alignment needs planes in three directions, those of the {} leave one open: it could "
+        "slide "
+        "along them{}",
+        whose, kGiveLandmarks);
+  return "";
+}
+
+}  // namespace
+
+std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const AutomaticOptions& options) {
+  if (std::string words = lacking(scan.planes, "scan"); !words.empty()) return words;
+  if (std::string words = lacking(model.planes, "model"); !words.empty()) return words;
+  if (options.free_scale)
+    return "automatic alignment with a free scale is not offered: three planes fix a rigid pose only; give "
+           "the model's unit and scale = \"fixed\", or 3 or more landmarks";
+  const double model_m = model.box.diagonal().norm(), scan_m = 2 * scan.reach_m;
+  if (model_m > kSizeRatio * scan_m)
+    return fmt::format(
+        "the model is {:.0f} m across, the scan's planes {:.1f} m: is the model in millimetres? Then say "
+        "unit "
+        "= \"mm\" in [model]",
+        model_m, scan_m);
+  if (scan_m > kSizeRatio * model_m)
+    return fmt::format(
+        "the model is {:.3f} m across, the scan's planes {:.1f} m: is the scan in millimetres, or [model] "
+        "unit wrong?",
+        model_m, scan_m);
+  return "";
+}
+
+std::string nothing_fits() {
+  return fmt::format(
+      "no pose lays the scan's planes on the model's faces; is it the model of another place{}",
+      std::string("?") + kGiveLandmarks);
+}
+
+std::string doubts(const TileFit& fit, const SightShares& shares, const std::vector<RivalPose>& rivals,
+                   const AutomaticOptions& options) {
+  if (shares.supported < options.least_support)
+    return fmt::format(
+        "under the best pose only {:.0f} % of the scan's planar area lie on faces, at least {:.0f} % should; "
+        "is "
+        "it the model of another place?{}",
+        100 * shares.supported, 100 * options.least_support, kGiveLandmarks);
+  if (shares.through > options.most_through)
+    return fmt::format(
+        "under the best pose {:.0f} % of the scan's planar area would be seen through faces, at most {:.0f} "
+        "% "
+        "may; is it the model of another place?{}",
+        100 * shares.through, 100 * options.most_through, kGiveLandmarks);
+  if (fit.least_share < options.least_hold)
+    return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
+                       fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), kGiveLandmarks);
+  if (!rivals.empty() && rivals[0].strength < 1)
+    return fmt::format("another pose explains the scan nearly as well: {}{}", rivals[0].words,
+                       kGiveLandmarks);
+  return "";
+}
+
+}  // namespace hybrid::stages

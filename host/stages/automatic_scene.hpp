@@ -1,0 +1,88 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "geometry/polygon_model.hpp"
+#include "geometry/pose.hpp"
+#include "geometry/range_image.hpp"
+#include "geometry/superclusters.hpp"
+
+namespace hybrid::stages {
+
+// What the automatic alignment (METHOD 7) looks at on either side, in numbers small enough to try many poses.
+
+// Superclusters of one plane taken together, scan frame: a wall that an occluder cuts in pieces counts once.
+struct ScanPlane {
+  Plane plane;  // normal towards the scanner
+  Vec3 centroid = Vec3::Zero();
+  double area_m2 = 0;
+};
+
+// A piece of at most about 2 m of a scan plane, with the moments of its samples about its centroid: sums over
+// tiles are sums over all samples (FINDINGS.md).
+struct PlaneTile {
+  std::uint32_t plane = 0;  // index of the scan plane
+  Vec3 normal;              // of its supercluster
+  double area_m2 = 0;
+  Vec3 centroid = Vec3::Zero();
+  Mat3 scatter = Mat3::Zero();  // sum of area (p - centroid)(p - centroid)^T
+};
+
+// A planar sample as a line of sight from the scanner.
+struct SightRay {
+  Vec3 direction;  // unit
+  double range_m = 0;
+  Vec3 normal;
+  double area_m2 = 0;
+  std::uint32_t plane = 0;  // index of the scan plane
+};
+
+struct ScanEvidence {
+  std::vector<ScanPlane> planes;  // largest first
+  std::vector<PlaneTile> tiles;
+  std::vector<SightRay> rays;
+  double area_m2 = 0;  // of all planar samples
+  double reach_m = 0;  // rms distance of the planar samples from the scanner
+};
+
+// From the samples of superclusters, chosen by area (choose_planar_samples): the same for any thread count.
+ScanEvidence gather_evidence(const RangeImage& image, const PlaneSegmentation& segmentation, int rays,
+                             int seed);
+
+// The evidence as a scanner turned by `turned_from_scan` would have it (tests and trials).
+ScanEvidence turned(const ScanEvidence& evidence, const Eigen::Quaterniond& turned_from_scan);
+
+// A face in coordinates of its own plane.
+struct FaceShape {
+  Plane plane;
+  double area_m2 = 0;
+  Vec3 origin, u, v;
+  std::vector<std::vector<Vec2>> rings;
+  std::uint32_t face = 0;         // index in the model
+  std::uint32_t plane_index = 0;  // index of the model plane
+
+  // How far the point's foot on the plane lies outside the polygon (0 inside), world scale.
+  double outside_m(const Vec3& point) const;
+};
+
+// Faces of one plane taken together.
+struct ModelPlane {
+  Plane plane;
+  double area_m2 = 0;
+};
+
+struct ModelShapes {
+  std::vector<FaceShape> faces;    // largest first, at most kMostFaces
+  std::vector<ModelPlane> planes;  // largest first
+  Eigen::AlignedBox3d box;
+  double area_m2 = 0;  // of all faces
+};
+
+// Faces beyond this many, the smallest, are only seen by rays: a mesh of small triangles has no planes to
+// match.
+inline constexpr std::size_t kMostFaces = 512;
+
+// Throws ErrorKind::input: no faces, a vertex that is not finite, a face without area (named).
+ModelShapes measure_model(const PolygonModel& model);
+
+}  // namespace hybrid::stages

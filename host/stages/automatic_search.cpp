@@ -1,0 +1,145 @@
+#include "stages/automatic_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hybrid::stages {
+namespace {
+
+constexpr std::size_t kGuessesPerRotation = 60, kMostGuesses = 320, kMostFits = 40, kMostFinalists = 28;
+constexpr std::size_t kCoarseRays = 400;
+constexpr double kGuessShare = 0.4;      // of the best guess's area
+constexpr double kSamePlace_m = 0.10;    // of two poses after ICP
+constexpr double kSymmetricShare = 0.6;  // of the model's area on itself
+constexpr std::size_t kMotionsPerRotation = 3;
+
+void sort_by_score(std::vector<PoseGuess>& guesses) {
+  std::stable_sort(guesses.begin(), guesses.end(),
+                   [](const PoseGuess& a, const PoseGuess& b) { return a.score > b.score; });
+}
+
+// Coarse guesses are off by decimetres, so they are judged by as much.
+void look_coarsely(SightCaster& caster, const ScanEvidence& scan, const AutomaticOptions& options,
+                   std::vector<PoseGuess>& guesses) {
+  SightOptions coarse = sight_options(options);
+  coarse.tolerance_m = std::max(0.2, 2 * coarse.tolerance_m);
+  coarse.clear_m = std::max(0.4, 2 * coarse.clear_m);
+  const std::size_t stride = std::max<std::size_t>(1, scan.rays.size() / kCoarseRays);
+  for (PoseGuess& guess : guesses)
+    guess.score =
+        shares_of(scan.rays, caster.cast(scan.rays, guess.world_from_scan, coarse, stride), stride).score;
+  sort_by_score(guesses);
+}
+
+bool add_finalist(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model, const Pose& start,
+                  const AutomaticOptions& options, std::vector<Finalist>& finalists) {
+  Finalist one;
+  one.fit = fit_tiles(scan, model, start);
+  if (!one.fit.world_from_scan.translation.allFinite() || one.fit.least_share <= 0) return false;
+  if (options.levelled && (one.fit.world_from_scan.rotate(Vec3::UnitZ())).z() < 0.99) return false;
+  for (const Finalist& other : finalists)
+    if (same_place(scan, other.fit.world_from_scan, one.fit.world_from_scan, kSamePlace_m)) return false;
+  one.lines = caster.cast(scan.rays, one.fit.world_from_scan, sight_options(options));
+  one.shares = shares_of(scan.rays, one.lines);
+  finalists.push_back(std::move(one));
+  return true;
+}
+
+void sort_by_score(std::vector<Finalist>& finalists) {
+  std::stable_sort(finalists.begin(), finalists.end(),
+                   [](const Finalist& a, const Finalist& b) { return a.shares.score > b.shares.score; });
+}
+
+// The model as a scan of itself: a tile for every face, or for pieces of it where it is large.
+ScanEvidence as_evidence(const ModelShapes& model) {
+  ScanEvidence evidence;
+  for (const ModelPlane& plane : model.planes) evidence.planes.push_back({plane.plane, Vec3::Zero(), 0});
+  const Vec3 centre = model.box.center();
+  for (const FaceShape& face : model.faces) {
+    Vec2 low = face.rings[0][0], high = low;
+    for (const Vec2& p : face.rings[0]) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    std::vector<Vec3> inside;
+    constexpr int kSide = 5;
+    for (int i = 0; i < kSide; ++i)
+      for (int j = 0; j < kSide; ++j) {
+        const Vec2 at = low + (high - low).cwiseProduct(Vec2(i + 0.5, j + 0.5) / kSide);
+        const Vec3 p = face.origin + at.x() * face.u + at.y() * face.v;
+        if (face.outside_m(p) == 0) inside.push_back(p - centre);
+      }
+    for (const Vec3& p : inside) {
+      PlaneTile tile;
+      tile.plane = face.plane_index;
+      tile.normal = face.plane.normal;
+      tile.area_m2 = face.area_m2 / static_cast<double>(inside.size());
+      tile.centroid = p;
+      ScanPlane& plane = evidence.planes[face.plane_index];
+      plane.centroid += tile.area_m2 * p;
+      plane.area_m2 += tile.area_m2;
+      evidence.area_m2 += tile.area_m2;
+      evidence.tiles.push_back(tile);
+    }
+  }
+  for (ScanPlane& plane : evidence.planes)
+    if (plane.area_m2 > 0) plane.centroid /= plane.area_m2;
+  std::erase_if(evidence.planes, [](const ScanPlane& plane) { return !(plane.area_m2 > 0); });
+  evidence.reach_m = model.box.diagonal().norm() / 2;
+  return evidence;
+}
+
+}  // namespace
+
+SightOptions sight_options(const AutomaticOptions& options) {
+  SightOptions sight;
+  sight.tolerance_m = options.tolerance_m;
+  sight.clear_m = std::max(options.clear_m, 2 * options.tolerance_m);
+  sight.offset_m = options.face_offset_m;
+  return sight;
+}
+
+Search search_poses(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model, double scale,
+                    const AutomaticOptions& options) {
+  Search search;
+  const auto rotations = guess_rotations(scan, model, options.levelled);
+  search.rotations = static_cast<int>(rotations.size());
+  std::vector<PoseGuess> guesses;
+  for (const RotationGuess& rotation : rotations)
+    for (const PoseGuess& guess :
+         guess_offsets(scan, model, rotation.world_from_scan, scale, kGuessesPerRotation))
+      guesses.push_back(guess);
+  sort_by_score(guesses);
+  while (!guesses.empty() &&
+         (guesses.size() > kMostGuesses || guesses.back().score < kGuessShare * guesses.front().score))
+    guesses.pop_back();
+  search.guesses = static_cast<int>(guesses.size());
+  look_coarsely(caster, scan, options, guesses);
+  if (guesses.size() > kMostFits) guesses.resize(kMostFits);
+  for (const PoseGuess& guess : guesses)
+    add_finalist(caster, scan, model, guess.world_from_scan, options, search.finalists);
+  sort_by_score(search.finalists);
+  if (search.finalists.size() > kMostFinalists) search.finalists.resize(kMostFinalists);
+  return search;
+}
+
+void add_symmetric_rivals(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model,
+                          const Pose& pose, const AutomaticOptions& options, Search& search) {
+  const ScanEvidence itself = as_evidence(model);
+  const Vec3 centre = model.box.center();
+  AutomaticOptions as_scan = options;
+  for (const RotationGuess& turn : guess_rotations(itself, model, as_scan.levelled)) {
+    int kept = 0;
+    for (const PoseGuess& guess :
+         guess_offsets(itself, model, turn.world_from_scan, 1, kMotionsPerRotation)) {
+      if (guess.score < kSymmetricShare * itself.area_m2 && kept > 0) break;
+      Pose motion = guess.world_from_scan;  // of points relative to the centre
+      motion.translation -= motion.rotation * centre;
+      add_finalist(caster, scan, model, motion * pose, options, search.finalists);
+      ++kept;
+    }
+  }
+  sort_by_score(search.finalists);
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,58 @@
+#pragma once
+#include <vector>
+
+#include "device/queue.hpp"
+#include "stages/automatic_scene.hpp"
+#include "stages/bvh.hpp"
+
+namespace hybrid::stages {
+
+// What a hypothetical pose says of a measured line of sight.
+enum class Sight : std::uint8_t {
+  supported,  // a face's front is where the sample is, and faces as the sample's plane does
+  near,       // a face is there, but not quite: speaks neither for nor against the pose
+  in_front,   // the sample lies in front of the face: clutter, or the pose is wrong
+  through,    // the line of sight passes through a face: an opening, or the pose is wrong
+  behind,     // the scanner would stand behind the face it sees
+  nothing     // no face there: the model is not complete, or the pose is wrong
+};
+
+struct SightLine {
+  Sight sight = Sight::nothing;
+  std::uint32_t face = 0;  // index in the model; of the first face on the line
+};
+
+struct SightOptions {
+  double tolerance_m = 0.05;  // of support, measured across the face
+  double clear_m = 0.15;      // beyond this a sample is clearly in front or behind
+  double offset_m = 0.05;     // each face may be this far off: a pose is judged with the offsets that fit it
+  double normal_deg = 25;     // between the sample's plane and the face
+};
+
+// Traces lines of sight through the model on the device.
+class SightCaster {
+ public:
+  SightCaster(device::Queue& queue, const PolygonModel& model);
+
+  // One per ray of the evidence, in order. Only every `stride`-th ray is cast; the others are left out.
+  // Kernel: ray_cast.
+  std::vector<SightLine> cast(const std::vector<SightRay>& rays, const Pose& world_from_scan,
+                              const SightOptions& options, std::size_t stride = 1);
+
+ private:
+  device::Queue& queue_;
+  const PolygonModel& model_;
+  std::vector<Plane> planes_;  // of the faces
+  Vec3 origin_ = Vec3::Zero();
+  DeviceBvh bvh_;
+};
+
+// Shares of the planar area.
+struct SightShares {
+  double supported = 0, in_front = 0, through = 0, behind = 0, nothing = 0;
+  double score = 0;  // what the search ranks by
+};
+SightShares shares_of(const std::vector<SightRay>& rays, const std::vector<SightLine>& lines,
+                      std::size_t stride = 1);
+
+}  // namespace hybrid::stages

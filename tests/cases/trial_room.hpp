@@ -1,0 +1,65 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "device/queue.hpp"
+#include "geometry/polygon_model.hpp"
+#include "geometry/pose.hpp"
+#include "geometry/range_image.hpp"
+#include "geometry/superclusters.hpp"
+
+namespace hybrid::testing {
+
+// Random numbers of a trial, in order.
+class Draw {
+ public:
+  explicit Draw(std::uint32_t seed, std::uint32_t purpose = 0) : seed_(seed), purpose_(purpose) {}
+  double within(double low, double high);
+  int below(int count);
+  double normal();
+
+ private:
+  std::uint32_t seed_, purpose_, next_ = 0;
+};
+
+// A rectangular recess in the wall over a side of the footprint.
+struct Recess {
+  std::size_t side = 0;
+  double from_m = 0, to_m = 0, low_m = 0, high_m = 0, depth_m = 0;
+};
+
+// A room over a footprint (counter-clockwise), faces inwards; `recesses` become holes with their five faces.
+struct RoomPlan {
+  std::vector<Vec2> footprint;
+  double height_m = 3;
+  std::vector<Recess> recesses;
+};
+PolygonModel room_model(const RoomPlan& plan);
+
+// A room as it is, with furniture and recesses, and as its proxy shows it.
+struct TrialRoom {
+  PolygonModel truth, proxy;
+  RoomPlan proxy_plan;
+};
+
+// kind: "box" (its proxy is symmetric), "niche" (a box whose proxy has one niche), "ell" (an L), "oblique"
+// (four walls, no two parallel), "hall" (a box with three niches). The true room has furniture and up to
+// three recesses that the proxy lacks; the proxy's faces are off by `proxy_error_m` (standard deviation).
+TrialRoom make_trial_room(const std::string& kind, std::uint32_t seed, double proxy_error_m = 0);
+
+struct TrialScan {
+  RangeImage image;
+  PlaneSegmentation segmentation;  // a supercluster per face that is seen
+  Pose world_from_scan;
+};
+
+// A scan from a random free place in the room, turned and tilted about a degree, of `crop` of the full turn,
+// 2 mm range noise.
+TrialScan scan_trial_room(device::Queue& queue, const TrialRoom& room, std::uint32_t seed, double crop,
+                          int rows = 150, int cols = 360);
+
+// Keeps what lies within `crop` of the full turn from `from_rad` of azimuth on.
+void crop_scan(RangeImage& image, PlaneSegmentation& segmentation, double from_rad, double crop);
+
+}  // namespace hybrid::testing
