@@ -173,6 +173,15 @@ bool converts_records(const ConvertRequest& request) {
          io::holds_exr_records(request.in);
 }
 
+std::size_t photographs_in(const ConvertRequest& request) {
+  if (is_e57(request.in))
+    return io::E57File(request.in, {.salvage = request.salvage}).contents().images.size();
+  if (extension_of(request.in) != ".exr" || !fs::is_regular_file(request.in) ||
+      !io::holds_exr_records(request.in))
+    return 0;
+  return io::ExrSource({request.in}).contents().images.size();
+}
+
 std::vector<fs::path> record_outputs(const ConvertRequest& request) {
   const Conversion conversion(request);
   std::vector<fs::path> files;

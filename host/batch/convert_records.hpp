@@ -10,6 +10,9 @@ bool converts_records(const ConvertRequest& request);
 // photographs and tables last, where there are any.
 std::vector<std::filesystem::path> record_outputs(const ConvertRequest& request);
 
+// How many photographs an E57 file holds, or its range image: the other formats hold none.
+std::size_t photographs_in(const ConvertRequest& request);
+
 // The conversion, scan by scan where it can. Throws and returns as run_convert(); nothing when the input is
 // damaged and salvage is asked for: samples, then, are what can be saved.
 std::optional<ConvertRun> convert_records(const ConvertRequest& request);

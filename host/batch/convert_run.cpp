@@ -60,7 +60,7 @@ std::vector<Output> plan(const ConvertRequest& request, const io::ScanWriter& wr
 class Conversion {
  public:
   Conversion(const ConvertRequest& request, const io::ScanWriter& writer)
-      : request_(request), writer_(writer) {}
+      : request_(request), writer_(writer), photographs_(photographs_in(request)) {}
 
   ConvertRun go() {
     ConvertRun run;
@@ -110,7 +110,9 @@ class Conversion {
   }
 
   void tell(const Scan& scan) {
-    const auto losses = io::losses_of(writer_, scan);
+    auto losses = io::losses_of(writer_, scan);
+    if (scans_.empty() && photographs_ > 0)
+      losses.dropped.push_back(fmt::format("photographs ({})", photographs_));
     for (const auto& note : scan.notes) log::warning("scan {}: {}", scan.name, note);
     if (!losses.dropped.empty())
       log::warning("scan {}: dropped, {} cannot hold it: {}", scan.name, writer_.name,
@@ -125,6 +127,7 @@ class Conversion {
 
   const ConvertRequest& request_;
   const io::ScanWriter& writer_;
+  std::size_t photographs_;
   Json scans_ = Json::array(), failures_ = Json::array();
   std::optional<Error> last_failure_;
 };
