@@ -152,6 +152,10 @@ TEST_F(E57Scene, a_damaged_picture_is_named_and_salvage_goes_on_without_it) {
   EXPECT_EQ(failed.exit_code, 4);
   EXPECT_NE(failed.err.find("damaged.e57: byte 1024 (page 1)"), std::string::npos) << failed.err;
   EXPECT_NE(failed.err.find("image 0 (000.jpg)"), std::string::npos) << failed.err;
+  const auto salvaged = run(command + " --salvage");
+  EXPECT_EQ(salvaged.exit_code, 0) << salvaged.err;
+  EXPECT_NE(salvaged.err.find("image 0 (000.jpg)"), std::string::npos) << salvaged.err;
+  EXPECT_NE(salvaged.err.find("damaged"), std::string::npos) << salvaged.err;
 }
 
 // METHOD 1: clouds without a grid need to know where the scanner stood.
