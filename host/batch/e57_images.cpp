@@ -32,7 +32,9 @@ void read_file(const fs::path& file, bool salvage, E57PhotographSet& set) {
   for (const std::string& note : found.notes) log::warning("{}: {}", file.string(), note);
   for (const io::E57Photograph& one : found.photographs) {
     try {
-      set.pixels.push_back(io::read_e57_photograph(opened, one));
+      std::vector<std::string> damage;
+      set.pixels.push_back(io::read_e57_photograph(opened, one, damage));
+      for (const std::string& note : damage) log::warning("{}: {}", io::place_of(opened, one.image), note);
     } catch (const Error& error) {
       if (!salvage || error.kind() != ErrorKind::input) throw;
       log::warning("{}: left out", error.what());

@@ -19,6 +19,8 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
                  const std::filesystem::path& file, const io::FileFingerprint& print, Scan scan,
                  std::size_t index, Progress& progress) {
   if (request.scanner) io::place_scanner(scan, *request.scanner);
+  if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
+    log::warning("scan {}: {}", id, doubt);
   const auto product = process_scan(queue, id, scan, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;

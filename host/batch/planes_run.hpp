@@ -13,7 +13,7 @@ struct PlanesRequest {
   std::filesystem::path out;
   StageOptions options;
   std::optional<Vec3> scanner;  // where it stood, in the files' coordinates (io::place_scanner)
-  bool salvage = false;  // of damaged scans what is good (io::ReadOptions)
+  bool salvage = false;         // of damaged scans what is good (io::ReadOptions)
   bool quiet = false;
   bool force = false;  // write into the output folder of a scene
 };

@@ -190,6 +190,8 @@ class Run {
     unit("scan " + id, [&] {
       Scan scan = io::read_scan(entry.file, scan_entry);
       if (entry.scanner) io::place_scanner(scan, *entry.scanner);
+      if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
+        log::warning("scan {}: {}", id, doubt);
       run_.products.push_back(process_scan(queue_, id, scan, options_, progress_));
       remains_.push_back(keep_remains(std::move(scan), run_.products.back().image));
       entries_.push_back(in_scan_frame(entry));

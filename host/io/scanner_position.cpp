@@ -1,5 +1,6 @@
 #include "io/scanner_position.hpp"
 
+#include <Eigen/Geometry>
 #include <limits>
 
 #include "core/error.hpp"
@@ -43,6 +44,21 @@ void place_scanner(Scan& scan, const Vec3& scanner) {
       4096);
   scan.origin = Vec3::Zero();
   scan.world_from_scan = Pose{1, Eigen::Quaterniond::Identity(), scanner};
+}
+
+std::string doubt_of_scanner(const Scan& scan) {
+  if (scan.organised() || scan.range_grid || (scan.world_from_scan && !is_identity(*scan.world_from_scan)))
+    return "";
+  Eigen::AlignedBox3d box;
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+    if (const Vec3 point = scan.point(i); point.allFinite() && !point.isZero()) box.extend(point);
+  if (box.isEmpty()) return "";
+  const double away = box.exteriorDistance(Vec3::Zero().eval()), size = box.diagonal().norm();
+  if (!(away > size)) return "";
+  return fmt::format(
+      "its points are {:.1f} m away from the origin, where the scanner is taken to have stood, and {:.1f} m "
+      "across; say where it stood: scanner = [x, y, z] of [[scan]], or hybrid planes --scanner x,y,z",
+      away, size);
 }
 
 }  // namespace hybrid::io

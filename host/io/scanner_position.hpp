@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "geometry/scan.hpp"
 
 namespace hybrid::io {
@@ -9,5 +11,9 @@ namespace hybrid::io {
 // no-returns and stay so. Throws ErrorKind::input when the file says itself where the scanner stood: a range
 // image, or a pose that is not the identity.
 void place_scanner(Scan& scan, const Vec3& scanner);
+
+// Why a scan's origin cannot well be where its scanner stood, or "": a cloud without grid and pose that is
+// farther away from the origin than it is large.
+std::string doubt_of_scanner(const Scan& scan);
 
 }  // namespace hybrid::io

@@ -215,7 +215,8 @@ ScanColumns recover_columns(const Scan& scan) {
     fail_input(
         "scan {}: no columns found among {} samples: expected the scanner at the origin and samples in the "
         "order of acquisition, column by column, or at all elevations of shared azimuths, found neither; use "
-        "an organised file (PTX, PCD with HEIGHT > 1), or say where the scanner stood: scanner = [x, y, z] of "
+        "an organised file (PTX, PCD with HEIGHT > 1), or say where the scanner stood: scanner = [x, y, z] "
+        "of "
         "[[scan]], or hybrid planes --scanner x,y,z",
         scan.name, scan.points.size());
   fill(angles, sweeps, groups, columns);

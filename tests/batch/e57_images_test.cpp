@@ -4,6 +4,10 @@
 
 #include <cmath>
 
+#include "io/files.hpp"
+#include "io/output.hpp"
+#include "io/picture.hpp"
+
 namespace hybrid::testing {
 namespace {
 
@@ -47,6 +51,23 @@ TEST(PlaceCamera, a_scaled_world_moves_the_centre_and_leaves_the_camera_rigid) {
                                           {{"a.e57", 0, "s", pose(0, {1, 0, 0}, 2)}});
   EXPECT_EQ(placed.cam_from_world.scale, 1);
   EXPECT_LT((placed.cam_from_world.inverse().translation - Vec3(3, 4, 6)).norm(), 1e-12);
+}
+
+// A real file with one JPEG that has no camera.
+TEST(WriteReferences, takes_a_visual_reference_out_as_it_is) {
+  const auto file = real_data("scans/e57-pye57/pumpAVisualReferenceImage.e57");
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
+  const TemporaryFolder folder;
+  batch::write_references(folder.path(), file, 0, false);
+  const std::string bytes = io::read_text(folder.path() / "reference-pumpVisual.jpg");
+  EXPECT_EQ(bytes.size(), 1504576u);
+  EXPECT_EQ(bytes.substr(0, 3), "\xff\xd8\xff");
+  const io::PictureSize size = io::picture_size(folder.path() / "reference-pumpVisual.jpg");
+  EXPECT_EQ(size.width, 3072);
+  EXPECT_EQ(size.height, 2304);
+  batch::write_references(folder.path() / "none", file, 1, false);  // of another scan
+  batch::write_references(folder.path() / "none", "a.ply", 0, false);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "none"));
 }
 
 }  // namespace hybrid::testing

@@ -200,7 +200,9 @@ TEST(E57Photographs, reads_every_kind_of_a_real_file) {
   const auto& pinhole = found.photographs[1].photograph.camera;
   EXPECT_NEAR(pinhole.fx, 123 / 0.044, 1e-9);
   EXPECT_NEAR(pinhole.fy, 123 / 0.033, 1e-9);
-  const Image8 picture = io::read_e57_photograph(file, spherical);
+  std::vector<std::string> damage;
+  const Image8 picture = io::read_e57_photograph(file, spherical, damage);
+  EXPECT_TRUE(damage.empty());
   EXPECT_EQ(picture.width, 100);
   EXPECT_EQ(picture.height, 100);
 }

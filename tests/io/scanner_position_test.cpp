@@ -28,6 +28,18 @@ TEST(ScannerPosition, no_returns_stay_none) {
   EXPECT_EQ(scan.points[1][0], -4.0f);
 }
 
+TEST(ScannerPosition, an_origin_far_from_the_cloud_is_doubted) {
+  Scan scan;
+  scan.points = {{0, 0, 0}, {NAN, 0, 0}, {1, 5, 0}, {2, 7, 1}};
+  EXPECT_NE(io::doubt_of_scanner(scan).find("5.1 m away"), std::string::npos) << io::doubt_of_scanner(scan);
+  Scan front = scan;  // a wall seen from outside its box
+  front.points = {{-4, 5, 0}, {4, 6, 5}};
+  EXPECT_EQ(io::doubt_of_scanner(front), "");
+  io::place_scanner(scan, {1.5, 4, 0});
+  EXPECT_EQ(io::doubt_of_scanner(scan), "");
+  EXPECT_EQ(io::doubt_of_scanner(Scan()), "");
+}
+
 TEST(ScannerPosition, contradicts_no_file_that_knows_better) {
   Scan posed;
   posed.world_from_scan = Pose{1, Eigen::Quaterniond::Identity(), Vec3(0, 0, 1)};

@@ -113,11 +113,6 @@ E57Image mended(E57Image image, const std::string& what, std::vector<std::string
   return image;
 }
 
-std::vector<char> bytes_of(const E57File& file, const E57Blob& blob, const std::string& what,
-                           std::vector<std::string>& notes) {
-  return blob.length == 0 ? std::vector<char>() : file.read_blob(blob, what, &notes);
-}
-
 }  // namespace
 
 std::string place_of(const E57File& file, std::size_t image) {
@@ -164,14 +159,16 @@ E57Photographs e57_photographs(const E57Contents& contents) {
   return result;
 }
 
-Image8 read_e57_photograph(const E57File& file, const E57Photograph& photograph) {
+Image8 read_e57_photograph(const E57File& file, const E57Photograph& photograph,
+                           std::vector<std::string>& notes) {
   const E57Image& image = file.contents().images.at(photograph.image);
   const std::string place = place_of(file, photograph.image);
   const Camera& camera = photograph.photograph.camera;
-  std::vector<std::string> notes;
-  const std::vector<char> picture = bytes_of(file, image.picture, place, notes);
-  const std::vector<char> mask =
-      image.mask ? bytes_of(file, *image.mask, place + ", its mask", notes) : std::vector<char>();
+  const auto bytes_of = [&](const E57Blob& blob, const std::string& what) {
+    return with_context(place, [&] { return file.read_blob(blob, what, &notes); });
+  };
+  const std::vector<char> picture = bytes_of(image.picture, "its picture");
+  const std::vector<char> mask = image.mask ? bytes_of(*image.mask, "its mask") : std::vector<char>();
   return decode_photograph(
       {picture, image.png ? PictureFormat::png : PictureFormat::jpeg}, {mask, PictureFormat::png},
       fmt::format("{}, byte {}", place, image.picture.offset), camera.width, camera.height);

@@ -28,7 +28,9 @@ E57Photographs e57_photographs(const E57Contents& contents);
 
 // Decodes a photograph; with a mask 4 channels, alpha 0 where it is none. Throws ErrorKind::input naming
 // file, image and byte: blobs outside the file, pictures that do not decode or have another size than said.
-Image8 read_e57_photograph(const E57File& file, const E57Photograph& photograph);
+// In salvage damaged pages are noted.
+Image8 read_e57_photograph(const E57File& file, const E57Photograph& photograph,
+                           std::vector<std::string>& notes);
 
 // An image's place for messages: "scans/a.e57: image 3 (west)".
 std::string place_of(const E57File& file, std::size_t image);
