@@ -61,8 +61,8 @@ Trial judge(device::Queue& queue, const stages::ScanEvidence& evidence, const Po
 }
 
 struct Request {
-  std::vector<std::string> kinds = {"box", "niche", "hall", "ell", "oblique"};
-  int trials = 20, seed = 1;
+  std::vector<std::string> kinds = {"box", "niche", "hall", "ell", "oblique", "alcoves"};
+  int trials = 20, seed = 1, first = 0;
   double crop = 0.5, proxy_error_m = 0.01;
   bool levelled = false, other_room = false, verbose = false;
 };
@@ -70,7 +70,7 @@ struct Request {
 Json run_kind(device::Queue& queue, const std::string& kind, const Request& request) {
   int right = 0, wrong = 0, abstained = 0, distinguishable = 0, right_of_these = 0, best_right = 0;
   double seconds = 0;
-  for (int k = 0; k < request.trials; ++k) {
+  for (int k = request.first; k < request.first + request.trials; ++k) {
     const auto seed = static_cast<std::uint32_t>(1000 * request.seed + k);
     testing::Draw draw(seed, 3);
     const auto room = testing::make_trial_room(kind, seed, request.proxy_error_m);
@@ -96,16 +96,17 @@ Json run_kind(device::Queue& queue, const std::string& kind, const Request& requ
     if (request.verbose || trial.outcome == "wrong") {
       const auto& a = trial.alignment;
       std::cerr << fmt::format(
-          "{} {} crop {:.2f}: {}{}{} score {:.3f} S {:.2f} F {:.2f} T {:.2f} B {:.2f} margin {:.4f} "
+          "{} {} crop {:.2f}: {}{}{} score {:.3f} S {:.2f} F {:.2f} T {:.2f} B {:.2f} doubt {:.2f} margin "
+          "{:.4f} "
           "finalists {}",
           kind, seed, crop, trial.outcome, trial.distinguishable ? " distinguishable" : "",
           trial.best_is_right ? " best-right" : " best-WRONG", a.shares.score, a.shares.supported,
-          a.shares.in_front, a.shares.through, a.shares.behind, a.margin, a.finalists);
+          a.shares.in_front, a.shares.through, a.shares.behind, a.doubt, a.margin, a.finalists);
       if (!a.rivals.empty()) {
         const auto& c = a.rivals[0].comparison;
         std::cerr << fmt::format(
             " truth score {:.3f} S {:.2f} for {:.4f} against {:.4f} rest {:.4f} strength {:.2f} [{}]",
-            trial.truth.score, trial.truth.supported, c.for_it, c.against_it, c.without_largest,
+            trial.truth.score, trial.truth.supported, c.for_it, c.against_it, c.without_largest(),
             a.rivals[0].strength, a.rivals[0].words);
       }
       std::cerr << " " << a.reason.substr(0, 90) << "\n";
@@ -127,9 +128,10 @@ Json run_kind(device::Queue& queue, const std::string& kind, const Request& requ
 int main(int argc, char** argv) {
   CLI::App app{"Automatic alignment: trials with known truth", "hybrid-automatic-trials"};
   Request request;
-  app.add_option("--kinds", request.kinds, "box niche hall ell oblique")->capture_default_str();
+  app.add_option("--kinds", request.kinds, "box niche hall ell oblique alcoves")->capture_default_str();
   app.add_option("--trials", request.trials, "per kind")->capture_default_str();
   app.add_option("--seed", request.seed, "trials of another seed share no room")->capture_default_str();
+  app.add_option("--first", request.first, "number of the first trial")->capture_default_str();
   app.add_option("--crop", request.crop, "every other scan is cropped to between this share and all")
       ->capture_default_str();
   app.add_option("--proxy-error-m", request.proxy_error_m, "standard deviation")->capture_default_str();

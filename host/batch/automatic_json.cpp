@@ -16,6 +16,7 @@ Json automatic_json(const stages::AutomaticAlignment& alignment) {
                          {"seen_through_faces", alignment.shares.through},
                          {"behind_faces", alignment.shares.behind},
                          {"without_face", alignment.shares.nothing}};
+  json["doubt"] = alignment.doubt;
   json["hypotheses"] = {{"rotations", alignment.rotations},
                         {"poses", alignment.guesses},
                         {"looked_at_closely", alignment.finalists}};
@@ -24,7 +25,7 @@ Json automatic_json(const stages::AutomaticAlignment& alignment) {
     json["rivals"].push_back({{"how", rival.words},
                               {"speaks_for_the_best", rival.comparison.for_it},
                               {"speaks_for_the_rival", rival.comparison.against_it},
-                              {"without_its_largest_plane", rival.comparison.without_largest},
+                              {"without_its_largest_plane", rival.comparison.without_largest()},
                               {"strength", rival.strength},
                               {"world_from_scan", row_major(rival.world_from_scan)}});
   return json;

@@ -34,7 +34,7 @@ void fill(Image8& picture, const Ink& ink) {
 
 // Small scans are enlarged, large ones thinned, to about this width.
 constexpr int kWidth = 2000;
-constexpr int kLeft = 70, kTop = 40, kCell = 2;
+constexpr int kLeft = 90, kTop = 44, kCell = 3;
 
 // Edges of the faces' rings, each once; of faces that show their front to the eye `front` is set.
 struct Edge {
@@ -199,7 +199,7 @@ Image8 scan_sheet(const ScanProduct& product) {
       const int col = std::min((x - kLeft) * thin / grow, image.cols - 1);
       if (row < 0 || col < 0) continue;
       // Planes tell corners, range tells depth.
-      const int light = 70 + range.at(col, row)[0] * 185 / 255;
+      const int light = 120 + range.at(col, row)[0] * 135 / 255;
       for (int k = 0; k < 3; ++k)
         picture.at(x, y)[k] = static_cast<std::uint8_t>(classes.at(col, row)[k] * light / 255);
     }

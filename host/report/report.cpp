@@ -65,11 +65,36 @@ std::string table(const Json& value) {
   return "<details><summary>figures</summary><table>\n" + rows + "</table></details>\n";
 }
 
+// Why a scan has no pose, what it could be, and the sheet for picking landmarks.
+std::string abstained_section(const Json& scan, const std::string& folder) {
+  if (!scan.contains("registration") || scan["registration"]["status"] != "abstained") return "";
+  const auto& registration = scan["registration"];
+  std::string html = fmt::format("<p><strong>No pose.</strong> The automatic alignment abstains: {}.</p>\n",
+                                 escape(registration["reason"].get<std::string>()));
+  if (registration.contains("rivals") && !registration["rivals"].empty()) {
+    html += "<p>Against the best pose it could be:</p>\n<ul>\n";
+    for (const auto& rival : registration["rivals"])
+      html += fmt::format(
+          "<li>{}; {:.2f} % of the planar area speak for the best pose, {:.2f} % for this one</li>\n",
+          escape(rival["how"].get<std::string>()), 100 * rival["speaks_for_the_best"].get<double>(),
+          100 * rival["speaks_for_the_rival"].get<double>());
+    html += "</ul>\n";
+  }
+  return html + "<div class=\"row\">\n" +
+         picture(folder + "sheet/scan.png",
+                 "Landmark sheet: the scan, planes in colours, with rows and columns") +
+         picture(folder + "sheet/model.png",
+                 "The model from two sides with numbered vertices; fill in sheet/landmarks.toml with four "
+                 "corners "
+                 "that both pictures show and copy it into the scene file") +
+         "</div>\n";
+}
+
 std::string scan_section(const Json& scan) {
   const std::string id = scan["id"].get<std::string>();
   const std::string folder = "../scans/" + id + "/";
-  return fmt::format("<h2>Scan {}</h2>\n<div class=\"row\">\n", escape(id)) +
-         picture(folder + "range.png", "Range image") +
+  return fmt::format("<h2>Scan {}</h2>\n", escape(id)) + abstained_section(scan, folder) +
+         "<div class=\"row\">\n" + picture(folder + "range.png", "Range image") +
          picture(folder + "classes.png",
                  "Superclusters (pastel), locally planar but too small (dark blue), non-planar "
                  "(dark green), undersampled (black)") +

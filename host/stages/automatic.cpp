@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kNamedRivals = 8;
 
 MarginRule rule_of(const AutomaticOptions& options) {
-  return {options.least_gap, options.least_consistency, options.least_without_largest};
+  return {options.least_gap, options.least_consistency, options.least_without_largest, options.least_firm,
+          options.least_single};
 }
 
 // Poses this near are one hypothesis, of which the best is looked at: ICP decides between them.
@@ -55,6 +56,8 @@ std::size_t choose(const ScanEvidence& scan, const Search& search) {
       if (l != k && !is_near(scan, search.finalists[k], search.finalists[l]))
         weakest =
             std::min(weakest, compare(scan.rays, search.finalists[k].lines, search.finalists[l].lines).gap());
+    const double upright = search.finalists[k].fit.world_from_scan.rotate(Vec3::UnitZ()).z();
+    weakest += 1e-6 * upright;  // of equals the one that stands
     if (weakest > best_strength) {
       best_strength = weakest;
       best = k;
@@ -87,7 +90,10 @@ const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
       {"automatic_gap", "", &O::least_gap, 0, 1, "area that must speak against every rival, share", {}},
       {"automatic_consistency", "", &O::least_consistency, 0, 1, "how far it must all point one way", {}},
       {"automatic_rest", "", &O::least_without_largest, 0, 1, "the gap without its largest plane", {}},
+      {"automatic_firm", "", &O::least_firm, 0, 1, "or what one plane says firmly", {}},
+      {"automatic_single", "", &O::least_single, 0, 1, "or one plane this large", {}},
       {"automatic_support", "", &O::least_support, 0, 1, "planar area that must lie on faces, share", {}},
+      {"automatic_doubt", "", &O::most_doubt, 0, 1e6, "planes off faces against planes on them", {}},
       {"automatic_through", "", &O::most_through, 0, 1, "planar area that may be seen through faces", {}},
       {"automatic_hold", "", &O::least_hold, 0, 1, "least resistance along any direction, share", {}},
   };
@@ -106,7 +112,8 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.rotations = search.rotations;
   result.guesses = search.guesses;
   if (search.finalists.empty()) {
-    result.reason = nothing_fits();
+    result.reason = diagnose_model(queue, scan, model, 0, options);
+    if (result.reason.empty()) result.reason = nothing_fits();
     return result;
   }
   const Pose first = search.finalists[0].fit.world_from_scan;
@@ -118,12 +125,16 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.has_pose = true;
   result.shares = best.shares;
   result.faces = faces_of(scan, best);
+  result.doubt = doubt(scan, best.lines);
   result.rivals = rivals_of(scan, search, chosen, options);
   result.margin = 1;
   for (const RivalPose& rival : result.rivals)
     result.margin = std::min(result.margin, rival.comparison.gap());
-  result.reason = doubts(best.fit, best.shares, result.rivals, options);
+  result.reason = doubts(best.fit, result, options);
   result.accepted = result.reason.empty();
+  if (!result.accepted)
+    if (const auto words = diagnose_model(queue, scan, model, best.shares.supported, options); !words.empty())
+      result.reason = words;
   if (result.rivals.size() > kNamedRivals) result.rivals.resize(kNamedRivals);
   return result;
 }

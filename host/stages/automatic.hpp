@@ -17,8 +17,11 @@ struct AutomaticOptions {
   double least_gap = 0.006;     // MarginRule: what must speak for a pose against every rival
   double least_consistency = 0.6;
   double least_without_largest = 0.003;
+  double least_firm = 0.006;
+  double least_single = 0.06;
   double least_support = 0.35;  // of the planar area on faces
-  double most_through = 0.25;   // of the planar area seen through faces
+  double most_doubt = 0.5;      // doubt(): planes off the faces against planes on them, worst direction
+  double most_through = 0.35;   // of the planar area seen through faces
   double least_hold = 0.002;    // least resistance along any direction, share of the area
   int seed = 1;
   // Of the scene, not of the option table:
@@ -40,6 +43,7 @@ struct AutomaticAlignment {
   std::string reason;    // when not: in words, what is missing and what to do
   Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
   bool has_pose = false;
+  double doubt = 0;                  // doubt() of it
   SightShares shares;                // under it
   std::vector<std::uint32_t> faces;  // that hold 0.2 % of the planar area and more under it, ascending
   double margin = 0;                 // least gap to a rival, share of the planar area; 1 without rivals

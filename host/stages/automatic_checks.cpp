@@ -76,8 +76,9 @@ std::string nothing_fits() {
       std::string("?") + kGiveLandmarks);
 }
 
-std::string doubts(const TileFit& fit, const SightShares& shares, const std::vector<RivalPose>& rivals,
-                   const AutomaticOptions& options) {
+std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const AutomaticOptions& options) {
+  const SightShares& shares = best.shares;
+  const auto& rivals = best.rivals;
   if (shares.supported < options.least_support)
     return fmt::format(
         "under the best pose only {:.0f} % of the scan's planar area lie on faces, at least {:.0f} % should; "
@@ -90,6 +91,11 @@ std::string doubts(const TileFit& fit, const SightShares& shares, const std::vec
         "% "
         "may; is it the model of another place?{}",
         100 * shares.through, 100 * options.most_through, kGiveLandmarks);
+  if (best.doubt > options.most_doubt)
+    return fmt::format(
+        "under the best pose {:.0f} % as much planar area lies off the model's faces as on them, along some "
+        "direction; at most {:.0f} % may: is it the model of another place, or one that lacks walls?{}",
+        100 * best.doubt, 100 * options.most_doubt, kGiveLandmarks);
   if (fit.least_share < options.least_hold)
     return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
                        fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), kGiveLandmarks);

@@ -13,8 +13,14 @@ std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const
 
 std::string nothing_fits();
 
+// What is wrong with the model as a whole when the best pose has only `supported` of the planar area on
+// faces:
+// "" or words that say it is inside out or mirrored, because then much more lies on faces. Costs two
+// searches.
+std::string diagnose_model(device::Queue& queue, const ScanEvidence& scan, const PolygonModel& model,
+                           double supported, const AutomaticOptions& options);
+
 // Why the best pose is not accepted, most serious first; "" when it is.
-std::string doubts(const TileFit& fit, const SightShares& shares, const std::vector<RivalPose>& rivals,
-                   const AutomaticOptions& options);
+std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const AutomaticOptions& options);
 
 }  // namespace hybrid::stages

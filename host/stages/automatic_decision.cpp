@@ -1,5 +1,6 @@
 #include "stages/automatic_decision.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
 
@@ -20,37 +21,74 @@ double contradiction(Sight sight) {
   }
 }
 
+// A plane that the other pose lays on its faces too, but for a part.
+struct Said {
+  double all = 0, through = 0, in_front = 0;
+  double shared = 0;  // area that the other pose supports as well
+};
+
 }  // namespace
 
 Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLine>& pose,
                    const std::vector<SightLine>& other) {
-  Comparison result;
-  std::map<std::uint32_t, double> by_plane;
+  std::map<std::uint32_t, Said> by_plane;
   double total = 0, against = 0;
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    total += rays[k].area_m2;
-    if (pose[k].sight == Sight::supported)
-      by_plane[rays[k].plane] += rays[k].area_m2 * contradiction(other[k].sight);
-    if (other[k].sight == Sight::supported) {
-      const double cost = rays[k].area_m2 * contradiction(pose[k].sight);
-      against += cost;
-      by_plane[rays[k].plane] += 0;
-    }
+    const double area = rays[k].area_m2;
+    total += area;
+    if (other[k].sight == Sight::supported) against += area * contradiction(pose[k].sight);
+    if (pose[k].sight != Sight::supported) continue;
+    Said& said = by_plane[rays[k].plane];
+    said.all += area * contradiction(other[k].sight);
+    if (other[k].sight == Sight::through) said.through += area;
+    if (other[k].sight == Sight::in_front) said.in_front += area;
+    if (other[k].sight == Sight::supported) said.shared += area;
   }
+  Comparison result;
   if (!(total > 0)) return result;
-  double largest = 0;
-  for (const auto& [plane, area] : by_plane) {
-    result.for_it += area / total;
-    largest = std::max(largest, area / total);
+  for (auto& [plane, said] : by_plane) {
+    double firm = said.through;
+    if (said.shared >= said.in_front) {
+      said.all += (1 - contradiction(Sight::in_front)) * said.in_front;
+      firm += said.in_front;
+    }
+    result.for_it += said.all / total;
+    result.largest = std::max(result.largest, said.all / total);
+    result.largest_firm = std::max(result.largest_firm, firm / total);
   }
   result.against_it = against / total;
-  result.without_largest = result.for_it - largest;
   return result;
 }
 
 double strength(const Comparison& c, const MarginRule& rule) {
+  // What speaks against weighs threefold where a single plane speaks for the pose.
+  const double several = (c.without_largest() - c.against_it) / rule.least_without_largest;
+  const double firm = (c.largest_firm - 3 * c.against_it) / rule.least_firm;
+  const double single = (c.largest - 3 * c.against_it) / rule.least_single;
   return std::min({c.gap() / rule.least_gap, c.consistency() / rule.least_consistency,
-                   (c.without_largest - c.against_it) / rule.least_without_largest});
+                   std::max({several, firm, single})});
+}
+
+// A plane right beside a face is a similar room's: clutter seldom lies so.
+constexpr double kBeside = 1.5;
+
+double doubt(const ScanEvidence& scan, const std::vector<SightLine>& pose) {
+  Mat3 on = Mat3::Zero(), off = Mat3::Zero();
+  double total = 0;
+  for (std::size_t k = 0; k < pose.size(); ++k) {
+    const SightRay& ray = scan.rays[k];
+    total += ray.area_m2;
+    if (pose[k].sight == Sight::nothing) continue;
+    const Mat3 facing = ray.area_m2 * ray.normal * ray.normal.transpose();
+    if (pose[k].sight == Sight::supported)
+      on += facing;
+    else
+      off += (pose[k].sight == Sight::near ? kBeside : 1) * facing;
+  }
+  // A trace of support in every direction: where nothing supports, the doubt is large, not infinite.
+  on += 1e-6 * std::max(total, 1e-300) * Mat3::Identity();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Mat3> solver(off, on, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()(2);
 }
 
 }  // namespace hybrid::stages

@@ -13,8 +13,12 @@ namespace hybrid::stages {
 // within SightOptions::clear_m of the other's face say nothing, because faces are off by centimetres.
 struct Comparison {
   double for_it = 0, against_it = 0;
-  // for_it without the scan plane that says most: one piece of furniture can look like a wall.
-  double without_largest = 0;
+  // Of the scan plane that says most: all it says for the pose, and what of it is firm. Firm is what the
+  // other pose would see through its faces, and what of a wall goes on where the other pose has a recess: of
+  // a plane most of which lies on the other pose's faces too, what lies in front of them is no furniture and
+  // counts whole.
+  double largest = 0, largest_firm = 0;
+  double without_largest() const { return for_it - largest; }
   double gap() const { return for_it - against_it; }
   // 1: all evidence points one way; 0: as much speaks for one as for the other.
   double consistency() const {
@@ -25,14 +29,24 @@ struct Comparison {
 Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLine>& pose,
                    const std::vector<SightLine>& other);
 
-// The least that must speak for a pose against every rival.
+// The least that must speak for a pose against every rival, shares of the planar area. More than one plane
+// must speak (`least_without_largest`), as one piece of furniture can look like a wall; or one plane firmly
+// (`least_firm`); or one as large as a wall (`least_single`).
 struct MarginRule {
-  double least_gap = 0.01;
+  double least_gap = 0.006;
   double least_consistency = 0.6;
   double least_without_largest = 0.003;
+  double least_firm = 0.006;
+  double least_single = 0.06;
 };
 
 // How far the comparison is above the rule, as a factor; below 1 the rule fails.
 double strength(const Comparison& comparison, const MarginRule& rule);
+
+// How much of the planar area that faces along some direction contradicts a pose, against what of it supports
+// the pose, for the worst direction: 0 everything fits; 1 as much lies off the faces as on them, as when one
+// of two opposite walls of another room was laid on a wall of this one. What has no face before it is left
+// out.
+double doubt(const ScanEvidence& scan, const std::vector<SightLine>& pose);
 
 }  // namespace hybrid::stages

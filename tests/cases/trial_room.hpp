@@ -44,8 +44,9 @@ struct TrialRoom {
 };
 
 // kind: "box" (its proxy is symmetric), "niche" (a box whose proxy has one niche), "ell" (an L), "oblique"
-// (four walls, no two parallel), "hall" (a box with three niches). The true room has furniture and up to
-// three recesses that the proxy lacks; the proxy's faces are off by `proxy_error_m` (standard deviation).
+// (four walls, no two parallel), "hall" (a box with three niches), "alcoves" (as "niche", but what the proxy
+// lacks is as deep as its niche). The true room has furniture and up to three recesses that the proxy lacks;
+// the proxy's faces are off by `proxy_error_m` (standard deviation).
 TrialRoom make_trial_room(const std::string& kind, std::uint32_t seed, double proxy_error_m = 0);
 
 struct TrialScan {

@@ -214,12 +214,14 @@ TrialRoom make_trial_room(const std::string& kind, std::uint32_t seed, double pr
   TrialRoom room;
   RoomPlan plan{footprint_of(kind, draw), draw.within(2.4, 4), {}};
   Slots slots(plan, draw);
-  const int niches = kind == "niche" ? 1 : kind == "hall" ? 3 : 0;
+  const int niches = kind == "niche" || kind == "alcoves" ? 1 : kind == "hall" ? 3 : 0;
   for (int k = 0; k < niches; ++k) plan.recesses.push_back(slots.recess(0.3, 1.2));
   room.proxy_plan = plan;
   room.proxy = room_model(plan);
   const int unmodelled = draw.below(4);
-  for (int k = 0; k < unmodelled; ++k) plan.recesses.push_back(slots.recess(0.08, 0.35));
+  const bool deep = kind == "alcoves";
+  for (int k = 0; k < unmodelled; ++k)
+    plan.recesses.push_back(slots.recess(deep ? 0.3 : 0.08, deep ? 1.2 : 0.35));
   room.truth = room_model(plan);
   furnish(room, draw);
   if (proxy_error_m > 0) displace(room.proxy, draw, proxy_error_m);

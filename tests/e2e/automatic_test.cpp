@@ -1,0 +1,103 @@
+// Scans without landmarks, through the program.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "geometry/pose.hpp"
+#include "io/output.hpp"
+#include "program.hpp"
+
+namespace hybrid::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string without_landmarks(const fs::path& scene) {
+  std::string text = io::read_text(scene);
+  const auto remove = [&](const std::string& from, const std::string& to) {
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at))
+      text.erase(at, text.find(to, at) + to.size() - at);
+  };
+  remove("landmarks = [", "\n]\n");
+  return text;
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+nlohmann::json json_of(const fs::path& file) {
+  return nlohmann::json::parse(io::read_text(file));
+}
+
+}  // namespace
+
+TEST(AutomaticScene, the_symmetric_room_abstains_with_a_sheet_and_the_run_goes_on) {
+  const Scratch scratch;
+  std::string text = without_landmarks(room() / "scene.toml");
+  replace_all(text, "\"scans/", "\"" + (room() / "scans").string() + "/");
+  replace_all(text, "\"proxy.obj\"", "\"" + (room() / "proxy.obj").string() + "\"");
+  text.resize(text.find("[photographs]"));
+  io::write_text(scratch / "scene.toml", text);
+  const auto out = scratch / "out";
+  const auto outcome = run("hybrid run " + (scratch / "scene.toml").string() +
+                           " --only planes,register,report --quiet --out " + out.string());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_NE(outcome.err.find("automatic alignment abstains"), std::string::npos) << outcome.err;
+  for (const char* scan : {"west", "east"}) {
+    const auto pose = json_of(out / "scans" / scan / "pose.json");
+    EXPECT_EQ(pose["status"], "abstained");
+    EXPECT_EQ(pose["how"], "automatic");
+    EXPECT_TRUE(pose["world_from_scan"].is_null());
+    EXPECT_LT(pose["margin"], 0.001);
+    EXPECT_NE(pose["rivals"].dump().find("turned by 180 degrees about the vertical"), std::string::npos);
+    for (const char* file : {"scan.png", "model.png", "landmarks.toml"})
+      EXPECT_TRUE(fs::exists(out / "scans" / scan / "sheet" / file)) << file;
+    EXPECT_TRUE(fs::exists(out / "scans" / scan / "detail.ply"));
+  }
+  const auto page = io::read_text(out / "report" / "index.html");
+  EXPECT_NE(page.find("sheet/model.png"), std::string::npos);
+
+  // What the sheet asks for, filled in, settles it, and the sheet goes.
+  const auto once_more = run("hybrid register " + (room() / "scene.toml").string() +
+                             " --set register.automatic=first --quiet --force --out " + out.string());
+  EXPECT_EQ(once_more.exit_code, 0) << once_more.err;
+  const auto pose = json_of(out / "scans" / "west" / "pose.json");
+  EXPECT_EQ(pose["how"], "landmarks");
+  EXPECT_FALSE(pose["automatic"]["accepted"]);
+  EXPECT_FALSE(fs::exists(out / "scans" / "west" / "sheet"));
+}
+
+TEST(AutomaticScene, real_scans_are_aligned_as_their_landmarks_say) {
+  const char* folder = std::getenv("HYBRID_DATA");
+  const fs::path data = folder ? fs::path(folder) : fs::path(HYBRID_PROJECT_DIR) / ".." / "shared" / "data";
+  if (!fs::exists(data / "scans/pcl-room/room_scan1.pcd"))
+    GTEST_SKIP() << "no real scans at " << data << "; set HYBRID_DATA";
+  const fs::path scene = HYBRID_PROJECT_DIR "/datasets/pcl-room";
+  const Scratch scratch;
+  std::string text = without_landmarks(scene / "scene.toml");
+  replace_all(text, "${HYBRID_DATA:-../../../shared/data}", data.string());
+  replace_all(text, "\"proxy.obj\"", "\"" + (scene / "proxy.obj").string() + "\"");
+  io::write_text(scratch / "scene.toml", text);
+  const auto pose_of = [&](const std::string& out, const std::string& scan) {
+    const auto json = json_of(scratch / out / "scans" / scan / "pose.json");
+    EXPECT_EQ(json["how"], out) << scan;
+    return pose_from_row_major(json["world_from_scan"].get<std::array<double, 16>>());
+  };
+  const auto register_to = [&](const fs::path& file, const std::string& out) {
+    const auto outcome =
+        run("hybrid register " + file.string() + " --quiet --out " + (scratch / out).string());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  register_to(scratch / "scene.toml", "automatic");
+  register_to(scene / "scene.toml", "landmarks");
+  for (const char* scan : {"scan1", "scan2"}) {
+    const auto apart = difference(pose_of("automatic", scan), pose_of("landmarks", scan));
+    EXPECT_LT(apart.distance_m, 0.02) << scan;  // measured: 2 um, 0.5 um
+    EXPECT_LT(apart.angle_rad * 180 / M_PI, 0.2) << scan;
+  }
+}
+
+}  // namespace hybrid::e2e

@@ -1,0 +1,211 @@
+// Registration without clicks: accepted poses are right, and what cannot be told is not guessed.
+#include "stages/automatic.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "cases/closest_point_case.hpp"
+#include "cases/trial_room.hpp"
+#include "core/error.hpp"
+#include "device.hpp"
+#include "stages/automatic_words.hpp"
+#include "stages/tile_icp.hpp"
+
+namespace hybrid {
+namespace {
+
+using stages::AutomaticAlignment;
+using stages::AutomaticOptions;
+using stages::ScanEvidence;
+using testing::make_trial_room;
+using testing::scan_trial_room;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct Trial {
+  testing::TrialRoom room;
+  testing::TrialScan scan;
+  ScanEvidence evidence;
+};
+
+Trial trial(const std::string& kind, std::uint32_t seed, double crop = 1) {
+  Trial t{make_trial_room(kind, seed, 0.01), {}, {}};
+  t.scan = scan_trial_room(testing::queue(), t.room, seed, crop);
+  t.evidence = stages::gather_evidence(t.scan.image, t.scan.segmentation, 4000, 1);
+  return t;
+}
+
+AutomaticOptions levelled() {
+  AutomaticOptions options;
+  options.levelled = true;
+  return options;
+}
+
+AutomaticAlignment align(const ScanEvidence& evidence, const PolygonModel& proxy,
+                         const AutomaticOptions& options = levelled()) {
+  return stages::align_automatically(testing::queue(), evidence, proxy, options);
+}
+
+// As the issue counts: below 5 cm and 0.5 degrees before ICP.
+bool is_right(const AutomaticAlignment& alignment, const Pose& truth) {
+  const auto error = difference(truth, alignment.world_from_scan);
+  return error.distance_m < 0.05 && error.angle_rad < 0.5 * kDegree;
+}
+
+PolygonModel scaled(PolygonModel model, double factor) {
+  for (Vec3& v : model.vertices) v *= factor;
+  return model;
+}
+
+PolygonModel negated_x(PolygonModel model) {
+  for (Vec3& v : model.vertices) v.x() = -v.x();
+  return model;
+}
+
+}  // namespace
+
+TEST(Automatic, rooms_that_can_be_told_apart_are_aligned_and_none_wrongly) {
+  int accepted = 0, count = 0;
+  for (const char* kind : {"niche", "hall", "ell", "oblique"})
+    for (const std::uint32_t seed : {31u, 32u, 33u}) {
+      const Trial t = trial(kind, seed, seed == 33 ? 0.7 : 1);
+      const auto alignment = align(t.evidence, t.room.proxy);
+      ++count;
+      accepted += alignment.accepted;
+      EXPECT_TRUE(!alignment.accepted || is_right(alignment, t.scan.world_from_scan)) << kind << " " << seed;
+    }
+  EXPECT_GE(accepted, count - 2);
+}
+
+TEST(Automatic, a_symmetric_room_abstains_and_names_half_a_turn) {
+  for (const std::uint32_t seed : {41u, 42u, 43u}) {
+    const Trial t = trial("box", seed);
+    for (const bool is_levelled : {true, false}) {
+      AutomaticOptions options;
+      options.levelled = is_levelled;
+      const auto alignment = align(t.evidence, t.room.proxy, options);
+      EXPECT_FALSE(alignment.accepted);
+      EXPECT_LT(alignment.margin, 0.003);
+      bool half_turn = false;
+      for (const auto& rival : alignment.rivals)
+        half_turn |= rival.words.find("turned by 180 degrees about the vertical") != std::string::npos;
+      EXPECT_TRUE(half_turn) << seed;
+      EXPECT_NE(alignment.reason.find("another pose"), std::string::npos) << alignment.reason;
+    }
+  }
+}
+
+TEST(Automatic, a_scan_of_another_room_abstains) {
+  for (const char* kind : {"niche", "ell", "oblique"})
+    for (const std::uint32_t seed : {51u, 52u}) {
+      const Trial t = trial(kind, seed), other = trial(kind, seed + 100);
+      const auto alignment = align(t.evidence, other.room.proxy);
+      EXPECT_FALSE(alignment.accepted) << kind << " " << seed;
+      EXPECT_FALSE(alignment.reason.empty());
+    }
+}
+
+TEST(Automatic, the_direction_in_which_the_scanner_was_set_up_changes_nothing) {
+  const Trial t = trial("hall", 31);
+  const auto first = align(t.evidence, t.room.proxy);
+  ASSERT_TRUE(first.accepted) << first.reason;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(2.1, Vec3::UnitZ()));
+  const auto second = align(stages::turned(t.evidence, turn), t.room.proxy);
+  ASSERT_TRUE(second.accepted) << second.reason;
+  const Pose back = second.world_from_scan * Pose{1, turn, Vec3::Zero()};
+  const auto apart = difference(first.world_from_scan, back);
+  EXPECT_LT(apart.distance_m, 0.002);
+  EXPECT_LT(apart.angle_rad, 0.02 * kDegree);
+}
+
+TEST(Automatic, a_proxy_in_millimetres_inside_out_or_mirrored_is_named) {
+  const Trial t = trial("ell", 31);
+  ASSERT_TRUE(align(t.evidence, t.room.proxy).accepted);
+  const auto reason = [&](const PolygonModel& proxy) {
+    const auto alignment = align(t.evidence, proxy);
+    EXPECT_FALSE(alignment.accepted);
+    return alignment.reason;
+  };
+  EXPECT_NE(reason(scaled(t.room.proxy, 1000)).find("millimetres"), std::string::npos);
+  EXPECT_NE(reason(negated_x(t.room.proxy)).find("mirrored"), std::string::npos);
+  PolygonModel turned = t.room.proxy;
+  for (Face& face : turned.faces) {
+    std::reverse(face.outer.begin(), face.outer.end());
+    for (auto& hole : face.holes) std::reverse(hole.begin(), hole.end());
+  }
+  EXPECT_NE(reason(turned).find("inside out"), std::string::npos) << reason(turned);
+  PolygonModel mirrored = negated_x(turned);  // fronts inwards again
+  EXPECT_NE(reason(mirrored).find("is mirrored"), std::string::npos) << reason(mirrored);
+}
+
+TEST(Automatic, what_cannot_fix_a_pose_is_said) {
+  const Trial t = trial("ell", 31);
+  ScanEvidence two = t.evidence, parallel = t.evidence;
+  two.planes.resize(2);
+  EXPECT_NE(align(two, t.room.proxy).reason.find("at least 3 planes, the scan has 2"), std::string::npos);
+  EXPECT_NE(align({}, t.room.proxy).reason.find("the scan has 0"), std::string::npos);
+  for (auto& plane : parallel.planes) plane.plane.normal = Vec3::UnitX();
+  EXPECT_NE(align(parallel, t.room.proxy).reason.find("all parallel"), std::string::npos);
+  PolygonModel one = t.room.proxy;
+  one.faces.resize(1);
+  EXPECT_NE(align(t.evidence, one).reason.find("the model has 1"), std::string::npos);
+  AutomaticOptions free_scale = levelled();
+  free_scale.free_scale = true;
+  EXPECT_NE(align(t.evidence, t.room.proxy, free_scale).reason.find("free scale"), std::string::npos);
+}
+
+TEST(Automatic, broken_models_are_errors_that_name_the_face) {
+  const Trial t = trial("ell", 31);
+  const auto message = [&](const PolygonModel& proxy) -> std::string {
+    try {
+      align(t.evidence, proxy);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return error.what();
+    }
+    return "";
+  };
+  PolygonModel flat = t.room.proxy;
+  flat.faces[3].outer = {0, 1, 1};
+  flat.faces[3].holes.clear();
+  EXPECT_NE(message(flat).find(flat.faces[3].name), std::string::npos) << message(flat);
+  PolygonModel nan = t.room.proxy;
+  nan.vertices[2].y() = std::nan("");
+  EXPECT_NE(message(nan).find("vertex 2"), std::string::npos) << message(nan);
+  EXPECT_NE(message({}).find("at least one face"), std::string::npos);
+}
+
+// FINDINGS: from 1 m and 20 degrees; here half of it, as hypotheses are nearer.
+TEST(TileIcp, comes_back_from_half_a_metre_and_ten_degrees) {
+  const Trial t = trial("hall", 32);
+  const auto shapes = stages::measure_model(make_trial_room("hall", 32).proxy);
+  for (int k = 0; k < 10; ++k) {
+    testing::Draw draw(7, static_cast<std::uint32_t>(k));
+    const auto axis = [&] { return Vec3(draw.normal(), draw.normal(), draw.normal()).normalized(); };
+    Pose start = t.scan.world_from_scan;
+    start.translation += 0.5 * axis();
+    start.rotation = Eigen::AngleAxisd(10 * kDegree, axis()) * start.rotation;
+    const auto error =
+        difference(t.scan.world_from_scan, stages::fit_tiles(t.evidence, shapes, start).world_from_scan);
+    EXPECT_LT(error.distance_m, 0.002) << k;
+    EXPECT_LT(error.angle_rad, 0.02 * kDegree) << k;
+  }
+}
+
+TEST(AutomaticWords, motions_read_as_people_say_them) {
+  Pose from, to;
+  from.translation = {1, 2, 1.5};
+  to = from;
+  EXPECT_EQ(stages::motion_in_words(from, to), "the same place");
+  to.rotation = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ());
+  to.translation = {4, 6, 1.5};
+  EXPECT_EQ(stages::motion_in_words(from, to),
+            "turned by 180 degrees about the vertical, the scanner moved by 5.00 m to (4.00, 6.00, 1.50)");
+  to.rotation = Eigen::AngleAxisd(-std::numbers::pi / 2, Vec3::UnitZ());
+  to.translation = from.translation;
+  EXPECT_EQ(stages::motion_in_words(from, to), "turned by -90 degrees about the vertical");
+}
+
+}  // namespace hybrid
