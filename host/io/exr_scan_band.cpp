@@ -4,6 +4,7 @@
 #include <ImfFrameBuffer.h>
 
 #include <algorithm>
+#include <limits>
 #include <span>
 
 #include "core/error.hpp"
@@ -101,12 +102,12 @@ ExrScanBand::ExrScanBand(const ExrScanChannels& channels, int cols, const Imf::H
   if (channels_.colour) colour.resize(3 * most);
 }
 
-void ExrScanBand::read(Imf::InputFile& file, int first_row, int rows) {
+Imf::FrameBuffer ExrScanBand::buffer(int first_row, int rows) {
   count_ = width_ * static_cast<std::size_t>(rows);
   const Imath::V2i origin(corner_.x, corner_.y + first_row);
-  Imf::FrameBuffer buffer;
+  Imf::FrameBuffer result;
   const auto add = [&](const char* name, Imf::PixelType type, void* at, std::size_t step) {
-    buffer.insert(name, Imf::Slice::Make(type, at, origin, static_cast<std::int64_t>(width_), rows, step,
+    result.insert(name, Imf::Slice::Make(type, at, origin, static_cast<std::int64_t>(width_), rows, step,
                                          step * width_));
   };
   if (channels_.points) {
@@ -123,8 +124,50 @@ void ExrScanBand::read(Imf::InputFile& file, int first_row, int rows) {
     add("G", Imf::HALF, &colour[1], 3 * sizeof(half));
     add("B", Imf::HALF, &colour[2], 3 * sizeof(half));
   }
-  file.setFrameBuffer(buffer);
-  file.readPixels(origin.y, origin.y + rows - 1);
+  return result;
+}
+
+void ExrScanBand::read(Imf::InputFile& file, int first_row, int rows) {
+  file.setFrameBuffer(buffer(first_row, rows));
+  file.readPixels(corner_.y + first_row, corner_.y + first_row + rows - 1);
+}
+
+std::uint64_t ExrScanBand::salvage(Imf::InputFile& lines, Imf::TiledInputFile* tiles, int first_row, int rows,
+                                   std::string& problem) {
+  for (auto* values : {&x, &y, &z, &range})
+    std::ranges::fill(*values, std::numeric_limits<float>::quiet_NaN());
+  std::ranges::fill(intensity, 0.0f);
+  for (auto* values : {&mask, &source}) std::ranges::fill(*values, 0);
+  std::ranges::fill(colour, half(0.0f));
+  std::uint64_t lost = 0;
+  const auto attempt = [&](int from, int to, int left, int right, const auto& body) {
+    try {
+      body();
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      if (problem.empty())
+        problem = fmt::format("rows {} to {}, columns {} to {}: expected pixels, found damage ({})", from, to,
+                              left, right, error.what());
+      lost += static_cast<std::uint64_t>(to - from + 1) * static_cast<std::uint64_t>(right - left + 1);
+    }
+  };
+  if (!tiles) {
+    lines.setFrameBuffer(buffer(first_row, rows));
+    for (int row = first_row; row < first_row + rows; ++row)
+      attempt(row, row, 0, static_cast<int>(width_) - 1,
+              [&] { lines.readPixels(corner_.y + row, corner_.y + row); });
+    return lost;
+  }
+  tiles->setFrameBuffer(buffer(first_row, rows));
+  const int high = static_cast<int>(tiles->tileYSize());
+  for (int ty = first_row / high; ty * high < first_row + rows; ++ty)
+    for (int tx = 0; tx < tiles->numXTiles(); ++tx) {
+      const Imath::Box2i window = tiles->dataWindowForTile(tx, ty);
+      attempt(window.min.y - corner_.y, window.max.y - corner_.y, window.min.x - corner_.x,
+              window.max.x - corner_.x, [&] { tiles->readTile(tx, ty); });
+    }
+  return lost;
 }
 
 void ExrScanBand::add_to(RangeChecksum& sum) const {

@@ -1,6 +1,8 @@
 #pragma once
+#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfTiledInputFile.h>
 #include <half.h>
 
 #include <cstdint>
@@ -32,6 +34,10 @@ class ExrScanBand {
   }
   // Rows from `first_row` on, counted from the top of the data window. Lets the library's exceptions pass.
   void read(Imf::InputFile& file, int first_row, int rows);
+  // The same of a damaged file, tile by tile, or line by line where `tiles` is null. What cannot be read is
+  // NaN and empty; returns how many nodes that are, and in `problem` where the first lie and why.
+  std::uint64_t salvage(Imf::InputFile& lines, Imf::TiledInputFile* tiles, int first_row, int rows,
+                        std::string& problem);
   // What was read last.
   void add_to(RangeChecksum& sum) const;
 
@@ -41,6 +47,8 @@ class ExrScanBand {
   std::vector<half> colour;  // three per node
 
  private:
+  Imf::FrameBuffer buffer(int first_row, int rows);
+
   ExrScanChannels channels_;
   Imath::V2i corner_;  // of the data window
   int rows_;

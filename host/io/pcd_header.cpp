@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/error.hpp"
+#include "io/salvage.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -140,14 +141,26 @@ void read_viewpoint(const std::string& file, const Lines& lines, PcdHeader& head
 
 }  // namespace
 
-PcdHeader read_pcd_header(InputFile& input) {
+PcdHeader read_pcd_header(InputFile& input, bool salvage) {
   const std::string& file = input.name();
   TextCursor cursor(input, start_of_text(input), 1, kLongestHeaderLine_bytes);
   const Lines lines(file, cursor);
   PcdHeader header;
   read_fields(file, lines, header);
-  read_extent(file, lines, header);
-  read_viewpoint(file, lines, header);
+  const auto forgive = [&](const auto& read, const auto& instead) {
+    try {
+      read(file, lines, header);
+    } catch (const Error& error) {
+      if (!salvage || error.kind() != ErrorKind::input) throw;
+      header.notes.push_back(Damage(file).shortened(error.what()));
+      instead();
+    }
+  };
+  forgive(read_extent, [&] {
+    header.points = header.width = lines.whole("POINTS", 0, 1);
+    header.height = 1;
+  });
+  forgive(read_viewpoint, [&] { header.viewpoint = PcdHeader{}.viewpoint; });
   const std::string_view data = lines.values("DATA", 1)[0];
   if (data == "binary")
     header.data = PcdData::binary;

@@ -33,7 +33,7 @@ run_one() {  # until the executions of all runs together are reached, or a findi
     # One allocation of 64 MiB, for inputs of some kilobytes, is a finding, as is a second for one input.
     HYBRID_FUZZ_TARGET=$target nice -n 19 "$fuzz" -runs=$((executions - done)) -max_total_time="$seconds" \
       -max_len="$size" -malloc_limit_mb=64 -rss_limit_mb=3000 -timeout=10 -print_final_stats=1 \
-      -artifact_prefix="$found/" -reload=0 "$corpus" >"$log" 2>&1
+      -artifact_prefix="$found/" -reload=0 -entropic=0 "$corpus" >"$log" 2>&1
     status=$?
     done=$((done + $(awk '/stat::number_of_executed_units/ { n = $2 } END { print n + 0 }' "$log")))
     echo "$done" >"$count"

@@ -14,7 +14,7 @@ namespace hybrid::testing {
 // ErrorKind::input, and what it gives keeps the promises of geometry/scan.hpp; anything else is a finding,
 // which is another exception here. The fuzzer (fuzz.cpp) and the replay of the corpus run the same targets.
 struct FuzzTarget {
-  std::string name;            // and the folder of its corpus
+  std::string name{};          // and the folder of its corpus
   std::filesystem::path file;  // that it reads, in a folder of its own; empty: it takes the bytes themselves
   std::size_t most_bytes;      // of an input: small ones run fast and reach the same code
   // Inputs to start from; writes the files that must lie beside.
