@@ -108,8 +108,8 @@ class Reader {
     } catch (const std::exception& error) {
       fail_input(
           "{}: expected an OpenEXR range image, found another or a damaged file ({}); copy or write it "
-          "again",
-          file_, error.what());
+          "again, {}",
+          file_, error.what(), kSalvageRemedy);
     }
   }
 
@@ -160,7 +160,6 @@ class Reader {
     const bool checked = text_attribute(header(), kFormat) == kFormatName;
     ExrScanBand band(channels_, cols_, header());
     RangeChecksum sum(rows_, cols_, scan.range_grid && scan.range_grid->wraps, elevation_rad_, azimuth_rad_);
-    std::unique_ptr<Imf::TiledInputFile> tiles;
     std::uint64_t lost = 0;
     std::string problem;
     for (int row = 0; row < rows_; row += band.rows()) {
@@ -170,9 +169,7 @@ class Reader {
           band.read(*in_, row, count);
         } catch (const std::exception&) {
           if (!salvage_) throw;
-          if (header().hasTileDescription() && !tiles)
-            tiles = std::make_unique<Imf::TiledInputFile>(path_.c_str(), start_exr_threads());
-          lost += band.salvage(*in_, tiles.get(), row, count, problem);
+          lost += band.salvage(file_, header().hasTileDescription(), row, count, problem);
         }
       });
       if (checked) band.add_to(sum);

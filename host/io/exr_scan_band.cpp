@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <span>
 
 #include "core/error.hpp"
+#include "io/exr_threads.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -132,7 +134,7 @@ void ExrScanBand::read(Imf::InputFile& file, int first_row, int rows) {
   file.readPixels(corner_.y + first_row, corner_.y + first_row + rows - 1);
 }
 
-std::uint64_t ExrScanBand::salvage(Imf::InputFile& lines, Imf::TiledInputFile* tiles, int first_row, int rows,
+std::uint64_t ExrScanBand::salvage(const std::string& file, bool tiled, int first_row, int rows,
                                    std::string& problem) {
   for (auto* values : {&x, &y, &z, &range})
     std::ranges::fill(*values, std::numeric_limits<float>::quiet_NaN());
@@ -140,33 +142,46 @@ std::uint64_t ExrScanBand::salvage(Imf::InputFile& lines, Imf::TiledInputFile* t
   for (auto* values : {&mask, &source}) std::ranges::fill(*values, 0);
   std::ranges::fill(colour, half(0.0f));
   std::uint64_t lost = 0;
-  const auto attempt = [&](int from, int to, int left, int right, const auto& body) {
+  // Opened again after each failure, which leaves the library's stream at its end.
+  std::unique_ptr<Imf::InputFile> by_line;
+  std::unique_ptr<Imf::TiledInputFile> by_tile;
+  const auto open = [&] {
+    if (tiled && !by_tile) {
+      by_tile = std::make_unique<Imf::TiledInputFile>(file.c_str(), start_exr_threads());
+      by_tile->setFrameBuffer(buffer(first_row, rows));
+    } else if (!tiled && !by_line) {
+      by_line = std::make_unique<Imf::InputFile>(file.c_str(), start_exr_threads());
+      by_line->setFrameBuffer(buffer(first_row, rows));
+    }
+  };
+  const auto attempt = [&](const Imath::Box2i& nodes, const auto& body) {
     try {
+      open();
       body();
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {
+      by_line.reset();
+      by_tile.reset();
       if (problem.empty())
-        problem = fmt::format("rows {} to {}, columns {} to {}: expected pixels, found damage ({})", from, to,
-                              left, right, error.what());
-      lost += static_cast<std::uint64_t>(to - from + 1) * static_cast<std::uint64_t>(right - left + 1);
+        problem = fmt::format("rows {} to {}, columns {} to {}: expected pixels, found damage ({})",
+                              nodes.min.y, nodes.max.y, nodes.min.x, nodes.max.x, error.what());
+      lost += static_cast<std::uint64_t>(nodes.max.y - nodes.min.y + 1) *
+              static_cast<std::uint64_t>(nodes.max.x - nodes.min.x + 1);
     }
   };
-  if (!tiles) {
-    lines.setFrameBuffer(buffer(first_row, rows));
+  const int cols = static_cast<int>(width_);
+  if (!tiled) {
     for (int row = first_row; row < first_row + rows; ++row)
-      attempt(row, row, 0, static_cast<int>(width_) - 1,
-              [&] { lines.readPixels(corner_.y + row, corner_.y + row); });
+      attempt({{0, row}, {cols - 1, row}}, [&] { by_line->readPixels(corner_.y + row, corner_.y + row); });
     return lost;
   }
-  tiles->setFrameBuffer(buffer(first_row, rows));
-  const int high = static_cast<int>(tiles->tileYSize());
-  for (int ty = first_row / high; ty * high < first_row + rows; ++ty)
-    for (int tx = 0; tx < tiles->numXTiles(); ++tx) {
-      const Imath::Box2i window = tiles->dataWindowForTile(tx, ty);
-      attempt(window.min.y - corner_.y, window.max.y - corner_.y, window.min.x - corner_.x,
-              window.max.x - corner_.x, [&] { tiles->readTile(tx, ty); });
-    }
+  open();
+  const int high = static_cast<int>(by_tile->tileYSize()), wide = static_cast<int>(by_tile->tileXSize());
+  for (int row = first_row; row < first_row + rows; row += high)
+    for (int col = 0; col < cols; col += wide)
+      attempt({{col, row}, {std::min(col + wide, cols) - 1, std::min(row + high, first_row + rows) - 1}},
+              [&] { by_tile->readTile(col / wide, row / high); });
   return lost;
 }
 

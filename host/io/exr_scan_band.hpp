@@ -34,10 +34,9 @@ class ExrScanBand {
   }
   // Rows from `first_row` on, counted from the top of the data window. Lets the library's exceptions pass.
   void read(Imf::InputFile& file, int first_row, int rows);
-  // The same of a damaged file, tile by tile, or line by line where `tiles` is null. What cannot be read is
-  // NaN and empty; returns how many nodes that are, and in `problem` where the first lie and why.
-  std::uint64_t salvage(Imf::InputFile& lines, Imf::TiledInputFile* tiles, int first_row, int rows,
-                        std::string& problem);
+  // The same of a damaged file, tile by tile or line by line. What cannot be read is NaN and empty; returns
+  // how many nodes that are, and in `problem` where the first lie and why.
+  std::uint64_t salvage(const std::string& file, bool tiled, int first_row, int rows, std::string& problem);
   // What was read last.
   void add_to(RangeChecksum& sum) const;
 

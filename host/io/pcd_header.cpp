@@ -115,7 +115,8 @@ void read_extent(const std::string& file, const Lines& lines, PcdHeader& header)
   header.points = header.width * header.height;
   if (lines.has("POINTS") && lines.whole("POINTS", 0, 1) != header.points)
     fail_input(
-        "{}: line {}: expected POINTS to be WIDTH x HEIGHT = {} x {} = {}, found {}; correct the header",
+        "{}: line {}: expected POINTS to be WIDTH x HEIGHT = {} x {} = {}, found {}; correct the header, "
+        "or use --salvage",
         file, lines.number("POINTS"), header.width, header.height, header.points,
         lines.whole("POINTS", 0, 1));
 }
@@ -135,7 +136,7 @@ void read_viewpoint(const std::string& file, const Lines& lines, PcdHeader& head
     fail_input(
         "{}: line {}: expected a unit quaternion qw qx qy qz in VIEWPOINT, found one of squared length {}; "
         "write 0 0 0 "
-        "1 0 0 0 when the scanner's pose is unknown",
+        "1 0 0 0 when the scanner's pose is unknown, or use --salvage",
         file, lines.number("VIEWPOINT"), norm2);
 }
 

@@ -164,7 +164,7 @@ std::vector<ScanEntry> list_damaged(InputFile& input) {
       entries.back().structure = kColumns[numbers];
   }
   for (ScanEntry& entry : entries)
-    if (entry.structure.empty() && entry.announced.value_or(1) > 0)
+    if (entry.structure.empty() && (entry.samples > 0 || entry.announced.value_or(1) > 0))
       entry.problem = fmt::format(
           "{}: line {}: expected points of 3, 4, 6 or 7 numbers, found none; copy or export the file again",
           input.name(), entry.line);

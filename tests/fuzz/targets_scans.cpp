@@ -25,7 +25,13 @@ std::vector<std::optional<Scan>> read_all(const fs::path& file, bool salvage) {
 }
 
 void read_both_ways(const fs::path& file, std::string_view) {
-  const auto strict = read_all(file, false), salvaged = read_all(file, true);
+  auto strict = read_all(file, false);
+  const auto salvaged = read_all(file, true);
+  // Of a file with a damaged scan salvage may tell the scans apart in another way.
+  if (std::any_of(strict.begin(), strict.end(), [](const auto& scan) { return !scan; })) {
+    for (const auto& scan : strict) check_salvage({}, scan);
+    strict.clear();
+  }
   for (std::size_t i = 0; i < std::max(strict.size(), salvaged.size()); ++i)
     check_salvage(i < strict.size() ? strict[i] : std::nullopt,
                   i < salvaged.size() ? salvaged[i] : std::nullopt);

@@ -14,7 +14,7 @@ namespace hybrid::io {
 namespace {
 
 constexpr std::uint64_t kChunk_bytes = 1020 << 10, kOverlap_bytes = 1020;
-constexpr std::uint64_t kSectionHeader_bytes = 32;
+constexpr std::uint64_t kFileHeader_bytes = 48, kSectionHeader_bytes = 32;
 constexpr std::size_t kMostTold = 8;
 
 // Calls take(offset, bytes) over the whole file in chunks that overlap, until it returns true.
@@ -69,7 +69,7 @@ std::optional<E57Stretch> find_description(const PagedFile& file) {
 
 std::string tell_tables(const PagedFile& file) {
   std::vector<std::string> told;
-  std::uint64_t next = 0, count = 0;
+  std::uint64_t next = kFileHeader_bytes, count = 0;
   for_chunks(file, [&](std::uint64_t at, std::string_view bytes) {
     // Sections start at multiples of four.
     for (std::uint64_t place = std::max((at + 3) / 4 * 4, next); place < at + bytes.size(); place += 4) {
