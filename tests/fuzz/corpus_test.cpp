@@ -9,6 +9,11 @@
 #include "io/files.hpp"
 
 namespace hybrid::testing {
+
+static void PrintTo(const FuzzTarget& target, std::ostream* out) {
+  *out << target.name;
+}
+
 namespace {
 namespace fs = std::filesystem;
 
