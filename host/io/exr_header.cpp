@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 
 #include "core/error.hpp"
 #include "io/scalar_type.hpp"
@@ -135,6 +136,77 @@ class HeaderWalk {
 
   std::int32_t whole(std::uint64_t at) { return load_as<std::int32_t>(input_.at(at, 4), false); }
 
+  // The library reads these types by what they are, not by the size that is written: with another size it
+  // would take other bytes for the next attribute's than this walk, and their size on trust.
+  void check_size(const std::string& name, const std::string& type, std::int64_t size) {
+    static const std::map<std::string_view, std::int64_t> kSizes{{"box2f", 16},
+                                                                 {"box2i", 16},
+                                                                 {"chromaticities", 32},
+                                                                 {"compression", 1},
+                                                                 {"deepImageState", 1},
+                                                                 {"double", 8},
+                                                                 {"envmap", 1},
+                                                                 {"float", 4},
+                                                                 {"int", 4},
+                                                                 {"keycode", 28},
+                                                                 {"lineOrder", 1},
+                                                                 {"m33d", 72},
+                                                                 {"m33f", 36},
+                                                                 {"m44d", 128},
+                                                                 {"m44f", 64},
+                                                                 {"rational", 8},
+                                                                 {"tiledesc", 9},
+                                                                 {"timecode", 8},
+                                                                 {"v2d", 16},
+                                                                 {"v2f", 8},
+                                                                 {"v2i", 8},
+                                                                 {"v3d", 24},
+                                                                 {"v3f", 12},
+                                                                 {"v3i", 12}};
+    std::int64_t needed = size;
+    if (const auto found = kSizes.find(type); found != kSizes.end()) needed = found->second;
+    if (type == "chlist") needed = list_of_channels(size);
+    if (type == "floatvector") needed = size / 4 * 4;
+    if (type == "stringvector") needed = texts(size);
+    if (type == "preview") {
+      const std::int64_t width = size < 8 ? 0 : static_cast<std::uint32_t>(whole(at_));
+      const std::int64_t height = size < 8 ? 0 : static_cast<std::uint32_t>(whole(at_ + 4));
+      const bool small = width <= size && height <= size;
+      needed = small ? 8 + 4 * width * height : size + 1;
+    }
+    if (needed != size)
+      fail_input(
+          "{}: byte {}: expected attribute {} of type {} to have {} bytes, found {}; the file is damaged: "
+          "copy it "
+          "again",
+          file_, at_, in_quotes(name), in_quotes(type), needed, size);
+  }
+
+  // Lengths, each followed by as many bytes.
+  std::int64_t texts(std::int64_t size) {
+    std::int64_t taken = 0;
+    while (taken < size && taken >= 0) {
+      const std::int64_t length =
+          size - taken < 4 ? -1 : std::int64_t{whole(at_ + static_cast<std::uint64_t>(taken))};
+      taken = length < 0 || length > size - taken - 4 ? -1 : taken + 4 + length;
+    }
+    return taken;
+  }
+
+  // Names, each with 16 bytes, to an empty one; -1 when it does not end within `size`.
+  std::int64_t list_of_channels(std::int64_t size) {
+    const std::string_view list(input_.at(at_, static_cast<std::uint64_t>(std::min(size, kMostChannelBytes))),
+                                static_cast<std::size_t>(std::min(size, kMostChannelBytes)));
+    std::size_t at = 0;
+    while (at < list.size()) {
+      const std::size_t end = list.find('\0', at);
+      if (end == list.npos) return -1;
+      if (end == at) return static_cast<std::int64_t>(at + 1);
+      at = end + 1 + 16;
+    }
+    return -1;
+  }
+
   void attribute(const std::string& name) {
     const std::string type = text();
     if (input_.size() - at_ < 4) fail_at("the size of an attribute");
@@ -146,6 +218,7 @@ class HeaderWalk {
           "or "
           "damaged: copy it again",
           file_, at_, size, in_quotes(name), input_.size() - at_);
+    check_size(name, type, size);
     if (name == "dataWindow" && type == "box2i" && size == 16) {
       part_.left = whole(at_);
       part_.top = whole(at_ + 4);
@@ -160,13 +233,13 @@ class HeaderWalk {
       part_.compression = static_cast<unsigned char>(*input_.at(at_, 1));
     // Of a single part the flags tell.
     if (name == "type" && type == "string") {
-      const std::string_view kind =
-          input_.at(at_, static_cast<std::size_t>(std::min<std::int64_t>(size, 16)));
+      const auto length = static_cast<std::size_t>(std::min<std::int64_t>(size, 16));
+      const std::string_view kind(input_.at(at_, length), length);
       if (kind.starts_with("deep")) fail_deep(at_);
-      part_.tiled = kind == "tiledimage";
+      if (several_) part_.tiled = kind == "tiledimage";
     }
-    if (name == "channels") channel_bytes_ += size;
-    if (name == "channels" && channel_bytes_ > kMostChannelBytes)
+    if (type == "chlist") channel_bytes_ += size;
+    if (channel_bytes_ > kMostChannelBytes)
       fail_input(
           "{}: byte {}: expected at most {} bytes that describe channels, found {}; is this a range image?",
           file_, at_, kMostChannelBytes, channel_bytes_);

@@ -2,7 +2,10 @@
 
 #include <ImfPartType.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <new>
 
 namespace hybrid::io {
 namespace {
@@ -23,8 +26,14 @@ Imf::FrameBuffer only(const Imf::ChannelList& channels, const Imf::FrameBuffer& 
 
 }  // namespace
 
-ExrParts::ExrParts(const std::filesystem::path& file, int threads)
-    : file_(std::make_unique<Imf::MultiPartInputFile>(file.c_str(), threads)), header_(file_->header(0)) {
+ExrParts::ExrParts(const std::filesystem::path& file, int threads) : path_(file), threads_(threads) {
+  open();
+}
+
+void ExrParts::open() {
+  parts_.clear();
+  file_ = std::make_unique<Imf::MultiPartInputFile>(path_.c_str(), threads_);
+  header_ = file_->header(0);
   first_ = header_.dataWindow().min.y;
   last_ = header_.dataWindow().max.y;
   band_rows_ = kBandRows;
@@ -70,6 +79,48 @@ void ExrParts::read(const Imf::FrameBuffer& buffer, int row, int count) {
       part.lines->readPixels(first_ + row, first_ + row + count - 1);
     }
   }
+}
+
+std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem) {
+  std::vector<bool> lost(static_cast<std::size_t>(count) * static_cast<std::size_t>(cols()));
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Imf::FrameBuffer own = only(parts_[i].channels, buffer);
+    if (own.begin() == own.end()) continue;
+    // Rows [top, end) of columns [left, right), counted from the data window's corner.
+    const auto attempt = [&](int top, int end, int left, int right, const auto& body) {
+      try {
+        body(parts_[i]);
+      } catch (const std::bad_alloc&) {
+        throw;
+      } catch (const std::exception& error) {
+        open();  // a failure leaves the library's stream at its end
+        if (problem.empty())
+          problem = fmt::format("rows {} to {}, columns {} to {}: expected pixels, found damage ({})", top,
+                                end - 1, left, right - 1, error.what());
+        for (int r = top; r < end; ++r)
+          for (int c = left; c < right; ++c)
+            lost[static_cast<std::size_t>(r - row) * static_cast<std::size_t>(cols()) +
+                 static_cast<std::size_t>(c)] = true;
+      }
+    };
+    if (!parts_[i].tiles) {
+      for (int r = row; r < row + count; ++r)
+        attempt(r, r + 1, 0, cols(), [&](Part& part) {
+          part.lines->setFrameBuffer(own);
+          part.lines->readPixels(first_ + r, first_ + r);
+        });
+      continue;
+    }
+    const int high = static_cast<int>(parts_[i].tiles->tileYSize()),
+              wide = static_cast<int>(parts_[i].tiles->tileXSize());
+    for (int r = row; r < row + count; r += high)
+      for (int c = 0; c < cols(); c += wide)
+        attempt(r, std::min(r + high, row + count), c, std::min(c + wide, cols()), [&](Part& part) {
+          part.tiles->setFrameBuffer(own);
+          part.tiles->readTile(c / wide, r / high);
+        });
+  }
+  return static_cast<std::uint64_t>(std::count(lost.begin(), lost.end(), true));
 }
 
 std::vector<Imf::Header> ExrPartsWriter::headers_of(const Imf::Header& header,

@@ -33,13 +33,20 @@ class ExrParts {
   // Fills the buffer's slices with rows from `row` on, counted from the top of the data window; `row` is a
   // multiple of band_rows(), and so is `count` but at the image's end.
   void read(const Imf::FrameBuffer& buffer, int row, int count);
+  // The same of a damaged file, tile by tile or line by line. Leaves the slices of what cannot be read as
+  // they are; returns how many nodes lack a channel, and in `problem` where the first lie and why.
+  std::uint64_t salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem);
 
  private:
+  void open();
+
   struct Part {
     Imf::ChannelList channels;
     std::optional<Imf::TiledInputPart> tiles;  // of tiles that fit into a band; else:
     std::optional<Imf::InputPart> lines;
   };
+  std::filesystem::path path_;
+  int threads_;
   std::unique_ptr<Imf::MultiPartInputFile> file_;
   std::vector<Part> parts_;
   Imf::Header header_;

@@ -19,6 +19,7 @@
 #include "io/ply.hpp"
 #include "io/range_checksum.hpp"
 #include "io/range_exr_header.hpp"
+#include "io/salvage.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -35,17 +36,15 @@ bool descends(const std::vector<double>& angles) {
 
 class Reader {
  public:
-  explicit Reader(const fs::path& path) : path_(path), file_(path.string()) {
+  Reader(const fs::path& path, bool salvage) : path_(path), file_(path.string()), salvage_(salvage) {
     {
       InputFile input(path);
       check_exr_header(input);
     }
     guarded([&] { in_ = std::make_unique<ExrParts>(path, start_exr_threads()); });
     if (!in_->complete())
-      fail_input(
-          "{}: tiles: expected all tiles or lines, found some missing; the file is cut short: copy or write "
-          "it again",
-          file_);
+      forgive("tiles: expected all tiles or lines, found some missing",
+              "the file is cut short: copy or write it again");
     rows_ = in_->rows();
     cols_ = in_->cols();
     if (nodes() > std::numeric_limits<std::uint32_t>::max() - 1)
@@ -74,9 +73,11 @@ class Reader {
     scan.grid_rows = rows_;
     scan.grid_cols = cols_;
     scan.row_by_row = true;
-    scan.world_from_scan = pose_attribute(file_, header());
+    unless_salvaged([&] { scan.world_from_scan = pose_attribute(file_, header()); });
     channels_ = find_exr_scan_channels(file_, header());
-    scan.notes = channels_.notes;
+    scan.notes = notes_;
+    scan.notes.insert(scan.notes.end(), channels_.notes.begin(), channels_.notes.end());
+    notes_.clear();
     note_attributes(scan);
     // Before memory is taken for the samples: the tables have an angle per row and column.
     read_grid(scan);
@@ -84,7 +85,8 @@ class Reader {
     allocate(scan);
     read_bands(scan);
     note_states(scan);
-    if (extra > 0 && scan.range_grid) add_extra(scan, extra);
+    if (extra > 0 && scan.range_grid) unless_salvaged([&] { add_extra(scan, extra); });
+    scan.notes.insert(scan.notes.end(), notes_.begin(), notes_.end());
     return scan;
   }
 
@@ -92,6 +94,21 @@ class Reader {
   const Imf::Header& header() const { return in_->header(); }
   std::uint64_t nodes() const {
     return static_cast<std::uint64_t>(rows_) * static_cast<std::uint64_t>(cols_);
+  }
+
+  // An error, in salvage a note.
+  void forgive(const std::string& problem, const char* remedy) {
+    if (!salvage_) fail_input("{}: {}; {}, {}", file_, problem, remedy, kSalvageRemedy);
+    notes_.push_back(problem);
+  }
+  template <typename Body>
+  void unless_salvaged(const Body& body) {
+    try {
+      body();
+    } catch (const Error& error) {
+      if (!salvage_ || error.kind() != ErrorKind::input) throw;
+      notes_.push_back(Damage(file_).shortened(error.what()) + ": left out");
+    }
   }
 
   template <typename Body>
@@ -105,8 +122,8 @@ class Reader {
     } catch (const std::exception& error) {
       fail_input(
           "{}: expected an OpenEXR range image, found another or a damaged file ({}); copy or write it "
-          "again",
-          file_, error.what());
+          "again, {}",
+          file_, error.what(), kSalvageRemedy);
     }
   }
 
@@ -157,15 +174,32 @@ class Reader {
     const bool checked = is_range_format(text_attribute(header(), kFormat));
     ExrScanBand band(channels_, *in_);
     RangeChecksum sum(rows_, cols_, scan.range_grid && scan.range_grid->wraps, elevation_rad_, azimuth_rad_);
+    std::uint64_t lost = 0;
+    std::string problem;
     for (int row = 0; row < rows_; row += band.rows()) {
       const int count = std::min(band.rows(), rows_ - row);
-      guarded([&] { band.read(*in_, row, count); });
+      guarded([&] {
+        try {
+          band.read(*in_, row, count);
+        } catch (const std::exception&) {
+          if (!salvage_) throw;
+          lost += band.salvage(*in_, row, count, problem);
+        }
+      });
       if (checked) band.add_to(sum);
       for (int r = 0; r < count; ++r) take_row(band, r, row + r, scan);
     }
-    if (checked && sum.text() != text_attribute(header(), kChecksum))
-      fail_input("{}: content: expected checksum {}, found {}; the file is damaged: copy or write it again",
-                 file_, text_attribute(header(), kChecksum), sum.text());
+    if (lost == nodes() && lost > 0)
+      fail_input("{}: {}, and so in all of it; copy or write it again", file_, problem);
+    if (lost > 0) {
+      Damage damage(file_);
+      damage.add(lost, problem);
+      notes_.push_back(damage.note(nodes()));
+    } else if (checked && sum.text() != text_attribute(header(), kChecksum)) {
+      forgive(fmt::format("content: expected checksum {}, found {}", text_attribute(header(), kChecksum),
+                          sum.text()),
+              "the file is damaged: copy or write it again");
+    }
   }
 
   void take_row(const ExrScanBand& band, int band_row, int row, Scan& scan) {
@@ -176,6 +210,10 @@ class Reader {
       if (channels_.colour)
         for (std::size_t c = 0; c < 3; ++c) scan.rgb[node][c] = srgb_byte(band.colour[3 * at + c]);
       const std::uint32_t state = channels_.mask ? band.mask[at] : std::uint32_t{kMeasured};
+      if (state > kInterpolated && salvage_) {
+        ++lost_;
+        continue;
+      }
       if (state > kInterpolated)
         fail_input(
             "{}: channel mask: row {}, column {}: expected 0 (empty), 1 (measured) or 2 (interpolated), "
@@ -184,6 +222,13 @@ class Reader {
             file_, row, col, state);
       if (state == kEmpty) continue;
       const auto point = point_of(band, at, row, col);
+      const float most = std::max({std::abs(point[0]), std::abs(point[1]), std::abs(point[2])});
+      if (std::isfinite(most) && static_cast<double>(most) > kAbsurd_m) {
+        const auto problem = fmt::format("row {}, column {}: expected a coordinate within {} m, found {}",
+                                         row, col, kAbsurd_m, most);
+        if (absurd_++ == 0) forgive(problem, "write the image again");
+        continue;
+      }
       const bool finite = std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]) &&
                           (point[0] != 0 || point[1] != 0 || point[2] != 0);
       if (!finite) {
@@ -225,6 +270,8 @@ class Reader {
           fmt::format("{} nodes that the mask calls measured or interpolated have no finite point: taken as "
                       "no-returns",
                       lost_));
+    if (absurd_ > 0)
+      scan.notes.push_back(fmt::format("{} nodes have absurd coordinates: taken as no-returns", absurd_));
     if (interpolated_ > 0 && !scan.range_grid)
       scan.notes.push_back(fmt::format("{} interpolated nodes are no samples: left out", interpolated_));
   }
@@ -257,17 +304,19 @@ class Reader {
   int rows_ = 0, cols_ = 0;
   ExrScanChannels channels_;
   std::vector<double> elevation_rad_, azimuth_rad_;
-  std::uint64_t lost_ = 0, interpolated_ = 0;
+  std::uint64_t lost_ = 0, interpolated_ = 0, absurd_ = 0;
+  bool salvage_ = false;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace
 
-Scan read_exr_scan(const fs::path& file) {
-  return Reader(file).read();
+Scan read_exr_scan(const fs::path& file, const ReadOptions& options) {
+  return Reader(file, options.salvage).read();
 }
 
-ScanEntry list_exr_scan(const fs::path& file) {
-  return Reader(file).list();
+ScanEntry list_exr_scan(const fs::path& file, const ReadOptions& options) {
+  return Reader(file, options.salvage).list();
 }
 
 }  // namespace hybrid::io

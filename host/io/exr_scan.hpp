@@ -24,9 +24,10 @@ namespace hybrid::io {
 // Reads bands of 256 rows: needs the Scan (12 to 19 bytes per node) and about 70 bytes per node of a band;
 // measured on 2888 x 6928 nodes with intensity: 403 MB beyond the empty program, 3.3 s of CPU.
 // Throws ErrorKind::input naming file, channel or attribute, what was expected and found, and the remedy; a
-// checksum over the content, where this program wrote one, finds what the compression does not.
-Scan read_exr_scan(const std::filesystem::path& file);
+// checksum over the content, where this program wrote one, finds what the compression does not. In salvage
+// tiles or lines that cannot be read are no-returns, and notes say where and what share.
+Scan read_exr_scan(const std::filesystem::path& file, const ReadOptions& options = {});
 // Its one scan, by the header: nodes and samples beside the grid.
-ScanEntry list_exr_scan(const std::filesystem::path& file);
+ScanEntry list_exr_scan(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace hybrid::io

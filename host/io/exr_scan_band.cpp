@@ -4,6 +4,7 @@
 #include <ImfFrameBuffer.h>
 
 #include <algorithm>
+#include <limits>
 #include <span>
 
 #include "core/error.hpp"
@@ -94,12 +95,12 @@ ExrScanBand::ExrScanBand(const ExrScanChannels& channels, const ExrParts& file)
   if (channels_.colour) colour.resize(3 * most);
 }
 
-void ExrScanBand::read(ExrParts& file, int first_row, int rows) {
+Imf::FrameBuffer ExrScanBand::buffer(int first_row, int rows) {
   count_ = width_ * static_cast<std::size_t>(rows);
   const Imath::V2i origin(corner_.x, corner_.y + first_row);
-  Imf::FrameBuffer buffer;
+  Imf::FrameBuffer result;
   const auto add = [&](const char* name, Imf::PixelType type, void* at, std::size_t step) {
-    buffer.insert(name, Imf::Slice::Make(type, at, origin, static_cast<std::int64_t>(width_), rows, step,
+    result.insert(name, Imf::Slice::Make(type, at, origin, static_cast<std::int64_t>(width_), rows, step,
                                          step * width_));
   };
   if (channels_.points) {
@@ -116,7 +117,20 @@ void ExrScanBand::read(ExrParts& file, int first_row, int rows) {
     add("G", Imf::HALF, &colour[1], 3 * sizeof(half));
     add("B", Imf::HALF, &colour[2], 3 * sizeof(half));
   }
-  file.read(buffer, first_row, rows);
+  return result;
+}
+
+void ExrScanBand::read(ExrParts& file, int first_row, int rows) {
+  file.read(buffer(first_row, rows), first_row, rows);
+}
+
+std::uint64_t ExrScanBand::salvage(ExrParts& file, int first_row, int rows, std::string& problem) {
+  for (auto* values : {&x, &y, &z, &range})
+    std::ranges::fill(*values, std::numeric_limits<float>::quiet_NaN());
+  std::ranges::fill(intensity, 0.0f);
+  for (auto* values : {&mask, &source}) std::ranges::fill(*values, 0);
+  std::ranges::fill(colour, half(0.0f));
+  return file.salvage(buffer(first_row, rows), first_row, rows, problem);
 }
 
 void ExrScanBand::add_to(RangeChecksum& sum) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <half.h>
 
@@ -32,6 +33,8 @@ class ExrScanBand {
   }
   // As ExrParts::read().
   void read(ExrParts& file, int first_row, int rows);
+  // As ExrParts::salvage(); what cannot be read is NaN and empty.
+  std::uint64_t salvage(ExrParts& file, int first_row, int rows, std::string& problem);
   // What was read last.
   void add_to(RangeChecksum& sum) const;
 
@@ -41,6 +44,8 @@ class ExrScanBand {
   std::vector<half> colour;  // three per node
 
  private:
+  Imf::FrameBuffer buffer(int first_row, int rows);
+
   ExrScanChannels channels_;
   Imath::V2i corner_;  // of the data window
   int rows_;

@@ -110,12 +110,14 @@ void check_not_sent_as_text(InputFile& file, std::uint64_t data) {
 }
 
 void check_count_fits(const std::string& file, const std::string& place, const char* records,
-                      std::uint64_t count, std::uint64_t least_bytes, std::uint64_t available) {
+                      std::uint64_t count, std::uint64_t least_bytes, std::uint64_t available,
+                      bool salvage_helps) {
   if (least_bytes == 0 || count <= available / least_bytes) return;
   fail_input(
       "{}: {}: expected {} {} of at least {} bytes each, found room for {} ({} bytes); the file is cut short "
-      "or its header is wrong: copy or export it again",
-      file, place, count, records, least_bytes, available / least_bytes, available);
+      "or its header is wrong: copy or export it again{}",
+      file, place, count, records, least_bytes, available / least_bytes, available,
+      salvage_helps ? ", or use --salvage" : "");
 }
 
 }  // namespace hybrid::io

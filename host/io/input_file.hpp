@@ -57,6 +57,7 @@ void check_not_sent_as_text(InputFile& file, std::uint64_t data);
 // Throws when `count` records of at least `least_bytes` each cannot fit into `available` bytes: called before
 // anything is allocated for them. `place` and `records` name them, "line 9" and "points".
 void check_count_fits(const std::string& file, const std::string& place, const char* records,
-                      std::uint64_t count, std::uint64_t least_bytes, std::uint64_t available);
+                      std::uint64_t count, std::uint64_t least_bytes, std::uint64_t available,
+                      bool salvage_helps = false);
 
 }  // namespace hybrid::io

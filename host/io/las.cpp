@@ -8,6 +8,7 @@
 #include "core/parallel.hpp"
 #include "io/input_file.hpp"
 #include "io/las_header.hpp"
+#include "io/salvage.hpp"
 #include "io/scalar_type.hpp"
 #include "io/scan_builder.hpp"
 
@@ -45,9 +46,10 @@ struct Part {
 
 class LasReader {
  public:
-  LasReader(const std::filesystem::path& file, const std::string& name)
+  LasReader(const std::filesystem::path& file, const std::string& name, bool salvage)
       : input_(file),
-        header_(read_las_header(input_)),
+        salvage_(salvage),
+        header_(read_las_header(input_, salvage)),
         format_(las_point_format(header_.point_format)),
         name_(name) {
     any_.assign(header_.record_bytes, '\0');
@@ -57,10 +59,18 @@ class LasReader {
 
   Scan read() {
     const bool colour = format_.red > 0;
-    ScanBuilder builder(input_.name(), name_, header_.points,
-                        {.intensity = true, .colour = colour ? ColourKind::word : ColourKind::none});
+    ScanBuilder builder(
+        input_.name(), name_, header_.points,
+        {.intensity = true, .colour = colour ? ColourKind::word : ColourKind::none, .salvage = salvage_});
     for (const std::string& note : header_.notes) builder.add_note(note);
     add_points(builder);
+    if (header_.points < header_.announced) {
+      Damage damage(input_.name());
+      damage.add(header_.announced - header_.points,
+                 fmt::format("byte {}: the points that the header announces end",
+                             header_.data_offset + header_.points * header_.record_bytes));
+      builder.add_note(damage.note(header_.announced));
+    }
     check_rest(builder);
     note_extent(builder);
     note_unused(builder);
@@ -121,11 +131,11 @@ class LasReader {
     const std::uint64_t end = header_.data_offset + header_.points * header_.record_bytes;
     const std::uint64_t rest = header_.data_end - end;
     if (rest == 0 || input_.only_zeros_from(end)) return;
-    if (rest >= header_.record_bytes)
+    if (rest >= header_.record_bytes && !salvage_)
       fail_input(
           "{}: byte {}: expected the end of the points after {}, found {} more bytes, room for {} points; "
-          "correct the count in the header (byte 107, of LAS 1.4 byte 247)",
-          input_.name(), end, header_.points, rest, rest / header_.record_bytes);
+          "correct the count in the header (byte 107, of LAS 1.4 byte 247), {}",
+          input_.name(), end, header_.points, rest, rest / header_.record_bytes, kSalvageRemedy);
     builder.add_note(fmt::format("byte {}: {} bytes after the last point are ignored", end, rest));
   }
 
@@ -171,6 +181,7 @@ class LasReader {
   }
 
   InputFile input_;
+  bool salvage_;
   LasHeader header_;
   const LasPointFormat& format_;
   std::string name_, any_;
@@ -179,9 +190,9 @@ class LasReader {
 
 }  // namespace
 
-std::vector<ScanEntry> list_las(const std::filesystem::path& file) {
+std::vector<ScanEntry> list_las(const std::filesystem::path& file, const ReadOptions& options) {
   InputFile input(file);
-  const LasHeader header = read_las_header(input);
+  const LasHeader header = read_las_header(input, options.salvage);
   ScanEntry entry{.name = file.stem().string(), .samples = header.points};
   entry.structure = fmt::format("LAS 1.{}, point format {}, steps of {} {} {}", header.minor,
                                 header.point_format, header.scale[0], header.scale[1], header.scale[2]);
@@ -193,7 +204,7 @@ std::vector<ScanEntry> list_las(const std::filesystem::path& file) {
 }
 
 Scan read_las(const std::filesystem::path& file, const ScanEntry& entry) {
-  return LasReader(file, entry.name).read();
+  return LasReader(file, entry.name, entry.salvage).read();
 }
 
 }  // namespace hybrid::io

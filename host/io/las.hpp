@@ -12,7 +12,7 @@ namespace hybrid::io {
 // coordinate system is carried. Fields that hold something and are not used are named in Scan::notes. The
 // format knows no scanner: see METHOD 1 for what the points must be to become a range image. Throws
 // ErrorKind::input naming the byte.
-std::vector<ScanEntry> list_las(const std::filesystem::path& file);
+std::vector<ScanEntry> list_las(const std::filesystem::path& file, const ReadOptions& options = {});
 Scan read_las(const std::filesystem::path& file, const ScanEntry& entry);
 
 }  // namespace hybrid::io

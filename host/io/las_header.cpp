@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "io/las_crs.hpp"
+#include "io/salvage.hpp"
 #include "io/scalar_type.hpp"
 #include "io/text_cursor.hpp"
 
@@ -106,8 +107,8 @@ void read_records(InputFile& file, std::uint64_t at, std::uint64_t end, std::uin
     if (!fits || end - at - head < bytes)
       fail_input(
           "{}: byte {}: expected variable length record {} of {} ({} bytes), found {} bytes left; the header "
-          "is wrong, or the file cut short: copy or export it again",
-          file.name(), at, i + 1, count, head + bytes, end - std::min(at, end));
+          "is wrong, or the file cut short: copy or export it again, {}",
+          file.name(), at, i + 1, count, head + bytes, end - std::min(at, end), kSalvageRemedy);
     const std::string user = text_at(file, at + 2, 16);
     const auto id = get<std::uint16_t>(file, at + 18);
     take_record(file, at + head, user, id, bytes, header);
@@ -115,32 +116,45 @@ void read_records(InputFile& file, std::uint64_t at, std::uint64_t end, std::uin
   }
 }
 
-void read_counts(InputFile& file, LasHeader& header) {
+void read_counts(InputFile& file, LasHeader& header, bool salvage) {
   header.points = get<std::uint32_t>(file, 107);
   if (header.minor < 4) return;
   const auto points = get<std::uint64_t>(file, 247);
+  if (salvage && points != 0 && header.points != 0 && header.points != points) {
+    header.notes.push_back(
+        fmt::format("byte 107: expected {} points as at byte 247 (or 0), found {}: as many as "
+                    "there are, up to the greater",
+                    points, header.points));
+    header.points = std::max(header.points, points);
+    return;
+  }
   if (points == 0 && header.points > 0)
     header.notes.emplace_back("byte 247: no point count of 64 bits; the one of 32 bits is used");
   else if (header.points != 0 && header.points != points)
     fail_input(
         "{}: byte 107: expected {} points as at byte 247 (or 0), found {}; the header is wrong: export the "
-        "file again",
-        file.name(), points, header.points);
+        "file again, {}",
+        file.name(), points, header.points, kSalvageRemedy);
   else
     header.points = points;
 }
 
 // What follows the points: waveforms (1.3) and extended records (1.4), each checked to lie behind the header.
-std::uint64_t end_of_points(InputFile& file, const LasHeader& header) {
+std::uint64_t end_of_points(InputFile& file, LasHeader& header, bool salvage) {
   std::uint64_t end = file.size();
   const auto follows = [&](std::uint64_t at, const char* what) {
     const auto start = get<std::uint64_t>(file, at);
     if (start == 0) return;
-    if (start < header.data_offset || start > file.size())
-      fail_input(
-          "{}: byte {}: expected the {} behind the points, in a file of {} bytes, found them at byte {}; the "
-          "header is wrong, or the file cut short: copy or export it again",
-          file.name(), at, what, file.size(), start);
+    if (start < header.data_offset || start > file.size()) {
+      const auto problem = fmt::format(
+          "byte {}: expected the {} behind the points, in a file of {} bytes, found them at byte {}", at,
+          what, file.size(), start);
+      if (!salvage)
+        fail_input("{}: {}; the header is wrong, or the file cut short: copy or export it again, {}",
+                   file.name(), problem, kSalvageRemedy);
+      header.notes.push_back(problem + ": they are lost");
+      return;
+    }
     end = std::min(end, start);
   };
   const bool waveforms_inside = (get<std::uint16_t>(file, 6) & 2) != 0;
@@ -161,7 +175,7 @@ const LasPointFormat& las_point_format(int format) {
   return kFormats[format];
 }
 
-LasHeader read_las_header(InputFile& file) {
+LasHeader read_las_header(InputFile& file, bool salvage) {
   check_signature(file);
   LasHeader header;
   header.minor = get<std::uint8_t>(file, 25);
@@ -182,14 +196,25 @@ LasHeader read_las_header(InputFile& file) {
         file.name(), header_bytes, file.size(), header.data_offset);
   read_points_layout(file, header);
   read_transform(file, header);
-  read_counts(file, header);
-  read_records(file, header_bytes, header.data_offset, get<std::uint32_t>(file, 100), false, header);
-  header.data_end = end_of_points(file, header);
+  read_counts(file, header, salvage);
+  const auto records = [&](std::uint64_t at, std::uint64_t end, std::uint64_t count, bool extended) {
+    try {
+      read_records(file, at, end, count, extended, header);
+    } catch (const Error& error) {
+      if (!salvage || error.kind() != ErrorKind::input) throw;
+      header.notes.push_back(Damage(file.name()).shortened(error.what()) + ": what follows it is lost");
+    }
+  };
+  records(header_bytes, header.data_offset, get<std::uint32_t>(file, 100), false);
+  header.data_end = end_of_points(file, header, salvage);
   if (header.minor == 4)
-    read_records(file, get<std::uint64_t>(file, 235), file.size(), get<std::uint32_t>(file, 243), true,
-                 header);
-  check_count_fits(file.name(), "byte 107", "points", header.points, header.record_bytes,
-                   header.data_end - header.data_offset);
+    records(get<std::uint64_t>(file, 235), file.size(), get<std::uint32_t>(file, 243), true);
+  header.announced = header.points;
+  const std::uint64_t room = header.data_end - header.data_offset;
+  if (salvage)
+    header.points = std::min(header.points, room / header.record_bytes);
+  else
+    check_count_fits(file.name(), "byte 107", "points", header.points, header.record_bytes, room, true);
   describe_las_crs(header);
   return header;
 }

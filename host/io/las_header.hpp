@@ -22,6 +22,7 @@ struct LasHeader {
   int minor = 2;
   int point_format = 0;
   std::uint64_t record_bytes = 0, points = 0;
+  std::uint64_t announced = 0;  // points as the header counts them; in salvage there may be fewer
   std::uint64_t data_offset = 0, data_end = 0;  // what lies between may be point records
   std::array<double, 3> scale{}, offset{}, minimum{}, maximum{};
   std::string crs, unit;
@@ -40,7 +41,8 @@ enum LasCrsRecord : std::uint16_t {
 
 // The header and variable length records of LAS 1.0 to 1.4, all sizes and offsets checked against the file.
 // Throws ErrorKind::input naming the byte: LAZ, other versions or point formats, scales that are no scales,
-// counts that the file cannot hold.
-LasHeader read_las_header(InputFile& file);
+// counts that the file cannot hold. In salvage what does not concern the points becomes a note, and so does a
+// count, bounded by what is there.
+LasHeader read_las_header(InputFile& file, bool salvage = false);
 
 }  // namespace hybrid::io

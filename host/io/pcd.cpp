@@ -7,6 +7,7 @@
 #include "io/input_file.hpp"
 #include "io/lzf.hpp"
 #include "io/pcd_header.hpp"
+#include "io/salvage.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 #include "io/text_samples.hpp"
@@ -72,10 +73,13 @@ ScanSample make_sample(const UsedFields& used, const Number& number, const Bits&
 
 class PcdReader {
  public:
-  explicit PcdReader(const std::filesystem::path& file)
+  PcdReader(const std::filesystem::path& file, bool salvage)
       : input_(file),
         file_(input_.name()),
-        header_(read_pcd_header(input_)),
+        salvage_(salvage),
+        damage_(file_),
+        header_(read_pcd_header(input_, salvage)),
+        announced_(header_.points),
         data_(header_.data_offset),
         data_bytes_(input_.size() - data_),
         name_(file.stem().string()) {
@@ -97,10 +101,38 @@ class PcdReader {
 
  private:
   ScanBuilder builder() const {
-    ScanBuilder result(file_, name_, header_.points,
-                       {.intensity = used_.intensity != nullptr, .colour = used_.colour()});
+    ScanBuilder result(
+        file_, name_, header_.points,
+        {.intensity = used_.intensity != nullptr, .colour = used_.colour(), .salvage = salvage_});
+    for (const std::string& note : header_.notes) result.add_note(note);
     if (!unused_.empty()) result.add_note("fields not used: " + unused_);
     return result;
+  }
+
+  static std::string end_of_points(std::uint64_t offset) {
+    return fmt::format("byte {}: the points that the header announces end", offset);
+  }
+
+  // In salvage: no more points than there is room for.
+  void bound_points(std::uint64_t least_bytes, std::uint64_t available, const std::string& place) {
+    if (!salvage_)
+      check_count_fits(file_, place, "points", header_.points, least_bytes, available, true);
+    else
+      header_.points = std::min(header_.points, available / std::max<std::uint64_t>(least_bytes, 1));
+  }
+
+  // In salvage: the rows of the grid that are there, the last one filled up with no-returns.
+  void crop(ScanBuilder& result, const std::string& problem) {
+    const std::uint64_t found = result.size();
+    if (found < announced_) {
+      damage_.add(announced_ - found, problem);
+      const bool grid = header_.width > 1 && header_.height > 1;
+      const CroppedGrid cropped = grid ? cropped_grid(header_.width, found) : CroppedGrid{};
+      result.add_lost(cropped.nodes() - std::min(cropped.nodes(), found));
+      header_.width = cropped.fast;
+      header_.height = cropped.slow;
+    }
+    if (damage_.records() > 0) result.add_note(damage_.note(announced_));
   }
 
   // Where a byte of the data lies in the file.
@@ -108,8 +140,7 @@ class PcdReader {
 
   Scan read_ascii() {
     // A value takes a digit and a separator; the last line may lack its end.
-    check_count_fits(file_, fmt::format("line {}", header_.data_line), "points", header_.points,
-                     2 * header_.point_values, data_bytes_ + 1);
+    bound_points(2 * header_.point_values, data_bytes_ + 1, fmt::format("line {}", header_.data_line));
     ScanBuilder result = builder();
     const auto to_sample = [&](const double* row) {
       const auto number = [&](const PcdField& field) { return row[field.value_offset]; };
@@ -124,19 +155,21 @@ class PcdReader {
       const std::uint64_t line = at.line();
       if (at.at_end())
         fail_input(
-            "{}: line {}: expected {} points, found {}; the file is cut short: copy or export it again",
-            file_, line, header_.points, done);
+            "{}: line {}: expected {} points, found {}; the file is cut short: copy or export it again, {}",
+            file_, line, header_.points, done, kSalvageRemedy);
       const std::size_t found = at.read_numbers(values);
       if (found != values.size())
         fail_input(
-            "{}: line {}: expected {} values as FIELDS and COUNT say, found {}; correct or remove that line",
-            file_, line, values.size(), found);
+            "{}: line {}: expected {} values as FIELDS and COUNT say, found {}; correct or remove that line, "
+            "{}",
+            file_, line, values.size(), found, kSalvageRemedy);
     };
     bool commas = false;
     TextPlace place{data_, header_.data_line};
     if (header_.points > 0)
       place = add_text_samples(input_, place, header_.points, header_.point_values, result, commas, to_sample,
-                               read_line);
+                               read_line, salvage_ ? &damage_ : nullptr);
+    crop(result, end_of_points(place.offset));
     if (commas) result.add_note("values are separated by commas, which PCD does not provide for");
     TextCursor cursor(input_, place.offset, place.line);
     note_rest(result, cursor);
@@ -148,11 +181,11 @@ class PcdReader {
     cursor.skip_blank_lines();
     if (cursor.at_end()) return;
     const std::uint64_t line = cursor.line(), rest = cursor.remaining();
-    if (cursor.next_line_is_numbers(header_.point_values))
+    if (!salvage_ && cursor.next_line_is_numbers(header_.point_values))
       fail_input(
           "{}: line {}: expected the end of the file after {} points, found another point; correct WIDTH, "
-          "HEIGHT and POINTS in the header",
-          file_, line, header_.points);
+          "HEIGHT and POINTS in the header, {}",
+          file_, line, header_.points, kSalvageRemedy);
     result.add_note(fmt::format("line {}: {} bytes after the last point are ignored", line, rest));
   }
 
@@ -170,50 +203,100 @@ class PcdReader {
     const std::uint64_t rest = data_bytes_ - used_bytes;
     if (rest > 0) check_not_sent_as_text(input_, data_);
     if (input_.only_zeros_from(data_ + used_bytes)) return;
-    if (header_.data == PcdData::binary && rest >= header_.point_bytes)
+    if (header_.data == PcdData::binary && rest >= header_.point_bytes && !salvage_)
       fail_input(
           "{}: {}: expected the end of the file after {} points, found {} more bytes, room for {} points; "
-          "correct WIDTH, HEIGHT and POINTS in the header",
-          file_, byte(used_bytes), header_.points, rest, rest / header_.point_bytes);
+          "correct WIDTH, HEIGHT and POINTS in the header, {}",
+          file_, byte(used_bytes), header_.points, rest, rest / header_.point_bytes, kSalvageRemedy);
     result.add_note(fmt::format("{}: {} bytes after the last point are ignored", byte(used_bytes), rest));
   }
 
   // Field by field through the file's window: a point may be longer than that.
   Scan read_binary() {
-    check_count_fits(file_, byte(0), "points", header_.points, header_.point_bytes, data_bytes_);
+    bound_points(header_.point_bytes, data_bytes_, byte(0));
     ScanBuilder result = builder();
     add_records(result, [&](const PcdField& field, std::uint64_t i) {
       return input_.at(data_ + i * header_.point_bytes + field.byte_offset, size_of(field.type));
     });
+    crop(result, end_of_points(data_ + header_.points * header_.point_bytes));
     note_rest(result, header_.points * header_.point_bytes);
     return result.finish();
   }
 
   Scan read_compressed() {
     check_count_fits(file_, byte(0), "sizes", 2, 4, data_bytes_);
-    const std::uint64_t compressed = load_as<std::uint32_t>(input_.at(data_, 4), false);
+    std::uint64_t compressed = load_as<std::uint32_t>(input_.at(data_, 4), false);
     const std::uint64_t expanded = load_as<std::uint32_t>(input_.at(data_ + 4, 4), false);
+    if (salvage_) compressed = std::min(compressed, data_bytes_ - 8);
     if (compressed > data_bytes_ - 8)
       fail_input(
-          "{}: {}: expected {} compressed bytes, found {}; the file is cut short: copy or export it again",
-          file_, byte(0), compressed, data_bytes_ - 8);
+          "{}: {}: expected {} compressed bytes, found {}; the file is cut short: copy or export it again, "
+          "{}",
+          file_, byte(0), compressed, data_bytes_ - 8, kSalvageRemedy);
+    // Of all counts the one that was written with the data tells where the fields lie.
+    if (salvage_ && expanded % header_.point_bytes == 0 && expanded / header_.point_bytes != header_.points) {
+      header_.points = expanded / header_.point_bytes;
+      header_.notes.push_back(
+          fmt::format("{}: expected {} points, found an uncompressed size of {}: as many, "
+                      "and as not organised",
+                      byte(4), announced_, header_.points));
+      header_.height = 1;
+    }
     if (header_.points > expanded / header_.point_bytes || header_.points * header_.point_bytes != expanded)
       fail_input(
           "{}: {}: expected {} points of {} bytes, found an uncompressed size of {} bytes; the header is "
           "wrong, or the file damaged: export it again",
           file_, byte(4), header_.points, header_.point_bytes, expanded);
-    check_count_fits(file_, byte(4), "uncompressed bytes", expanded, 1, compressed * kLzfLargestExpansion);
-    std::vector<char> packed(compressed), records(expanded);
+    if (!salvage_)
+      check_count_fits(file_, byte(4), "uncompressed bytes", expanded, 1, compressed * kLzfLargestExpansion);
+    std::vector<char> packed(compressed),
+        records(std::min<std::uint64_t>(expanded, compressed * kLzfLargestExpansion));
     input_.read(data_ + 8, packed);
-    const std::string damage = decompress_lzf({packed.data(), packed.size()}, records);
-    if (!damage.empty())
-      fail_input("{}: {}: expected LZF data, found {}; the file is damaged: copy or export it again", file_,
-                 byte(8), damage);
+    std::size_t produced = 0;
+    const std::string damage = decompress_lzf({packed.data(), packed.size()}, records, &produced);
+    if (!damage.empty() && !salvage_)
+      fail_input("{}: {}: expected LZF data, found {}; the file is damaged: copy or export it again, {}",
+                 file_, byte(8), damage, kSalvageRemedy);
     packed = {};
+    if (produced < expanded) return salvage_fields(records, produced, byte(8) + ": " + damage, compressed);
     ScanBuilder result = builder();
     add_records(result, [&](const PcdField& field, std::uint64_t i) {
       return records.data() + header_.points * field.byte_offset + i * size_of(field.type);
     });
+    note_rest(result, 8 + compressed);
+    return result.finish();
+  }
+
+  // The fields lie one behind the other: points whose x, y and z are all there are whole but for fields that
+  // are cut off.
+  Scan salvage_fields(std::vector<char>& records, std::size_t produced, const std::string& problem,
+                      std::uint64_t compressed) {
+    const auto held = [&](const PcdField& field) {
+      const std::uint64_t start = header_.points * field.byte_offset;
+      return produced < start ? 0 : std::min(header_.points, (produced - start) / size_of(field.type));
+    };
+    const std::uint64_t stride = header_.points;
+    std::string cut;
+    for (const PcdField* field : {used_.intensity, used_.packed, used_.red, used_.green, used_.blue})
+      if (field && held(*field) < stride) cut += " " + field->name;
+    const std::uint64_t points = std::min({held(*used_.x), held(*used_.y), held(*used_.z)});
+    records.resize(produced + sizeof(double));
+    std::fill(records.begin() + static_cast<std::ptrdiff_t>(produced), records.end(), '\0');
+    if (points == 0)
+      fail_input(
+          "{}: {}: of {} uncompressed bytes {} can be read, too few for x, y and z of one point; copy or "
+          "export the file again",
+          file_, problem, stride * header_.point_bytes, produced);
+    header_.points = points;
+    ScanBuilder result = builder();
+    add_records(result, [&](const PcdField& field, std::uint64_t i) {
+      const std::uint64_t at = stride * field.byte_offset + i * size_of(field.type);
+      return records.data() + std::min<std::uint64_t>(at, produced);
+    });
+    announced_ = stride;
+    crop(result, problem);
+    if (points == stride) result.add_note(problem);
+    if (!cut.empty()) result.add_note(fmt::format("cut off and 0 from some point on:{}", cut));
     note_rest(result, 8 + compressed);
     return result.finish();
   }
@@ -229,7 +312,10 @@ class PcdReader {
 
   InputFile input_;
   const std::string& file_;
+  bool salvage_;
+  Damage damage_;
   PcdHeader header_;
+  std::uint64_t announced_;          // points, by the header
   std::uint64_t data_, data_bytes_;  // where the data begins, and how much there is
   std::string name_, unused_;
   UsedFields used_;
@@ -241,13 +327,13 @@ const char* name_of(PcdData data) {
 
 }  // namespace
 
-Scan read_pcd(const std::filesystem::path& file) {
-  return PcdReader(file).read();
+Scan read_pcd(const std::filesystem::path& file, const ReadOptions& options) {
+  return PcdReader(file, options.salvage).read();
 }
 
-std::vector<ScanEntry> list_pcd(const std::filesystem::path& file) {
+std::vector<ScanEntry> list_pcd(const std::filesystem::path& file, const ReadOptions& options) {
   InputFile input(file);
-  const PcdHeader header = read_pcd_header(input);
+  const PcdHeader header = read_pcd_header(input, options.salvage);
   ScanEntry entry{.name = file.stem().string(), .samples = header.points};
   if (header.width > 1 && header.height > 1) {
     entry.grid_rows = static_cast<int>(header.height);

@@ -15,8 +15,8 @@ namespace hybrid::io {
 // scanner's frame. The format leaves that open, and programs differ: pcl_viewer, pcl_transform_from_viewpoint
 // and CloudCompare's writer read it so; PCL's normal estimation takes the points to be in the frame the
 // viewpoint is given in. The choice is told in Scan::notes.
-Scan read_pcd(const std::filesystem::path& file);
+Scan read_pcd(const std::filesystem::path& file, const ReadOptions& options = {});
 // Its one scan, by the header alone.
-std::vector<ScanEntry> list_pcd(const std::filesystem::path& file);
+std::vector<ScanEntry> list_pcd(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace hybrid::io

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/error.hpp"
+#include "io/salvage.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -114,7 +115,8 @@ void read_extent(const std::string& file, const Lines& lines, PcdHeader& header)
   header.points = header.width * header.height;
   if (lines.has("POINTS") && lines.whole("POINTS", 0, 1) != header.points)
     fail_input(
-        "{}: line {}: expected POINTS to be WIDTH x HEIGHT = {} x {} = {}, found {}; correct the header",
+        "{}: line {}: expected POINTS to be WIDTH x HEIGHT = {} x {} = {}, found {}; correct the header, "
+        "or use --salvage",
         file, lines.number("POINTS"), header.width, header.height, header.points,
         lines.whole("POINTS", 0, 1));
 }
@@ -134,20 +136,32 @@ void read_viewpoint(const std::string& file, const Lines& lines, PcdHeader& head
     fail_input(
         "{}: line {}: expected a unit quaternion qw qx qy qz in VIEWPOINT, found one of squared length {}; "
         "write 0 0 0 "
-        "1 0 0 0 when the scanner's pose is unknown",
+        "1 0 0 0 when the scanner's pose is unknown, or use --salvage",
         file, lines.number("VIEWPOINT"), norm2);
 }
 
 }  // namespace
 
-PcdHeader read_pcd_header(InputFile& input) {
+PcdHeader read_pcd_header(InputFile& input, bool salvage) {
   const std::string& file = input.name();
   TextCursor cursor(input, start_of_text(input), 1, kLongestHeaderLine_bytes);
   const Lines lines(file, cursor);
   PcdHeader header;
   read_fields(file, lines, header);
-  read_extent(file, lines, header);
-  read_viewpoint(file, lines, header);
+  const auto forgive = [&](const auto& read, const auto& instead) {
+    try {
+      read(file, lines, header);
+    } catch (const Error& error) {
+      if (!salvage || error.kind() != ErrorKind::input) throw;
+      header.notes.push_back(Damage(file).shortened(error.what()));
+      instead();
+    }
+  };
+  forgive(read_extent, [&] {
+    header.points = header.width = lines.whole("POINTS", 0, 1);
+    header.height = 1;
+  });
+  forgive(read_viewpoint, [&] { header.viewpoint = PcdHeader{}.viewpoint; });
   const std::string_view data = lines.values("DATA", 1)[0];
   if (data == "binary")
     header.data = PcdData::binary;

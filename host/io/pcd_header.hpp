@@ -28,11 +28,13 @@ struct PcdHeader {
   std::uint64_t point_values = 0;  // of an ascii line
   std::uint64_t data_offset = 0;   // in the file
   std::uint64_t data_line = 0;
+  std::vector<std::string> notes;
 };
 
 // The header of PCD 0.5 to 0.7 up to and with its DATA line. Throws ErrorKind::input naming the line: an
 // unknown keyword or type, missing FIELDS, SIZE, TYPE, WIDTH or DATA, WIDTH x HEIGHT other than POINTS, a
-// VIEWPOINT that is no pose.
-PcdHeader read_pcd_header(InputFile& file);
+// VIEWPOINT that is no pose. In salvage the last two become notes: POINTS are taken, as not organised, and no
+// pose.
+PcdHeader read_pcd_header(InputFile& file, bool salvage = false);
 
 }  // namespace hybrid::io

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "io/input_file.hpp"
 #include "io/ply_header.hpp"
+#include "io/salvage.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 #include "io/text_samples.hpp"
@@ -65,9 +66,11 @@ ScanSample make_sample(const UsedProperties& used, const Number& number) {
 
 class PlyReader {
  public:
-  explicit PlyReader(const std::filesystem::path& file)
+  PlyReader(const std::filesystem::path& file, bool salvage)
       : input_(file),
         file_(input_.name()),
+        salvage_(salvage),
+        damage_(file_),
         header_(read_ply_header(input_)),
         at_(header_.data_offset),
         cursor_(input_, header_.data_offset, header_.data_line),
@@ -77,9 +80,14 @@ class PlyReader {
     std::optional<ScanBuilder> builder;
     std::string others;
     for (const PlyElement& element : header_.elements) {
+      if (salvage_ && element.name == "vertex") {
+        builder.emplace(salvage_vertices(element));
+        continue;
+      }
+      if (salvage_ && builder && cut_short_) continue;  // what follows the points cannot be found
       check_count_fits(file_, fmt::format("line {}", element.line), element.name.c_str(), element.count,
                        ascii() ? 2 * element.properties.size() : element.least_bytes(),
-                       ascii() ? cursor_.remaining() + 1 : rest());
+                       ascii() ? cursor_.remaining() + 1 : rest(), element.name == "vertex");
       if (element.name == "vertex") {
         builder.emplace(read_vertices(element));
       } else {
@@ -93,7 +101,7 @@ class PlyReader {
           "points",
           file_, header_.data_line - 1);
     if (!others.empty()) builder->add_note("elements not used: " + others);
-    note_rest(*builder);
+    if (!cut_short_) note_rest(*builder);
     return builder->finish();
   }
 
@@ -103,13 +111,45 @@ class PlyReader {
 
   std::uint64_t rest() const { return input_.size() - at_; }  // binary
 
+  // As many of them as there are; lines that are none are no-returns.
+  ScanBuilder salvage_vertices(PlyElement vertex) {
+    const std::uint64_t announced = vertex.count;
+    const std::uint64_t least = ascii() ? 2 * vertex.properties.size() : vertex.least_bytes();
+    const std::uint64_t room =
+        (ascii() ? cursor_.remaining() + 1 : rest()) / std::max<std::uint64_t>(least, 1);
+    vertex.count = std::min(vertex.count, room);
+    ScanBuilder builder = read_vertices(vertex);
+    const std::uint64_t offset = ascii() ? cursor_.offset() : at_;
+    if (builder.size() < announced) {
+      cut_short_ = true;
+      damage_.add(announced - builder.size(),
+                  !list_problem_.empty()
+                      ? list_problem_
+                      : fmt::format("byte {}: the points that line {} announces end", offset, vertex.line));
+    }
+    if (damage_.records() > 0) builder.add_note(damage_.note(announced));
+    return builder;
+  }
+
+  // Reads a record; what is wrong with it when salvage is to pass it by.
+  template <typename Read>
+  std::string problem_of(const Read& read) {
+    try {
+      read();
+    } catch (const Error& error) {
+      if (!salvage_ || error.kind() != ErrorKind::input) throw;
+      return error.what();
+    }
+    return {};
+  }
+
   ScanBuilder read_vertices(const PlyElement& vertex) {
     std::string unused;
     const UsedProperties used = find_properties(file_, vertex, unused);
     ColourKind colour = ColourKind::none;
     if (used.colour()) colour = colour_kind(vertex.properties[*used.red].type);
     ScanBuilder builder(file_, name_, vertex.count,
-                        {.intensity = used.intensity.has_value(), .colour = colour});
+                        {.intensity = used.intensity.has_value(), .colour = colour, .salvage = salvage_});
     if (!unused.empty()) builder.add_note("properties not used: " + unused);
     places_.assign(vertex.properties.size(), 0);
     if (ascii() && !vertex.has_lists()) {
@@ -117,8 +157,18 @@ class PlyReader {
     } else if (ascii()) {
       const auto number = [&](std::size_t i) { return values_[places_[i]]; };
       for (std::uint64_t row = 0; row < vertex.count; ++row) {
-        read_line(vertex, row);
-        builder.add(make_sample(used, number));
+        cursor_.skip_blank_lines();
+        if (salvage_ && cursor_.at_end()) break;
+        const TextPlace line{cursor_.offset(), cursor_.line()};
+        const std::string problem = problem_of([&] { read_line(vertex, row); });
+        if (problem.empty()) {
+          builder.add(make_sample(used, number));
+          continue;
+        }
+        damage_.add(1, problem);
+        builder.add_lost(1);
+        cursor_.move_to(line.offset, line.line);
+        cursor_.next_line();
       }
     } else {
       const auto number = [&](std::size_t i) {
@@ -126,7 +176,9 @@ class PlyReader {
         return load_scalar(input_.at(places_[i], size_of(type)), type, swap());
       };
       for (std::uint64_t row = 0; row < vertex.count; ++row) {
-        find_places(vertex, row);
+        // Behind a record whose lists make no sense nothing has a place.
+        list_problem_ = problem_of([&] { find_places(vertex, row); });
+        if (!list_problem_.empty()) break;
         builder.add(make_sample(used, number));
       }
     }
@@ -144,7 +196,8 @@ class PlyReader {
           read_line(vertex, done);
           std::copy(values_.begin(), values_.end(), values.begin());
           at.move_to(cursor_.offset(), cursor_.line());
-        });
+        },
+        salvage_ ? &damage_ : nullptr);
     cursor_.move_to(after.offset, after.line);
   }
 
@@ -168,8 +221,8 @@ class PlyReader {
     if (cursor_.at_end())
       fail_input(
           "{}: line {}: expected {} records of element {}, found {}; the file is cut short: copy or export "
-          "it again",
-          file_, cursor_.line(), element.count, element.name, row);
+          "it again, {}",
+          file_, cursor_.line(), element.count, element.name, row, kSalvageRemedy);
   }
 
   // Reads an ascii record into values_; places_[i] is where property i stands in it (of a list: its count).
@@ -221,9 +274,8 @@ class PlyReader {
     if (count > rest() / size)
       fail_input(
           "{}: byte {}: expected {} values of {} bytes for {} {} of {}, found {} bytes; the file is cut "
-          "short: "
-          "copy or export it again",
-          file_, at_, count, size, element.name, row, element.count, rest());
+          "short: copy or export it again, {}",
+          file_, at_, count, size, element.name, row, element.count, rest(), kSalvageRemedy);
   }
 
   // A further vertex means that the header is wrong; anything else is told.
@@ -236,25 +288,28 @@ class PlyReader {
         builder.add_note("values are separated by commas, which PLY does not provide for");
       if (cursor_.at_end()) return;
       const std::uint64_t line = cursor_.line(), bytes = cursor_.remaining();
-      if (countable && cursor_.next_line_is_numbers(last.properties.size()))
+      if (countable && !salvage_ && cursor_.next_line_is_numbers(last.properties.size()))
         fail_input(
             "{}: line {}: expected the end of the file after {} vertices, found another vertex; correct "
-            "\"element vertex\" in the header",
-            file_, line, last.count);
+            "\"element vertex\" in the header, {}",
+            file_, line, last.count, kSalvageRemedy);
       builder.add_note(fmt::format("line {}: {} bytes after the last record are ignored", line, bytes));
     } else if (rest() > 0) {
       check_not_sent_as_text(input_, header_.data_offset);
-      if (countable && rest() >= last.least_bytes() && !input_.only_zeros_from(at_))
+      if (countable && !salvage_ && rest() >= last.least_bytes() && !input_.only_zeros_from(at_))
         fail_input(
             "{}: byte {}: expected the end of the file after {} vertices, found {} more bytes, room for {} "
-            "vertices; correct \"element vertex\" in the header",
-            file_, at_, last.count, rest(), rest() / last.least_bytes());
+            "vertices; correct \"element vertex\" in the header, {}",
+            file_, at_, last.count, rest(), rest() / last.least_bytes(), kSalvageRemedy);
       builder.add_note(fmt::format("byte {}: {} bytes after the last record are ignored", at_, rest()));
     }
   }
 
   InputFile input_;
   const std::string& file_;
+  bool salvage_, cut_short_ = false;
+  Damage damage_;
+  std::string list_problem_;
   PlyHeader header_;
   std::uint64_t at_;   // binary: in the file
   TextCursor cursor_;  // ascii
@@ -272,8 +327,8 @@ const char* name_of(PlyFormat format) {
 
 }  // namespace
 
-Scan read_ply(const std::filesystem::path& file) {
-  return PlyReader(file).read();
+Scan read_ply(const std::filesystem::path& file, const ReadOptions& options) {
+  return PlyReader(file, options.salvage).read();
 }
 
 std::vector<ScanEntry> list_ply(const std::filesystem::path& file) {

@@ -11,7 +11,7 @@ namespace hybrid::io {
 // elements skipped. Used: x y z, intensity (or scalar_intensity), red green blue (bytes, 16-bit words or
 // reals); names in any case; the rest is listed in Scan::notes. Throws ErrorKind::input naming file, line or
 // byte.
-Scan read_ply(const std::filesystem::path& file);
+Scan read_ply(const std::filesystem::path& file, const ReadOptions& options = {});
 // Its one scan, by the header alone.
 std::vector<ScanEntry> list_ply(const std::filesystem::path& file);
 

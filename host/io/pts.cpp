@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "io/input_file.hpp"
+#include "io/salvage.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 #include "io/text_samples.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::uint64_t kShortestLine = 6;  // "0 0 0\n"
 constexpr std::size_t kMostColumns = 7;
+constexpr double kMostCounted = 9e15;  // whole numbers are exact below
 constexpr const char* kColumns[] = {
     "", "", "", "x y z", "x y z intensity", "", "x y z red green blue", "x y z intensity red green blue"};
 
@@ -54,7 +56,7 @@ std::size_t check_columns(const std::string& file, const Line& line) {
   fail_input(
       "{}: line {}: expected {} points as line {} says, found {} and the end of the file; it is cut short, "
       "or "
-      "the count wrong: copy or export it again, or correct the count",
+      "the count wrong: copy or export it again, or correct the count, or use --salvage",
       file, line, expected, count_line, found);
 }
 
@@ -73,7 +75,7 @@ ScanEntry list_counted(InputFile& input, TextCursor& cursor, const Line& count_l
   ScanEntry entry;
   entry.samples = to_count(input.name(), count_line);
   check_count_fits(input.name(), fmt::format("line {}", count_line.place.line), "points", entry.samples,
-                   kShortestLine, cursor.remaining() + 1);
+                   kShortestLine, cursor.remaining() + 1, true);
   cursor.skip_blank_lines();
   place = {cursor.offset(), cursor.line()};
   entry.offset = place.offset;
@@ -90,6 +92,14 @@ ScanEntry list_counted(InputFile& input, TextCursor& cursor, const Line& count_l
   return entry;
 }
 
+// A scan takes two bytes ("0" and a line end), what is kept of it hundreds.
+void check_scans(const InputFile& input, std::size_t scans, std::uint64_t line) {
+  constexpr std::size_t kMostScans = 100'000;
+  if (scans > kMostScans)
+    fail_input("{}: line {}: expected at most {} counts of points, found more; is this a PTS file?",
+               input.name(), line, kMostScans);
+}
+
 // The scans from the count in `line` on, one after the other.
 std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, Line line) {
   std::vector<ScanEntry> entries;
@@ -100,9 +110,10 @@ std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, Li
         fail_input(
             "{}: line {}: expected the end of the file or another count after the points that line {} "
             "counts, "
-            "found {} numbers; correct the count",
+            "found {} numbers; correct the count, or use --salvage",
             input.name(), line.place.line, count_line, line.numbers);
       count_line = line.place.line;
+      check_scans(input, entries.size() + 1, count_line);
       entries.push_back(list_counted(input, cursor, line, place));
       entries.back().end = place.offset;
       cursor.move_to(place.offset, place.line);
@@ -115,9 +126,70 @@ std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, Li
   return entries;
 }
 
+// The number of numbers on the next line, at most one stored; 0 for one that holds something else. Moves past
+// the line.
+std::size_t pass_line(TextCursor& cursor, double& first) {
+  const TextPlace line{cursor.offset(), cursor.line()};
+  try {
+    return cursor.read_numbers({&first, 1});
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    cursor.move_to(line.offset, line.line);
+    cursor.next_line();
+    return 0;
+  }
+}
+
+// In a damaged file a line with one number starts a scan, whatever the number, and so does the first line.
+std::vector<ScanEntry> list_damaged(InputFile& input) {
+  std::vector<ScanEntry> entries;
+  TextCursor cursor(input, start_of_text(input));
+  for (cursor.skip_blank_lines(); !cursor.at_end(); cursor.skip_blank_lines()) {
+    const TextPlace line{cursor.offset(), cursor.line()};
+    double value = 0;
+    const std::size_t numbers = pass_line(cursor, value);
+    if (numbers == 1 || entries.empty()) {
+      check_scans(input, entries.size() + 1, line.line);
+      ScanEntry& entry = entries.emplace_back();
+      if (numbers == 1) cursor.skip_blank_lines();
+      entry.offset = numbers == 1 ? cursor.offset() : line.offset;
+      entry.line = numbers == 1 ? cursor.line() : line.line;
+      if (numbers == 1 && value >= 0 && value <= kMostCounted)
+        entry.announced = static_cast<std::uint64_t>(value);
+      if (numbers == 1) continue;
+    }
+    ++entries.back().samples;
+    entries.back().end = cursor.offset();
+    if (entries.back().structure.empty() && numbers <= kMostColumns)
+      entries.back().structure = kColumns[numbers];
+  }
+  for (ScanEntry& entry : entries)
+    if (entry.structure.empty() && (entry.samples > 0 || entry.announced.value_or(1) > 0))
+      entry.problem = fmt::format(
+          "{}: line {}: expected points of 3, 4, 6 or 7 numbers, found none; copy or export the file again",
+          input.name(), entry.line);
+  const auto good = [](const ScanEntry& entry) { return entry.problem.empty(); };
+  if (!entries.empty() && std::none_of(entries.begin(), entries.end(), good))
+    throw Error(ErrorKind::input, entries.front().problem);
+  return entries;
+}
+
+// What the first of `lines` lines that is a point has.
+std::size_t first_columns(InputFile& input, const ScanEntry& entry) {
+  TextCursor cursor(input, entry.offset, entry.line);
+  std::size_t columns = 0;
+  double value = 0;
+  for (std::uint64_t i = 0; i < entry.samples && (columns > kMostColumns || kColumns[columns][0] == '\0');
+       ++i) {
+    cursor.skip_blank_lines();
+    columns = pass_line(cursor, value);
+  }
+  return columns;
+}
+
 }  // namespace
 
-std::vector<ScanEntry> list_pts(const std::filesystem::path& file) {
+std::vector<ScanEntry> list_pts(const std::filesystem::path& file, const ReadOptions& options) {
   InputFile input(file);
   TextCursor cursor(input, start_of_text(input));
   const Line first = read_line(cursor);
@@ -127,7 +199,9 @@ std::vector<ScanEntry> list_pts(const std::filesystem::path& file) {
         "again",
         input.name(), first.place.line);
   std::vector<ScanEntry> entries;
-  if (first.numbers == 1)
+  if (options.salvage)
+    entries = list_damaged(input);
+  else if (first.numbers == 1)
     entries = list_all_counted(input, cursor, first);
   else
     entries.push_back(list_all(input, first));
@@ -143,10 +217,15 @@ std::vector<ScanEntry> list_pts(const std::filesystem::path& file) {
 Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry) {
   InputFile input(file);
   TextCursor cursor(input, entry.offset, entry.line);
-  const std::size_t columns = entry.samples == 0 ? 3 : check_columns(input.name(), read_line(cursor));
+  const std::size_t columns = entry.samples == 0 ? 3
+                              : entry.salvage    ? first_columns(input, entry)
+                                                 : check_columns(input.name(), read_line(cursor));
+  Damage damage(input.name());
   const bool intensity = columns == 4 || columns == 7, colour = columns >= 6;
   ScanBuilder builder(input.name(), entry.name, entry.samples,
-                      {.intensity = intensity, .colour = colour ? ColourKind::byte : ColourKind::none});
+                      {.intensity = intensity,
+                       .colour = colour ? ColourKind::byte : ColourKind::none,
+                       .salvage = entry.salvage});
   bool commas = false;
   add_text_samples(
       input, {entry.offset, entry.line}, entry.samples, columns, builder, commas,
@@ -166,9 +245,20 @@ Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry) {
           fail_input(
               "{}: line {}: expected {} ({} numbers) as on the scan's first line, found {}; correct that "
               "line, "
-              "or the count",
+              "or the count, or use --salvage",
               input.name(), line, kColumns[columns], columns, found);
-      });
+      },
+      entry.salvage ? &damage : nullptr);
+  const std::uint64_t announced = entry.announced.value_or(entry.samples);
+  if (announced > builder.size())
+    damage.add(
+        announced - builder.size(),
+        fmt::format("byte {}: the points that the line before line {} counts end", entry.end, entry.line));
+  if (announced < builder.size())
+    builder.add_note(
+        fmt::format("line {}: expected {} points as the line before says, found {}: all are used", entry.line,
+                    announced, builder.size()));
+  if (damage.records() > 0) builder.add_note(damage.note(std::max<std::uint64_t>(announced, builder.size())));
   if (commas) builder.add_note("values are separated by commas, which PTS does not provide for");
   Scan scan = builder.finish();
   const bool whole = std::all_of(scan.intensity.begin(), scan.intensity.end(),

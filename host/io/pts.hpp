@@ -12,8 +12,10 @@ namespace hybrid::io {
 // scanner: see METHOD 1 for what the points must be to become a range image. Intensities are whole numbers
 // from -2048 to 2047 in Leica's own files.
 //
-// Lists the scans by their counts and by counting lines; a count that is wrong ends the list, as in PTX.
-std::vector<ScanEntry> list_pts(const std::filesystem::path& file);
+// Lists the scans by their counts and by counting lines; a count that is wrong ends the list, as in PTX. In
+// salvage a scan is what stands between two counts, whatever they say, and lines that are no points are
+// no-returns.
+std::vector<ScanEntry> list_pts(const std::filesystem::path& file, const ReadOptions& options = {});
 // One of them, parsed on all threads. Throws ErrorKind::input naming file and line.
 Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry);
 

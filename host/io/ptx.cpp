@@ -1,10 +1,12 @@
 #include "io/ptx.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/error.hpp"
 #include "io/input_file.hpp"
+#include "io/salvage.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 #include "io/text_samples.hpp"
@@ -22,8 +24,9 @@ struct PtxHeader {
 
 [[noreturn]] void fail_cut_short(const TextCursor& cursor, const std::string& expected) {
   fail_input(
-      "{}: line {}: expected {}, found the end of the file; the file is cut short: copy or export it again",
-      cursor.file(), cursor.line(), expected);
+      "{}: line {}: expected {}, found the end of the file; the file is cut short: copy or export it again, "
+      "{}",
+      cursor.file(), cursor.line(), expected, kSalvageRemedy);
 }
 
 // The next line's numbers, which must fill `values`.
@@ -35,8 +38,8 @@ void read_line(TextCursor& cursor, std::span<double> values, const char* meaning
   if (found != values.size())
     fail_input(
         "{}: line {}: expected {} ({} numbers), found {}; is this a PTX file, and do the columns and rows of "
-        "its header match its points?",
-        cursor.file(), line, meaning, values.size(), found);
+        "its header match its points? Correct it, {}",
+        cursor.file(), line, meaning, values.size(), found, kSalvageRemedy);
 }
 
 std::uint64_t read_count(TextCursor& cursor, const char* meaning) {
@@ -65,15 +68,17 @@ PtxHeader read_header(TextCursor& cursor) {
   return header;
 }
 
-void set_pose(Scan& scan, const std::string& file, const PtxHeader& header) {
+void set_pose(Scan& scan, const std::string& file, const PtxHeader& header, bool salvage) {
   if (header.world_from_scan == row_major(Pose{})) return;
   try {
     scan.world_from_scan = pose_from_row_major(header.world_from_scan);
   } catch (const Error& error) {
-    fail_input(
-        "{}: lines {} to {} (the scan's 4x4 matrix): {}; correct it, or write the identity and register the "
-        "scan",
-        file, header.line + 6, header.line + 9, error.what());
+    const auto problem = fmt::format("lines {} to {} (the scan's 4x4 matrix): {}", header.line + 6,
+                                     header.line + 9, error.what());
+    if (!salvage)
+      fail_input("{}: {}; correct it, or write the identity and register the scan, {}", file, problem,
+                 kSalvageRemedy);
+    scan.notes.push_back(problem + ": the pose is left out");
   }
 }
 
@@ -91,8 +96,18 @@ std::uint64_t point_count(const PtxHeader& header) {
 PtxHeader read_checked_header(TextCursor& cursor) {
   const PtxHeader header = read_header(cursor);
   check_count_fits(cursor.file(), fmt::format("line {}", header.line), "points", point_count(header),
-                   kShortestLine, cursor.remaining() + 1);
+                   kShortestLine, cursor.remaining() + 1, true);
   return header;
+}
+
+// How many numbers the line has that the cursor reads; 0 for one that holds something else.
+std::size_t numbers_in(TextCursor& cursor, double& first) {
+  try {
+    return cursor.at_end() ? 0 : cursor.read_numbers({&first, 1});
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    return 0;
+  }
 }
 
 // How many numbers the first point has, without moving past it.
@@ -107,6 +122,21 @@ std::size_t count_columns(InputFile& input, const TextCursor& before, const PtxH
     fail_input("{}: line {}: expected 4 or 7 numbers (x y z intensity [red green blue]), found {}",
                cursor.file(), line, columns);
   return columns;
+}
+
+// The same in salvage, of the first point that is one.
+std::size_t count_most_columns(InputFile& input, const TextCursor& before, std::uint64_t lines) {
+  TextCursor cursor(input, before.offset(), before.line());
+  for (double value = 0; lines > 0; --lines) {
+    cursor.skip_blank_lines();
+    const TextPlace line{cursor.offset(), cursor.line()};
+    const std::size_t columns = numbers_in(cursor, value);
+    if (columns == 4 || columns == 7) return columns;
+    cursor.move_to(line.offset, line.line);
+    cursor.next_line();
+  }
+  fail_input("{}: line {}: expected points of 4 or 7 numbers, found none; export the file again",
+             cursor.file(), before.line());
 }
 
 // The entry of the scan at `place`, which moves behind it.
@@ -135,10 +165,98 @@ ScanEntry list_one(InputFile& input, TextPlace& place) {
   return entry;
 }
 
+// Where a scan starts in a damaged file: two counts and the scanner's position.
+bool starts_scan(InputFile& input, const TextPlace& place) {
+  TextCursor cursor(input, place.offset, place.line);
+  double value = 0;
+  for (int i = 0; i < 2; ++i) {
+    if (numbers_in(cursor, value) != 1 || !(value >= 1) || value != std::floor(value)) return false;
+    cursor.skip_blank_lines();
+  }
+  return numbers_in(cursor, value) == 3;
+}
+
+// Behind the line at `place` and the blank ones after it.
+TextPlace behind_line(InputFile& input, const TextPlace& place) {
+  TextCursor cursor(input, place.offset, place.line);
+  cursor.next_line();
+  cursor.skip_blank_lines();
+  return {cursor.offset(), cursor.line()};
+}
+
+// The scan that starts at `place`: of its points those that stand before the next scan. `place` moves there.
+ScanEntry salvage_one(InputFile& input, TextPlace& place) {
+  ScanEntry entry{.structure = std::string("x y z intensity"), .offset = place.offset, .line = place.line};
+  entry.unit = std::string("m");
+  try {
+    TextCursor cursor(input, place.offset, place.line);
+    const PtxHeader header = read_header(cursor);
+    cursor.skip_blank_lines();
+    place = {cursor.offset(), cursor.line()};
+    while (place.offset < input.size() && entry.samples < point_count(header) && !starts_scan(input, place)) {
+      place = behind_line(input, place);
+      ++entry.samples;
+    }
+    if (entry.samples == 0) {
+      TextCursor end(input, place.offset, place.line);
+      fail_points_missing(end, header, 0);
+    }
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    entry.problem = error.what();
+    if (place.offset == entry.offset) place = behind_line(input, place);
+  }
+  entry.end = place.offset;
+  return entry;
+}
+
+// What stands between scans, or is one whose header makes no sense.
+ScanEntry pass_no_scan(InputFile& input, TextPlace& place) {
+  ScanEntry entry{.offset = place.offset, .line = place.line};
+  while (place.offset < input.size() && !starts_scan(input, place)) place = behind_line(input, place);
+  entry.end = place.offset;
+  const std::uint64_t bytes = entry.end - entry.offset;
+  entry.problem = fmt::format(
+      "{}: line {}: expected a scan's columns, rows and position, found something else: {} bytes ({:.2f} % "
+      "of "
+      "the file) from byte {} on are lost; export the file again",
+      input.name(), entry.line, bytes, 100 * static_cast<double>(bytes) / static_cast<double>(input.size()),
+      entry.offset);
+  return entry;
+}
+
+std::vector<ScanEntry> list_damaged(InputFile& input) {
+  std::vector<ScanEntry> entries;
+  TextCursor cursor(input, start_of_text(input));
+  cursor.skip_blank_lines();
+  TextPlace place{cursor.offset(), cursor.line()};
+  while (place.offset < input.size())
+    entries.push_back(starts_scan(input, place) ? salvage_one(input, place) : pass_no_scan(input, place));
+  const auto good = [](const ScanEntry& entry) { return entry.problem.empty(); };
+  if (std::none_of(entries.begin(), entries.end(), good)) {
+    if (!entries.empty()) throw Error(ErrorKind::input, entries.front().problem);
+    TextCursor end(input, input.size());
+    fail_cut_short(end, "the number of columns, a whole number from 1");
+  }
+  return entries;
+}
+
+void name_entries(std::vector<ScanEntry>& entries, const std::string& stem) {
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    entries[i].index = i;
+    entries[i].name = entries.size() == 1 ? stem : fmt::format("{}-{}", stem, i);
+  }
+}
+
 }  // namespace
 
-std::vector<ScanEntry> list_ptx(const std::filesystem::path& file) {
+std::vector<ScanEntry> list_ptx(const std::filesystem::path& file, const ReadOptions& options) {
   InputFile input(file);
+  if (options.salvage) {
+    std::vector<ScanEntry> entries = list_damaged(input);
+    name_entries(entries, file.stem().string());
+    return entries;
+  }
   TextPlace place{start_of_text(input)};
   std::vector<ScanEntry> entries;
   for (bool more = true; more;) {
@@ -155,27 +273,27 @@ std::vector<ScanEntry> list_ptx(const std::filesystem::path& file) {
     place = {cursor.offset(), cursor.line()};
     more = !cursor.at_end();
   }
-  const std::string stem = file.stem().string();
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    entries[i].index = i;
-    entries[i].name = entries.size() == 1 ? stem : fmt::format("{}-{}", stem, i);
-  }
+  name_entries(entries, file.stem().string());
   return entries;
 }
 
 Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
   InputFile input(file);
   TextCursor cursor(input, entry.offset, entry.line);
-  const PtxHeader header = read_checked_header(cursor);
-  const std::size_t columns = count_columns(input, cursor, header);
-  ScanBuilder builder(cursor.file(), entry.name, point_count(header),
+  const PtxHeader header = entry.salvage ? read_header(cursor) : read_checked_header(cursor);
+  const std::size_t columns =
+      entry.salvage ? count_most_columns(input, cursor, entry.samples) : count_columns(input, cursor, header);
+  const std::uint64_t count = entry.salvage ? entry.samples : point_count(header);
+  Damage damage(cursor.file());
+  ScanBuilder builder(cursor.file(), entry.name, count,
                       {.intensity = true,
                        .colour = columns == 7 ? ColourKind::byte : ColourKind::none,
-                       .zero_is_no_return = true});
+                       .zero_is_no_return = true,
+                       .salvage = entry.salvage});
   const bool colour = columns == 7;
   bool commas = false;
   add_text_samples(
-      input, {cursor.offset(), cursor.line()}, point_count(header), columns, builder, commas,
+      input, {cursor.offset(), cursor.line()}, count, columns, builder, commas,
       [&](const double* row) {
         ScanSample sample{row[0], row[1], row[2], row[3], {}};
         if (colour) sample.rgb = {row[4], row[5], row[6]};
@@ -184,12 +302,20 @@ Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
       [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
         if (at.at_end()) fail_points_missing(at, header, done);
         read_line(at, values, colour ? "x y z intensity red green blue" : "x y z intensity");
-      });
+      },
+      entry.salvage ? &damage : nullptr);
+  const CroppedGrid grid = cropped_grid(header.rows, builder.size());
+  if (builder.size() < point_count(header)) {
+    damage.add(point_count(header) - builder.size(),
+               fmt::format("byte {}: the points that line {} announces end", entry.end, entry.line));
+    builder.add_lost(grid.nodes() - std::min<std::uint64_t>(grid.nodes(), builder.size()));
+  }
+  if (damage.records() > 0) builder.add_note(damage.note(point_count(header)));
   Scan scan = builder.finish();
   if (within(scan.intensity, 0, 1)) scan.intensity_limits = {0.0f, 1.0f};
-  scan.grid_cols = static_cast<int>(header.cols);
-  scan.grid_rows = static_cast<int>(header.rows);
-  set_pose(scan, cursor.file(), header);
+  scan.grid_cols = static_cast<int>(grid.slow);
+  scan.grid_rows = static_cast<int>(grid.fast);
+  set_pose(scan, cursor.file(), header, entry.salvage);
   return scan;
 }
 

@@ -12,8 +12,10 @@ namespace hybrid::io {
 // grid_rows/cols set.
 //
 // Lists the scans by their headers and by counting lines. A header that is wrong ends the list: of the first
-// scan it throws ErrorKind::input, of a later one it becomes that entry's problem.
-std::vector<ScanEntry> list_ptx(const std::filesystem::path& file);
+// scan it throws ErrorKind::input, of a later one it becomes that entry's problem. In salvage a scan ends
+// where the next one starts, lines that are no points are no-returns, and a grid is cropped to the columns
+// that are there; what stands between scans is an entry with a problem.
+std::vector<ScanEntry> list_ptx(const std::filesystem::path& file, const ReadOptions& options = {});
 // One of them, parsed on all threads. Throws ErrorKind::input naming file and line.
 Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry);
 

@@ -24,14 +24,14 @@ struct ScanFormat {
   Scan (*read)(const std::filesystem::path& file, const ScanEntry& entry);
 };
 
-std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOptions&) {
+std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOptions& options) {
   check_readable(file);
   if (holds_exr_records(file)) return {list_exr_records(file)};
-  return {list_exr_scan(file)};
+  return {list_exr_scan(file, options)};
 }
 
-Scan read_exr(const std::filesystem::path& file, const ScanEntry&) {
-  return holds_exr_records(file) ? read_exr_records(file) : read_exr_scan(file);
+Scan read_exr(const std::filesystem::path& file, const ScanEntry& entry) {
+  return holds_exr_records(file) ? read_exr_records(file) : read_exr_scan(file, {.salvage = entry.salvage});
 }
 
 std::vector<ScanEntry> list_e57(const std::filesystem::path& file, const ReadOptions& options) {
@@ -61,18 +61,23 @@ Scan read_e57_entry(const std::filesystem::path& file, const ScanEntry& entry) {
   return read_e57(E57File(file, {.salvage = entry.salvage}), entry.index);
 }
 
-template <std::vector<ScanEntry> (*list)(const std::filesystem::path&)>
-std::vector<ScanEntry> listed_by(const std::filesystem::path& file, const ReadOptions&) {
-  return list(file);
+std::vector<ScanEntry> list_ply_entry(const std::filesystem::path& file, const ReadOptions&) {
+  return list_ply(file);
+}
+
+// Of a file with one scan.
+template <Scan (*read)(const std::filesystem::path&, const ReadOptions&)>
+Scan read_one(const std::filesystem::path& file, const ScanEntry& entry) {
+  return read(file, {.salvage = entry.salvage});
 }
 
 constexpr ScanFormat kFormats[] = {
     {".e57", list_e57, read_e57_entry},
-    {".pcd", listed_by<list_pcd>, [](const auto& file, const ScanEntry&) { return read_pcd(file); }},
-    {".ply", listed_by<list_ply>, [](const auto& file, const ScanEntry&) { return read_ply(file); }},
-    {".ptx", listed_by<list_ptx>, read_ptx},
-    {".pts", listed_by<list_pts>, read_pts},
-    {".las", listed_by<list_las>, read_las},
+    {".pcd", list_pcd, read_one<read_pcd>},
+    {".ply", list_ply_entry, read_one<read_ply>},
+    {".ptx", list_ptx, read_ptx},
+    {".pts", list_pts, read_pts},
+    {".las", list_las, read_las},
     {".exr", list_exr, read_exr},
 };
 

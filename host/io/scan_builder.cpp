@@ -6,6 +6,7 @@
 #include <new>
 
 #include "core/error.hpp"
+#include "io/salvage.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -40,7 +41,7 @@ Vec3 local_origin(std::span<const std::array<double, 3>> returns) {
 
 ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_t count,
                          const Options& options)
-    : options_(options) {
+    : file_(file), options_(options) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
   if (count > kMost)
     fail_input("{}: expected at most {} points, found {}; split the file", file, kMost, count);
@@ -62,15 +63,36 @@ ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_
   }
 }
 
-bool ScanBuilder::is_return(bool finite, double x, double y, double z) const {
+bool ScanBuilder::is_return(double x, double y, double z) const {
   const bool zero = x == 0 && y == 0 && z == 0;
-  return finite && !(zero && (options_.zero_is_no_return || !scan_.origin.isZero()));
+  return !(zero && (options_.zero_is_no_return || !scan_.origin.isZero()));
+}
+
+bool ScanBuilder::are_coordinates(double x, double y, double z, std::size_t at, Tally& tally) {
+  if (!fits_float(x) || !fits_float(y) || !fits_float(z)) {
+    ++tally.not_finite;
+    return false;
+  }
+  const double most = std::max({std::abs(x), std::abs(y), std::abs(z)});
+  if (most <= kAbsurd_m) return true;
+  if (tally.absurd++ == 0) {
+    tally.first_absurd = at;
+    tally.absurd_value = most;
+  }
+  return false;
+}
+
+void ScanBuilder::Tally::add(const Tally& later) {
+  not_finite += later.not_finite;
+  if (absurd == 0) {
+    first_absurd = later.first_absurd;
+    absurd_value = later.absurd_value;
+  }
+  absurd += later.absurd;
 }
 
 void ScanBuilder::add_point(double x, double y, double z) {
-  const bool finite = fits_float(x) && fits_float(y) && fits_float(z);
-  const bool no_return = !is_return(finite, x, y, z);
-  if (!finite) ++not_finite_;
+  const bool no_return = !are_coordinates(x, y, z, scan_.points.size(), tally_) || !is_return(x, y, z);
   if (no_return || !origin_chosen_) {
     if (!no_return) {
       waiting_index_.push_back(scan_.points.size());
@@ -83,6 +105,14 @@ void ScanBuilder::add_point(double x, double y, double z) {
   }
 }
 
+void ScanBuilder::add_lost(std::uint64_t count) {
+  for (; count > 0; --count) {
+    scan_.points.push_back({kNaN, kNaN, kNaN});
+    if (options_.intensity) add_intensity(0);
+    if (options_.colour != ColourKind::none) add_colour(0, 0, 0);
+  }
+}
+
 void ScanBuilder::grow(std::size_t count) {
   scan_.points.resize(count);
   if (options_.intensity) scan_.intensity.resize(count);
@@ -90,18 +120,17 @@ void ScanBuilder::grow(std::size_t count) {
   if (options_.colour > ColourKind::byte) colours_.resize(count);
 }
 
-bool ScanBuilder::put(std::size_t at, const ScanSample& sample) {
-  const bool finite = fits_float(sample.x) && fits_float(sample.y) && fits_float(sample.z);
-  scan_.points[at] = is_return(finite, sample.x, sample.y, sample.z)
-                         ? relative({sample.x, sample.y, sample.z})
-                         : std::array{kNaN, kNaN, kNaN};
+void ScanBuilder::put(std::size_t at, const ScanSample& sample, Tally& tally) {
+  scan_.points[at] =
+      are_coordinates(sample.x, sample.y, sample.z, at, tally) && is_return(sample.x, sample.y, sample.z)
+          ? relative({sample.x, sample.y, sample.z})
+          : std::array{kNaN, kNaN, kNaN};
   if (options_.intensity) scan_.intensity[at] = static_cast<float>(sample.intensity);
   const auto& [red, green, blue] = sample.rgb;
   if (options_.colour == ColourKind::byte)
     scan_.rgb[at] = {to_byte(red), to_byte(green), to_byte(blue)};
   else if (options_.colour > ColourKind::byte)
     colours_[at] = {static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)};
-  return finite;
 }
 
 std::array<float, 3> ScanBuilder::relative(const Point& point) const {
@@ -144,12 +173,24 @@ void ScanBuilder::scale_colours() {
   colours_ = {};
 }
 
+void ScanBuilder::judge_absurd() {
+  if (tally_.absurd == 0) return;
+  const auto problem = fmt::format("point {}: expected a coordinate within {} m, found {}",
+                                   tally_.first_absurd, kAbsurd_m, tally_.absurd_value);
+  if (!options_.salvage)
+    fail_input("{}: {}, and {} such points in all; correct it, {}", file_, problem, tally_.absurd,
+               kSalvageRemedy);
+  add_note(fmt::format("{} of {} points have absurd coordinates ({}): taken as no-returns", tally_.absurd,
+                       scan_.points.size(), problem));
+}
+
 Scan ScanBuilder::finish() {
+  judge_absurd();
   if (!waiting_.empty()) choose_origin();
   if (!colours_.empty()) scale_colours();
-  if (not_finite_ > 0)
-    add_note(
-        fmt::format("{} of {} points are not finite: taken as no-returns", not_finite_, scan_.points.size()));
+  if (tally_.not_finite > 0)
+    add_note(fmt::format("{} of {} points are not finite: taken as no-returns", tally_.not_finite,
+                         scan_.points.size()));
   if (scan_.points.empty()) add_note("no points");
   if (!scan_.origin.isZero())
     add_note(fmt::format("coordinates are large: kept relative to ({}, {}, {})", scan_.origin.x(),

@@ -29,13 +29,14 @@ Vec3 local_origin(std::span<const std::array<double, 3>> returns);
 
 // Turns a reader's samples, in double and in file order, into a Scan. Georeferenced coordinates (centroid of
 // the first returns beyond 1 km) become relative to Scan::origin. Non-finite samples become NaN points
-// and are counted in a note.
+// and are counted in a note. Coordinates beyond kAbsurd_m are damage: ErrorKind::input that names the first.
 class ScanBuilder {
  public:
   struct Options {
     bool intensity = false;
     ColourKind colour = ColourKind::none;
     bool zero_is_no_return = false;  // "0 0 0" becomes NaN, without a note
+    bool salvage = false;            // absurd coordinates become NaN, with a note, instead of an error
   };
   // Throws ErrorKind::input when `count` samples cannot be indexed by 32 bits, ErrorKind::device (whose exit
   // code means memory, too) when there is no memory for them.
@@ -49,6 +50,9 @@ class ScanBuilder {
     if (options_.intensity) add_intensity(sample.intensity);
     if (options_.colour != ColourKind::none) add_colour(sample.rgb[0], sample.rgb[1], sample.rgb[2]);
   }
+  // Samples that salvage knows nothing of: no-returns, without a note.
+  void add_lost(std::uint64_t count);
+  std::size_t size() const { return scan_.points.size(); }
   // counts[0] samples, then counts[1] ..., made on all threads by sample(part, index): a ScanSample.
   template <typename Sample>
   void add_parts(const std::vector<std::size_t>& counts, const Sample& sample);
@@ -58,14 +62,24 @@ class ScanBuilder {
 
  private:
   using Point = std::array<double, 3>;
+  // Samples that are no coordinates.
+  struct Tally {
+    std::uint64_t not_finite = 0, absurd = 0, first_absurd = 0;
+    double absurd_value = 0;
+    void add(const Tally& later);
+  };
   std::array<float, 3> relative(const Point& point) const;
-  bool is_return(bool finite, double x, double y, double z) const;
+  bool is_return(double x, double y, double z) const;
+  // Whether they are finite and not absurd; counts those that are not.
+  static bool are_coordinates(double x, double y, double z, std::size_t at, Tally& tally);
+  void judge_absurd();
   void choose_origin();
   void scale_colours();
   // For samples whose places are known, once the origin is.
   void grow(std::size_t count);
-  bool put(std::size_t at, const ScanSample& sample);  // false: not finite
+  void put(std::size_t at, const ScanSample& sample, Tally& tally);
 
+  std::string file_;
   Options options_;
   Scan scan_;
   bool origin_chosen_ = false;
@@ -73,7 +87,7 @@ class ScanBuilder {
   std::vector<std::size_t> waiting_index_;
   std::vector<Point> waiting_;
   std::vector<std::array<float, 3>> colours_;  // as written, for kinds whose scale only the whole file shows
-  std::uint64_t not_finite_ = 0;
+  Tally tally_;
 };
 
 template <typename Sample>
@@ -85,7 +99,8 @@ void ScanBuilder::add_parts(const std::vector<std::size_t>& counts, const Sample
     if (done == counts[part]) ++part, done = 0;
   }
   if (part == counts.size()) return;
-  std::vector<std::size_t> first(counts.size()), not_finite(counts.size());
+  std::vector<std::size_t> first(counts.size());
+  std::vector<Tally> tallies(counts.size());
   std::size_t end = scan_.points.size();
   for (std::size_t k = part; k < counts.size(); ++k) {
     first[k] = end - (k == part ? done : 0);
@@ -95,9 +110,9 @@ void ScanBuilder::add_parts(const std::vector<std::size_t>& counts, const Sample
   parallel_for(counts.size() - part, [&](std::size_t k) {
     k += part;
     for (std::size_t i = k == part ? done : 0; i < counts[k]; ++i)
-      not_finite[k] += put(first[k] + i, sample(k, i)) ? 0 : 1;
+      put(first[k] + i, sample(k, i), tallies[k]);
   });
-  for (const std::size_t count : not_finite) not_finite_ += count;
+  for (const Tally& tally : tallies) tally_.add(tally);
 }
 
 // Whether all values lie between two; NaN does not count.

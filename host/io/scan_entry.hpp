@@ -1,11 +1,12 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace hybrid::io {
 
 struct ReadOptions {
-  // Of damaged files use what is good, and say in the scan's notes what is lost, instead of failing. E57 can.
+  // Of damaged files use what is good, and say in the scan's notes what is lost, instead of failing.
   bool salvage = false;
 };
 
@@ -19,10 +20,11 @@ struct ScanEntry {
   std::string unit{};                // of coordinates, where the format or the file says; else ""
   std::string problem{};             // why it cannot be read, or ""
   // For its reader.
-  bool salvage = false;                // ReadOptions
-  std::size_t index = 0;               // in the file
-  std::uint64_t offset = 0, line = 1;  // where it starts
-  std::uint64_t end = 0;               // where it ends
+  bool salvage = false;                      // ReadOptions
+  std::size_t index = 0;                     // in the file
+  std::uint64_t offset = 0, line = 1;        // where it starts
+  std::uint64_t end = 0;                     // where it ends
+  std::optional<std::uint64_t> announced{};  // in salvage: samples that its header counts, where it does
 };
 
 }  // namespace hybrid::io

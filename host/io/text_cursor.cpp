@@ -90,8 +90,8 @@ bool TextCursor::next_number(double& value) {
     return true;
   }
   const char* word_end = std::find_if(at_, end_, [](char c) { return is_separator(c) || is_line_end(c); });
-  fail_input("{}: line {}: expected a number, found {}; correct or remove that line", file(), line_,
-             in_quotes({at_, static_cast<std::size_t>(word_end - at_)}));
+  fail_input("{}: line {}: expected a number, found {}; correct or remove that line, or use --salvage",
+             file(), line_, in_quotes({at_, static_cast<std::size_t>(word_end - at_)}));
 }
 
 std::size_t TextCursor::read_numbers(std::span<double> values) {

@@ -1,7 +1,9 @@
 #pragma once
 #include <vector>
 
+#include "core/error.hpp"
 #include "io/number_rows.hpp"
+#include "io/salvage.hpp"
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 
@@ -9,11 +11,13 @@ namespace hybrid::io {
 
 // Adds `count` samples, one per line of `columns` numbers from `place` on, read on all threads:
 // to_sample(numbers) makes a ScanSample. What is no such line goes to read_line(cursor, values, done), which
-// reads it or throws, the end of the text too. Returns the place behind the last sample.
+// reads it or throws, the end of the text too. With `damage` (salvage) a line that read_line refuses becomes
+// a no-return and is counted there, and the samples end where the text does. Returns the place behind the
+// last sample.
 template <typename ToSample, typename ReadLine>
 TextPlace add_text_samples(InputFile& input, TextPlace place, std::uint64_t count, std::size_t columns,
                            ScanBuilder& builder, bool& commas_seen, const ToSample& to_sample,
-                           const ReadLine& read_line) {
+                           const ReadLine& read_line, Damage* damage = nullptr) {
   NumberRows rows(input, place, input.size(), columns);
   std::vector<std::size_t> counts;
   std::vector<double> values(columns);
@@ -30,9 +34,23 @@ TextPlace add_text_samples(InputFile& input, TextPlace place, std::uint64_t coun
     // An error, or a very long line.
     TextCursor cursor(input, rows.place().offset, rows.place().line);
     cursor.skip_blank_lines();
-    read_line(cursor, values, done);
+    if (damage && cursor.at_end()) break;
+    const TextPlace line{cursor.offset(), cursor.line()};
+    bool refused = false;
+    try {
+      read_line(cursor, values, done);
+    } catch (const Error& error) {
+      if (!damage || error.kind() != ErrorKind::input) throw;
+      damage->add(1, error.what());
+      cursor.move_to(line.offset, line.line);
+      cursor.next_line();
+      refused = true;
+    }
     commas_seen |= cursor.commas_seen();
-    builder.add(to_sample(values.data()));
+    if (refused)
+      builder.add_lost(1);
+    else
+      builder.add(to_sample(values.data()));
     rows.go_on({cursor.offset(), cursor.line()});
     ++done;
   }

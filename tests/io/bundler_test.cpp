@@ -103,7 +103,8 @@ TEST(bundler, errors_name_file_and_line) {
   for (const auto& [bundle, list, place, part] : cases) {
     SCOPED_TRACE(bundle);
     const TemporaryFolder folder;
-    const std::string message = error_of(ErrorKind::input, [&] { read(folder, bundle, list, false); });
+    const std::string message =
+        error_of(ErrorKind::input, [&, bundle = bundle, list = list] { read(folder, bundle, list, false); });
     EXPECT_TRUE(holds(message, (folder.path() / place).string() + ": "));
     EXPECT_TRUE(holds(message, part));
   }

@@ -110,7 +110,8 @@ TEST(colmap_binary, errors_name_file_and_byte) {
   const TemporaryFolder folder;
   for (const auto& [cameras, images, place, part] : cases) {
     SCOPED_TRACE(part);
-    const std::string message = error_of(ErrorKind::input, [&] { read(folder, cameras, images); });
+    const std::string message = error_of(
+        ErrorKind::input, [&, cameras = cameras, images = images] { read(folder, cameras, images); });
     EXPECT_TRUE(holds(message, (folder.path() / place).string()));
     EXPECT_TRUE(holds(message, part));
   }

@@ -53,7 +53,7 @@ class ForeignExr {
       const std::size_t size = type == Imf::HALF ? 2 : 4;
       for (const float value : values_.at(name)) {
         const half small(value);
-        const auto whole = static_cast<std::uint32_t>(value);
+        const auto whole = static_cast<std::uint32_t>(type == Imf::UINT ? value : 0);
         const void* at = type == Imf::HALF   ? static_cast<const void*>(&small)
                          : type == Imf::UINT ? static_cast<const void*>(&whole)
                                              : &value;

@@ -126,7 +126,7 @@ TEST(nerfstudio, errors_name_file_and_entry) {
   const TemporaryFolder folder;
   for (const auto& [text, place, part] : cases) {
     SCOPED_TRACE(text);
-    const std::string message = error_of(ErrorKind::input, [&] { read(folder, text); });
+    const std::string message = error_of(ErrorKind::input, [&, text = text] { read(folder, text); });
     EXPECT_TRUE(holds(message, (folder.path() / place).string() + ": "));
     EXPECT_TRUE(holds(message, part));
   }

@@ -34,9 +34,10 @@ std::string tell_scan(const io::ScanInfo& info) {
   return joined(parts, ", ") + (info.notes.empty() ? "" : "; " + joined(info.notes, "; "));
 }
 
-std::string tell_scans(const fs::path& file) {
+std::string tell_scans(const fs::path& file, bool salvage) {
   std::vector<std::string> scans;
-  for (const io::ScanInfo& info : io::read_scan_info(file)) scans.push_back(tell_scan(info));
+  for (const io::ScanInfo& info : io::read_scan_info(file, {.salvage = salvage}))
+    scans.push_back(tell_scan(info));
   return joined(scans, " / ");
 }
 
@@ -65,6 +66,25 @@ std::string told(const fs::path& file, const Read& read) {
   return text;
 }
 
+// What salvage makes of it, where that is something else.
+std::string told_scans(const fs::path& file) {
+  const std::string strict = told(file, [](const auto& f) { return tell_scans(f, false); });
+  const std::string salvaged = told(file, [](const auto& f) { return tell_scans(f, true); });
+  return strict + (salvaged == strict ? "" : "; **with --salvage:** " + salvaged);
+}
+
+std::string tell_cameras(const fs::path& folder) {
+  const io::CameraFile cameras = io::read_colmap(folder);
+  return fmt::format("{} cameras, {} photographs", cameras.cameras.size(), cameras.photographs.size());
+}
+
+// Licences and notes; materials, which are not read; the parts of a model that is told as a whole.
+bool is_no_input(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return name.starts_with("LICENSE") || name.starts_with("README") || file.extension() == ".mtl" ||
+         file.extension() == ".bin";
+}
+
 std::map<std::string, std::string> rows_of(const fs::path& data) {
   std::map<std::string, std::string> rows;
   for (const char* part : {"formats", "scans", "planes/synpeb"}) {
@@ -74,9 +94,13 @@ std::map<std::string, std::string> rows_of(const fs::path& data) {
                         extension = io::lower_case(file.extension().string());
       if (extension == ".pcd" || extension == ".ply" || extension == ".ptx" || extension == ".pts" ||
           extension == ".e57")
-        rows[name] = told(file, tell_scans);
+        rows[name] = told_scans(file);
       else if (extension == ".obj")
         rows[name] = told(file, tell_model);
+      else if (fs::exists(file / "cameras.bin"))
+        rows[name] = told(file, tell_cameras);
+      else
+        EXPECT_TRUE(entry.is_directory() || is_no_input(file)) << file << " is in no row";
     }
   }
   return rows;

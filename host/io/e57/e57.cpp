@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "io/e57/e57_xml.hpp"
 #include "io/e57/little_endian.hpp"
+#include "io/e57/lost_description.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -18,17 +19,33 @@ std::string pages_note(const std::string& what, const std::vector<std::uint64_t>
                      bad_pages.front() * PagedFile::kPage_bytes);
 }
 
+std::string read_stretch(const PagedFile& pages, const E57Stretch& xml, std::vector<std::string>& notes) {
+  std::string text(xml.length, '\0');
+  std::vector<std::uint64_t> bad_pages;
+  pages.read(xml.offset, text, pages.salvage() ? &bad_pages : nullptr);
+  if (!bad_pages.empty()) notes.push_back(pages_note("XML section", bad_pages));
+  return text;
+}
+
 std::string read_xml(const PagedFile& pages, std::vector<std::string>& notes) {
-  if (pages.xml_length() > kLongestXml_bytes)
+  if (pages.xml_length() > kLongestXml_bytes && !pages.salvage())
     fail_input(
         "{}: byte 32: expected an XML section of at most {} bytes, found {}; export fewer scans into one "
         "file",
         pages.name(), kLongestXml_bytes, pages.xml_length());
-  std::string text(pages.xml_length(), '\0');
-  std::vector<std::uint64_t> bad_pages;
-  pages.read(pages.xml_offset(), text, pages.salvage() ? &bad_pages : nullptr);
-  if (!bad_pages.empty()) notes.push_back(pages_note("XML section", bad_pages));
-  return text;
+  const E57Stretch told{pages.xml_offset(), std::min(pages.xml_length(), kLongestXml_bytes)};
+  std::string text = read_stretch(pages, told, notes);
+  if (!pages.salvage() || text.find("<e57Root") != text.npos) return text;
+  const auto found = find_description(pages);
+  if (!found)
+    fail_input(
+        "{}: byte 24: expected an XML section, found none in all of its {} bytes, as when the end of the "
+        "file is "
+        "cut off; {}; copy the file again or take it from a backup",
+        pages.name(), PagedFile::physical(pages.size()), tell_tables(pages));
+  notes.push_back(fmt::format("the XML section is taken from byte {}, not from where the header says",
+                              PagedFile::physical(found->offset)));
+  return read_stretch(pages, {found->offset, std::min(found->length, kLongestXml_bytes)}, notes);
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ using Node = pugi::xml_node;
 constexpr std::ptrdiff_t kMostElements = 4'000'000;  // a parsed one takes up to 100 bytes
 constexpr int kDeepest = 64;
 constexpr std::size_t kMostFields = 1024;
-constexpr double kUnit = 1e-6;  // a quaternion nearer to length 1 than this is rounding
+constexpr std::size_t kMostBroken = 100;  // descriptions that salvage leaves out: to place each takes a walk
+constexpr double kUnit = 1e-6;            // a quaternion nearer to length 1 than this is rounding
 
 // Names that nothing here keeps, for the user to know.
 std::vector<std::string> dropped_children(const Node& node, const std::set<std::string_view>& known) {
@@ -266,6 +267,7 @@ E57Contents parse_e57_xml(const std::string& file, const std::string& text, bool
     if (const std::string name = attribute.name(); name.starts_with("xmlns:"))
       contents.extensions.push_back({name.substr(6), attribute.value()});
   // In salvage one broken description does not take the others with it.
+  std::size_t broken = 0;
   const auto each = [&](const char* list, const auto& add) {
     std::size_t index = 0;
     for (const Node& node : root.child(list).children()) {
@@ -273,7 +275,7 @@ E57Contents parse_e57_xml(const std::string& file, const std::string& text, bool
       try {
         add(node, index++);
       } catch (const Error& error) {
-        if (!salvage) throw;
+        if (!salvage || ++broken > kMostBroken) throw;
         contents.notes.push_back(fmt::format("left out: {}", error.what()));
       }
     }

@@ -66,7 +66,15 @@ void PagedFile::read_header() {
     complain(fmt::format("byte 16: expected a file of {} bytes as its header says, found {}", length,
                          file_.size()),
              "the file is cut short or another follows in it: copy it again or use --salvage");
-  xml_offset_ = logical(xml, "byte 24: the XML section");
+  try {
+    xml_offset_ = logical(xml, "byte 24: the XML section");
+  } catch (const Error& error) {
+    if (!salvage_) throw;
+    const std::string message = error.what();
+    notes_.push_back(message.substr(name().size() + 2));
+    xml_length_ = 0;
+    return;
+  }
   if (xml_length_ == 0 || xml_length_ > size_ - xml_offset_) {
     complain(fmt::format("byte 32: expected an XML section of 1 to {} bytes, found {}", size_ - xml_offset_,
                          xml_length_),

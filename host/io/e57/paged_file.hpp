@@ -22,9 +22,9 @@ class PagedFile {
 
   const std::string& name() const { return file_.name(); }
   bool salvage() const { return salvage_; }
-  std::uint64_t size() const { return size_; }                      // logical
-  std::uint64_t xml_offset() const { return xml_offset_; }          // within size()
-  std::uint64_t xml_length() const { return xml_length_; }          // not beyond size()
+  std::uint64_t size() const { return size_; }              // logical
+  std::uint64_t xml_offset() const { return xml_offset_; }  // within size()
+  std::uint64_t xml_length() const { return xml_length_; }  // not beyond size(); in salvage 0: unknown
   const std::vector<std::string>& notes() const { return notes_; }  // what salvage met so far
 
   static std::uint64_t physical(std::uint64_t logical) { return logical + 4 * (logical / kPayload_bytes); }

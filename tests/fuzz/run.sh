@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Fuzzes the readers: bash tests/fuzz/run.sh [TARGET|all] [EXECUTIONS]
+# Builds with clang (AddressSanitizer, UndefinedBehaviorSanitizer), runs each target up to EXECUTIONS in all
+# (default 10,000,000; scans only unless a target is named) and prints for each how many ran and what was
+# found. Corpus, findings and counts are kept in $HYBRID_FUZZ_DIR (default /tmp/hybrid-fuzz): the same command
+# goes on where the last one was ended, by Ctrl-C too. HYBRID_FUZZ_SECONDS limits the time per target.
+# bash tests/fuzz/run.sh minimise: writes the smallest corpora that cover the same to tests/fuzz/corpus.
+set -uo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+dir=${HYBRID_FUZZ_DIR:-/tmp/hybrid-fuzz}
+what=${1:-all} executions=${2:-10000000} seconds=${HYBRID_FUZZ_SECONDS:-0}
+mkdir -p "$dir"
+cmake -S "$root" -B "$dir/build" -G Ninja -DHYBRID_FUZZ=ON -DHYBRID_BENCH=OFF -DCMAKE_CXX_COMPILER=clang++ \
+  -DCMAKE_C_COMPILER=clang >"$dir/configure.log" || { cat "$dir/configure.log" >&2; exit 1; }
+nice -n 19 ninja -C "$dir/build" hybrid_fuzz >"$dir/build.log" || { tail -40 "$dir/build.log" >&2; exit 1; }
+fuzz=$dir/build/bin/hybrid_fuzz
+export ASAN_OPTIONS=allocator_may_return_null=0:detect_leaks=0:quarantine_size_mb=16:malloc_context_size=8
+export UBSAN_OPTIONS=print_stacktrace=1
+
+scans="ptx pts ply_ascii ply_binary pcd_ascii pcd_binary pcd_compressed las foreign_exr range_exr e57 e57_xml e57_bits"
+limit() { "$fuzz" --list | awk -v name="$1" '$1 == name { print $2 }'; }
+
+run_one() {  # until the executions of all runs together are reached, or a finding stops it
+  local target=$1 corpus=$dir/corpus/$1 found=$dir/findings/$1 count=$dir/executions/$1 done=0 size log status
+  size=$(limit "$target")
+  [ -n "$size" ] || { echo "no target $target; there are:" >&2; "$fuzz" --list >&2; return 2; }
+  mkdir -p "$corpus" "$found" "$dir/executions"
+  HYBRID_FUZZ_TARGET=$target "$fuzz" --seeds "$corpus" || return 1
+  [ -d "$root/tests/fuzz/corpus/$target" ] && cp -n "$root/tests/fuzz/corpus/$target"/* "$corpus"
+  [ -s "$count" ] && done=$(cat "$count")
+  if [ "$done" -lt "$executions" ]; then
+    log=$found/log
+    # One allocation of 64 MiB, for inputs of some kilobytes, is a finding, as is a second for one input.
+    HYBRID_FUZZ_TARGET=$target nice -n 19 "$fuzz" -runs=$((executions - done)) -max_total_time="$seconds" \
+      -max_len="$size" -malloc_limit_mb=64 -rss_limit_mb=3000 -timeout=10 -print_final_stats=1 \
+      -artifact_prefix="$found/" -reload=0 -entropic=0 "$corpus" >"$log" 2>&1
+    status=$?
+    done=$((done + $(awk '/stat::number_of_executed_units/ { n = $2 } END { print n + 0 }' "$log")))
+    echo "$done" >"$count"
+    [ "$status" -eq 0 ] || grep -m1 -E 'ERROR|what\(\)|runtime error|SUMMARY' "$log"
+  fi
+  printf '%-18s %10d executions  %s findings\n' "$target" "$done" \
+    "$(find "$found" -name 'crash-*' -o -name 'oom-*' -o -name 'timeout-*' | wc -l)"
+}
+
+minimise() {  # into the repository: what covers the same, the smallest first, at most 40 inputs of 4 KiB
+  local target=$1 to=$root/tests/fuzz/corpus/$1 least=$dir/least
+  rm -rf "$least" && mkdir -p "$least"
+  HYBRID_FUZZ_TARGET=$target nice -n 19 "$fuzz" -merge=1 -max_len=4096 "$least" "$dir/corpus/$target" \
+    >"$dir/merge.log" 2>&1 || { tail -3 "$dir/merge.log" >&2; return 1; }
+  mkdir -p "$to"
+  find "$to" -type f ! -name 'finding-*' -delete
+  HYBRID_FUZZ_TARGET=$target "$fuzz" --seeds "$to"
+  find "$least" -type f -printf '%s %p\n' | sort -n | awk 'NR % 3 == 1 { print $2 }' | head -40 |
+    while read -r file; do cp "$file" "$to/$(basename "$file" | cut -c1-12)"; done
+  du -sb "$to"
+}
+
+case $what in
+  minimise) for target in $scans; do minimise "$target"; done ;;
+  all) for target in $scans; do run_one "$target"; done ;;
+  *) run_one "$what" ;;
+esac

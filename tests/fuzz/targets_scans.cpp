@@ -1,0 +1,191 @@
+// Text and binary scans and range images, each from files that other programs or our writers make.
+#include <ImfChannelList.h>
+
+#include "fuzz/check_scan.hpp"
+#include "fuzz/targets.hpp"
+#include "io/foreign_exr.hpp"
+#include "io/las_samples.hpp"
+#include "io/range_exr.hpp"
+#include "io/read_scan.hpp"
+#include "io/reader_rows.hpp"
+#include "io/scan_samples.hpp"
+
+namespace hybrid::testing {
+namespace {
+namespace fs = std::filesystem;
+using Seeds = std::vector<std::string>;
+
+std::vector<std::optional<Scan>> read_all(const fs::path& file, bool salvage) {
+  std::vector<std::optional<Scan>> scans;
+  const auto entries = unless_refused([&] { return io::list_scans(file, {.salvage = salvage}); });
+  if (entries)
+    for (const io::ScanEntry& entry : *entries)
+      scans.push_back(unless_refused([&] { return io::read_scan(file, entry); }));
+  return scans;
+}
+
+void read_both_ways(const fs::path& file, std::string_view) {
+  auto strict = read_all(file, false);
+  const auto salvaged = read_all(file, true);
+  // Of a file with a damaged scan salvage may tell the scans apart in another way.
+  if (std::any_of(strict.begin(), strict.end(), [](const auto& scan) { return !scan; })) {
+    for (const auto& scan : strict) check_salvage({}, scan);
+    strict.clear();
+  }
+  for (std::size_t i = 0; i < std::max(strict.size(), salvaged.size()); ++i)
+    check_salvage(i < strict.size() ? strict[i] : std::nullopt,
+                  i < salvaged.size() ? salvaged[i] : std::nullopt);
+}
+
+const std::string kPtxHead = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+
+Seeds ptx(const fs::path&) {
+  const std::string one = sample_file("ptx", "");
+  const std::string four = "1\n3\n" + kPtxHead + "1 2 3 0.5\n0 0 0 0\n-1e3 2.25 600000.125 1\n";
+  std::string windows;
+  for (const char c : four) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  return {one, four, one + four, four + one + four, windows, "1\n1\n" + kPtxHead + "nan inf 1e99 0\n"};
+}
+
+Seeds pts(const fs::path&) {
+  const std::string counted = sample_file("pts", ""), rows = counted.substr(2);
+  return {counted,
+          rows,
+          counted + counted,
+          "2\n1 2 3\n4 5 6\n",
+          "1 2 3 -2048\n4,5,6,2047\n",
+          "0\n",
+          "1\n1 2 3 4 5 6\n2\n0 0 0\n1 1 1e7\n"};
+}
+
+Seeds ply_ascii(const fs::path&) {
+  return {sample_file("ply", "ascii"),
+          "ply\nformat ascii 1.0\ncomment \xc3\xa4\nelement face 1\nproperty list uchar int vertex_indices\n"
+          "element vertex 2\nproperty double x\nproperty double y\nproperty double z\nproperty float red\n"
+          "property float green\nproperty float blue\nproperty list uchar float odd\nend_header\n3 0 1 2\n"
+          "1 2 3 0.5 1 0 2 7 8\n600000 2 3 0 0 0 0\n"};
+}
+
+Seeds ply_binary(const fs::path&) {
+  const std::string head =
+      "element face 1\nproperty list uchar int vertex_indices\nelement vertex 1\nproperty double x\n"
+      "property double y\nproperty double z\nproperty ushort red\nproperty ushort green\n"
+      "property ushort blue\nend_header\n";
+  const std::string body = '\2' + raw(0) + raw(1) + raw(1.0) + raw(2.0) + raw(3e6) + raw(std::uint16_t{256}) +
+                           raw(std::uint16_t{1}) + raw(std::uint16_t{65535});
+  return {sample_file("ply", "binary_little_endian"), sample_file("ply", "binary_big_endian"),
+          "ply\nformat binary_little_endian 1.0\n" + head + body};
+}
+
+const std::string kPcdGrid =
+    "VERSION 0.7\nFIELDS x y z red green blue _ n\nSIZE 8 8 8 4 4 4 1 2\nTYPE F F F F F F U I\n"
+    "COUNT 1 1 1 1 1 1 3 2\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 1 2 3 0.5 0.5 0.5 0.5\nPOINTS 4\nDATA ";
+
+std::string pcd_grid_rows() {
+  std::string rows;
+  for (int i = 0; i < 4; ++i) {
+    for (const double value : {1.0 * i, 2.0, 3e6}) rows += raw(value);
+    for (const float value : {0.0f, 0.5f, 1.0f}) rows += raw(value);
+    rows += std::string(3, '\0') + raw(std::int16_t{1}) + raw(std::int16_t{-1});
+  }
+  return rows;
+}
+
+Seeds pcd_ascii(const fs::path&) {
+  std::string rows;
+  for (int i = 0; i < 4; ++i) rows += fmt::format("{} nan 2.5 0 0.5 1 0 0 0 1 -1\n", i);
+  return {sample_file("pcd", "ascii"), kPcdGrid + "ascii\n" + rows};
+}
+
+Seeds pcd_binary(const fs::path&) {
+  return {sample_file("pcd", "binary"), kPcdGrid + "binary\n" + pcd_grid_rows() + std::string(40, '\0')};
+}
+
+Seeds pcd_compressed(const fs::path&) {
+  const std::string rows = pcd_grid_rows();
+  std::string packed = lzf_literals(rows.substr(0, 8));
+  // The rest as copies of what stands 8 bytes before, of 8 bytes (length 6 + 2) each.
+  std::string expanded = rows.substr(0, 8);
+  while (expanded.size() < rows.size()) {
+    packed += "\xc0\x07";
+    expanded += expanded.substr(expanded.size() - 8);
+  }
+  const auto sized = [](const std::string& data, std::size_t size) {
+    return raw(static_cast<std::uint32_t>(data.size())) + raw(static_cast<std::uint32_t>(size)) + data;
+  };
+  return {sample_file("pcd", "binary_compressed"),
+          kPcdGrid + "binary_compressed\n" + sized(packed, expanded.size()),
+          kPcdGrid + "binary_compressed\n" + sized(lzf_literals(rows), rows.size())};
+}
+
+Seeds las(const fs::path&) {
+  return {las_sample(2), las_sample(3), las_sample(4)};
+}
+
+// As other programs write range images: every compression, lines and tiles.
+Seeds foreign_exr(const fs::path& scratch) {
+  Seeds seeds;
+  for (int compression = 0; compression < 10; ++compression)
+    for (const int tile : {0, 8}) {
+      ForeignExr exr(9, 7);
+      exr.compression = static_cast<Imf::Compression>(compression);
+      exr.tile = tile;
+      exr.corner = {compression - 3, 2};
+      if (compression % 2 == 0) {
+        exr.add("range", Imf::FLOAT);
+        exr.attribute("hybrid:elevation_rad", std::string("0.5 0.4 0.3 0.2 0.1 0 -0.1"));
+        exr.attribute("hybrid:azimuth_first_rad", 0.0);
+        exr.attribute("hybrid:azimuth_step_rad", 0.125);
+      } else {
+        for (const char* name : {"x", "y", "z"}) exr.add(name, Imf::FLOAT);
+        exr.add("mask", Imf::UINT);
+        exr.attribute("hybrid:world_from_scan", std::string("1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1"));
+      }
+      exr.add("intensity", Imf::HALF);
+      if (compression == 3)
+        for (const char* name : {"R", "G", "B"}) exr.add(name, Imf::HALF);
+      exr.write(scratch / "foreign.exr");
+      seeds.push_back(file_bytes(scratch / "foreign.exr"));
+    }
+  return seeds;
+}
+
+Seeds range_exr(const fs::path& scratch) {
+  Seeds seeds;
+  for (const int rows : {1, 5}) {
+    RangeImage image = make_range_image(rows, 6);
+    for (std::size_t i = 0; i < image.elevation_rad.size(); ++i)
+      image.elevation_rad[i] = 0.5 - 0.125 * double(i);
+    for (std::size_t i = 0; i < image.azimuth_rad.size(); ++i) image.azimuth_rad[i] = 0.0625 * double(i);
+    for (std::size_t i = 0; i < image.count(); ++i) {
+      image.mask[i] = static_cast<std::uint8_t>(i % 3);
+      image.source[i] = static_cast<std::uint32_t>(i);
+      image.range_m[i] = image.x[i] = 1 + static_cast<float>(i);
+      image.y[i] = image.z[i] = 0.5f;
+    }
+    if (rows == 5) {
+      image.intensity.assign(image.count(), 0.25f);
+      image.rgb.assign(image.count(), {1, 128, 255});
+    }
+    io::write_range_exr(scratch / "range.exr", image, {{"source", "west.ptx"}});
+    seeds.push_back(file_bytes(scratch / "range.exr"));
+  }
+  return seeds;
+}
+
+}  // namespace
+
+std::vector<FuzzTarget> scan_fuzz_targets() {
+  return {{"ptx", "scan.ptx", 1024, ptx, read_both_ways},
+          {"pts", "scan.pts", 512, pts, read_both_ways},
+          {"ply_ascii", "scan.ply", 1024, ply_ascii, read_both_ways},
+          {"ply_binary", "scan.ply", 1024, ply_binary, read_both_ways},
+          {"pcd_ascii", "scan.pcd", 1024, pcd_ascii, read_both_ways},
+          {"pcd_binary", "scan.pcd", 1024, pcd_binary, read_both_ways},
+          {"pcd_compressed", "scan.pcd", 1024, pcd_compressed, read_both_ways},
+          {"las", "scan.las", 2048, las, read_both_ways},
+          {"foreign_exr", "scan.exr", 4096, foreign_exr, read_both_ways},
+          {"range_exr", "scan.exr", 4096, range_exr, read_both_ways}};
+}
+
+}  // namespace hybrid::testing
