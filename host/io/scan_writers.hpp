@@ -27,8 +27,8 @@ struct ScanWriter {
   void (*write)(const std::filesystem::path& file, const ScanSource& next) = nullptr;
 };
 
-// PTX, PTS, PLY, PCD (both binary), LAS, E57 and EXR. All hold coordinates, intensity and colour. Coordinates in text
-// are the shortest decimals that read back as the same sample.
+// PTX, PTS, PLY, PCD (both binary), LAS, E57 and EXR. All hold coordinates, intensity and colour. Coordinates
+// in text are the shortest decimals that read back as the same sample.
 const std::vector<ScanWriter>& scan_writers();
 // By the file's extension; throws ErrorKind::usage naming those there are.
 const ScanWriter& writer_for(const std::filesystem::path& file);
