@@ -126,7 +126,7 @@ ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry,
                                const StageOptions& options, ScanProduct& product, Progress& progress) {
   const std::string unit = "scan " + product.id;
   ScanRegistration result;
-  progress.step("start pose", unit);
+  progress.step("landmarks", unit);
   find_start(queue, entry, model, options, product, result);
   if (result.abstained) return result;
 
