@@ -29,6 +29,7 @@ TEST(BlendPhotos, agrees_with_its_reference_at_every_size_and_in_every_mode) {
 
 TEST(BlendPhotos, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_width) {
   auto input = BlendPhotosCase::make(1009, 5);
+  input.photos.erase(input.photos.begin(), input.photos.begin() + 2);  // one of each kind
   const auto [a, b] = at_two_work_group_sizes([&] { return BlendPhotosCase::run(queue(), input); });
   EXPECT_TRUE(same_bits(a.sums, b.sums));
   EXPECT_EQ(a.seen, b.seen);
