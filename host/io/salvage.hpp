@@ -5,8 +5,9 @@
 
 namespace hybrid::io {
 
-// Coordinates beyond are nobody's: beyond every coordinate system of the Earth.
-inline constexpr double kAbsurd_m = 1e9;
+// Coordinates beyond are damage. Far beyond every coordinate system of the Earth, as there are files whose
+// other numbers (times) are called coordinates.
+inline constexpr double kAbsurd_m = 1e12;
 
 inline constexpr const char* kSalvageRemedy = "or use --salvage";
 

@@ -96,7 +96,7 @@ TEST_F(ExrSalvage, ValuesThatMakeNoSense) {
   const Scan scan = salvage(bytes(far), {"hybrid:world_from_scan"});
   EXPECT_EQ(right_nodes(scan, far), static_cast<std::size_t>(kWidth * kHeight - 1));
   EXPECT_FALSE(scan.world_from_scan);
-  EXPECT_TRUE(holds(all(scan), "row 0, column 9: expected a coordinate within 1000000000 m"));
+  EXPECT_TRUE(holds(all(scan), "row 0, column 9: expected a coordinate within 1000000000000 m"));
   EXPECT_TRUE(holds(all(scan), "1 nodes have absurd coordinates"));
   EXPECT_TRUE(holds(all(scan), "hybrid:world_from_scan"));
 }

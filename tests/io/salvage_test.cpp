@@ -124,7 +124,7 @@ TEST_F(Salvage, Ptx) {
   expect({"absurd coordinates",
           "a.ptx",
           changed(good, "0 2 -0.5", "0 2 1e30"),
-          {"point 1", "1000000000 m"},
+          {"point 1", "1000000000000 m"},
           {0, -1, 2, 3},
           {"1 of 4 points have absurd coordinates (point 1"},
           2,
@@ -188,7 +188,7 @@ TEST_F(Salvage, Pts) {
           {"1 of 4 points (25.00 %) are lost", "line 3"}});
   expect({"absurd coordinates",
           "a.pts",
-          changed(good, "0 2 -0.5", "0 2e11 -0.5"),
+          changed(good, "0 2 -0.5", "0 2e13 -0.5"),
           {"point 1"},
           {0, -1, 2, 3},
           {"absurd coordinates"}});

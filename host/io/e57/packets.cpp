@@ -195,9 +195,13 @@ class PacketWalk {
     std::vector<std::uint64_t> shift(groups_.streams, 0);
     bool fits =
         chains_.size() > 1 && back.first_group < groups_.count() && section_.whole && table_.whole_words;
+    // A count that lies would make the gap as large as it likes: what is lost lay in the section.
+    std::uint64_t room = section_.whole ? section_.end - section_.data : 0;
     for (std::size_t s = 0; s < groups_.streams && fits; ++s) {
       const std::uint64_t expected = word_padded_bytes(table_.fields[s], table_.count);
-      fits = table_.fields[s].type != E57Type::text && expected >= front.sums[s] + back.sums[s];
+      const std::uint64_t held = front.sums[s] + back.sums[s];
+      fits = table_.fields[s].type != E57Type::text && expected >= held && expected - held <= room;
+      room -= fits ? expected - held : 0;
       shift[s] = expected - back.sums[s];
     }
     if (chains_.size() > 1) {

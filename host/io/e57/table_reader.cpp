@@ -13,7 +13,7 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kMostWithoutBytes = 1 << 20;  // records that take no room in the file
+constexpr std::uint64_t kMostWithoutBytes = 1 << 16;  // records that take no room in the file
 constexpr std::uint64_t kPadding_bytes = 8;           // writers fill up the last word of a stream
 constexpr std::uint64_t kBlock_records = 1 << 20;
 constexpr std::uint64_t kBlock_bytes = 32 << 20;
