@@ -83,6 +83,7 @@ void ExrParts::read(const Imf::FrameBuffer& buffer, int row, int count) {
 
 std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem) {
   std::vector<bool> lost(static_cast<std::size_t>(count) * static_cast<std::size_t>(cols()));
+  open();  // a failure leaves the library's stream at its end
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Imf::FrameBuffer own = only(parts_[i].channels, buffer);
     if (own.begin() == own.end()) continue;
@@ -93,7 +94,7 @@ std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int cou
       } catch (const std::bad_alloc&) {
         throw;
       } catch (const std::exception& error) {
-        open();  // a failure leaves the library's stream at its end
+        open();
         if (problem.empty())
           problem = fmt::format("rows {} to {}, columns {} to {}: expected pixels, found damage ({})", top,
                                 end - 1, left, right - 1, error.what());

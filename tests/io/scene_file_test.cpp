@@ -277,7 +277,7 @@ TEST(scene_file, what_is_not_supported_yet_says_so) {
        "depth images are not supported yet"},
       {kScan + "depth_scale = 0.001\n", "3", "belongs to depth images"},
       {"[photographs]\nimages = \"a\"\n" + kScan, "1",
-       "exactly one of colmap, strecha, bundler, nerfstudio, found none"},
+       "exactly one of colmap, strecha, bundler, nerfstudio, e57, found none"},
       {"[photographs]\ncolmap = \"a\"\nbundler = \"b\"\n" + kScan, "1", "found colmap, bundler"},
       {"[photographs]\ncolmap = \"a\"\n" + kScan, "1", "expected the key images"},
   });
