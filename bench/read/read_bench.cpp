@@ -1,5 +1,6 @@
-// Times listing and reading of scan files, and of a text file's numbers alone, by our parser and by
-// std::from_chars on one thread. Prints JSON. CPU seconds tell what a busy machine's wall clock does not.
+// Times listing and reading of scan files, their way to a range image, and of a text file's numbers alone, by
+// our parser and by std::from_chars on one thread. Prints JSON. CPU seconds tell what a busy machine's wall
+// clock does not.
 #include <sys/resource.h>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "io/decimal.hpp"
 #include "io/input_file.hpp"
 #include "io/read_scan.hpp"
+#include "stages/organised_grid.hpp"
 
 namespace {
 using Json = nlohmann::ordered_json;
@@ -50,6 +52,25 @@ Seconds fastest(int runs, const Body& body) {
     best = {std::min(best.wall, timer.seconds()), std::min(best.cpu, cpu_seconds() - before)};
   }
   return best;
+}
+
+// Organised scans alone: an unorganised one needs the device.
+Json image_figures(const std::filesystem::path& file, int runs) {
+  std::size_t samples = 0;
+  const Seconds time = fastest(runs, [&] {
+    samples = 0;
+    for (const auto& entry : hybrid::io::list_scans(file)) {
+      const hybrid::Scan scan = hybrid::io::read_scan(file, entry);
+      samples += scan.points.size();
+      hybrid::stages::arrange_grid(scan);
+    }
+  });
+  return {{"file", file.filename().string()},
+          {"samples", samples},
+          {"image_s", time.wall},
+          {"image_cpu_s", time.cpu},
+          {"million_samples_per_s", 1e-6 * static_cast<double>(samples) / time.wall},
+          {"peak_mib", peak_mib()}};
 }
 
 Json read_figures(const std::filesystem::path& file, int runs) {
@@ -120,11 +141,12 @@ int main(int argc, char** argv) {
   CLI::App app{"Times the reading of scan files; prints JSON, the fastest of --runs"};
   std::vector<std::filesystem::path> files;
   int runs = 5, threads = 0;
-  bool numbers = false, report = false;
+  bool numbers = false, report = false, image = false;
   app.add_option("files", files, "scan files")->required();
   app.add_option("--runs", runs, "counted runs")->check(CLI::Range(1, 1000));
   app.add_option("--threads", threads, "threads, 0 = all cores");
   app.add_flag("--numbers", numbers, "of text files: their numbers alone, on one thread");
+  app.add_flag("--image", image, "of organised scans: the whole way to a range image in memory");
   app.add_flag("--report", report, "of one file: a line for bench/peers instead");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -135,7 +157,9 @@ int main(int argc, char** argv) {
     }
     Json rows = Json::array();
     for (const auto& file : files)
-      rows.push_back(numbers ? parser_figures(file, runs) : read_figures(file, runs));
+      rows.push_back(numbers ? parser_figures(file, runs)
+                     : image ? image_figures(file, runs)
+                             : read_figures(file, runs));
     std::cout << rows.dump(1) << "\n";
   } catch (const hybrid::Error& error) {
     std::cerr << error.what() << "\n";

@@ -1,8 +1,12 @@
 #include "geometry/range_image.hpp"
 
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <numbers>
+
+#include "core/parallel.hpp"
 
 namespace hybrid {
 
@@ -19,11 +23,14 @@ RangeImage make_range_image(int rows, int cols) {
   image.cols = cols;
   image.elevation_rad.assign(static_cast<std::size_t>(rows), 0.0);
   image.azimuth_rad.assign(static_cast<std::size_t>(cols), 0.0);
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  image.range_m.assign(image.count(), nan);
-  image.x = image.y = image.z = image.range_m;
-  image.mask.assign(image.count(), kEmpty);
-  image.source.assign(image.count(), kNoSource);
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  const std::size_t count = image.count();
+  // Memory touched for the first time costs more than the values: a thread for each.
+  const std::function<void()> fill[] = {
+      [&] { image.range_m.assign(count, kNaN); },     [&] { image.x.assign(count, kNaN); },
+      [&] { image.y.assign(count, kNaN); },           [&] { image.z.assign(count, kNaN); },
+      [&] { image.source.assign(count, kNoSource); }, [&] { image.mask.assign(count, kEmpty); }};
+  parallel_for(std::size(fill), [&](std::size_t i) { fill[i](); });
   return image;
 }
 
