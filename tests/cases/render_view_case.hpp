@@ -185,7 +185,7 @@ struct UlrViewCase {
       params.resolution_cost = 0.05f;
       params.field_of_view_cost = 0.1f;
       queue.launch("rank_photos", queue.kernel("rank_photos", {{"VW", width}}), grid, params, at.bvh.nodes,
-                   at.bvh.triangles, at.bvh.spheres, at.tile.surface, penalty, ranked, at.seen);
+                   at.bvh.triangles, at.bvh.spheres, at.tile.surface, at.pixels, penalty, ranked, at.seen);
     }
     for (std::size_t i = 0; kBlending && i < input.cameras.size(); ++i) {
       BlendRankedParams params{};
