@@ -134,8 +134,9 @@ void PhotographStore::blur(Entry& entry, float pixel_rad, const DeviceBvh& every
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
   params.slope = kSteepestSlope;
   params.pixel_rad = pixel_rad;
-  params.flags = entry.camera.flags;
-  const auto& kernel = queue_.kernel("blur_photo");
+  const auto& kernel = queue_.kernel(
+      "blur_photo",
+      {{"BLUR_FLAGS", static_cast<int>(entry.camera.flags & (CAMERA_WRAPS | CAMERA_HAS_MASK))}});
   queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low, linear_,
                 weights, map.distance, map.id, rows);
   params.vertical = 1;

@@ -42,8 +42,7 @@ struct BlurPhotoCase {
     params.tolerance_m = input.tolerance_m;
     params.slope = input.slope;
     params.pixel_rad = input.pixel_rad;
-    params.flags = input.flags;
-    const auto& kernel = queue.kernel(kName);
+    const auto& kernel = queue.kernel(kName, {{"BLUR_FLAGS", static_cast<int>(input.flags)}});
     queue.launch(kName, kernel, device::grid(input.width, input.height), params, pixels, low, linear, weights,
                  distance, id, rows);
     params.vertical = 1;
