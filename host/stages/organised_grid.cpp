@@ -30,17 +30,26 @@ class GridSamples {
     sample_.assign(nodes, kNoSource);
     const auto in_grid = [&](std::size_t i) { return scan.node[i] < nodes && is_return(scan.point(i)); };
     // Of several returns at a node the first takes it, whichever thread comes first.
+    std::atomic<bool> all_placed = true;
     parallel_for(
         scan.node.size(),
         [&](std::size_t i) {
-          if (!in_grid(i)) return;
+          if (!in_grid(i)) {
+            if (is_return(scan.point(i))) all_placed.store(false, std::memory_order_relaxed);
+            return;
+          }
           const std::atomic_ref<std::uint32_t> holder(sample_[scan.node[i]]);
           std::uint32_t held = holder.load(std::memory_order_relaxed);
+          if (held == kNoSource &&
+              holder.compare_exchange_strong(held, static_cast<std::uint32_t>(i), std::memory_order_relaxed))
+            return;
+          all_placed.store(false, std::memory_order_relaxed);
           while (i < held && !holder.compare_exchange_weak(held, static_cast<std::uint32_t>(i),
                                                            std::memory_order_relaxed)) {
           }
         },
         kGrain);
+    if (all_placed) return;
     std::vector<std::vector<std::uint32_t>> left((scan.node.size() + kGrain - 1) / kGrain);
     parallel_for(left.size(), [&](std::size_t block) {
       for (std::size_t i = block * kGrain; i < std::min((block + 1) * kGrain, scan.node.size()); ++i)
@@ -203,12 +212,13 @@ void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_
     if (!grid.find(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col, source))
       return;
     const Vec3 point = scan.point(source);
-    if (!is_return(point)) return;
+    const double square = point.squaredNorm();
+    if (!std::isfinite(square) || square == 0) return;
     const std::size_t i = image.index(row, col);
     image.x[i] = static_cast<float>(point.x());
     image.y[i] = static_cast<float>(point.y());
     image.z[i] = static_cast<float>(point.z());
-    image.range_m[i] = static_cast<float>(point.norm());
+    image.range_m[i] = static_cast<float>(std::sqrt(square));
     image.mask[i] = kMeasured;
     image.source[i] = static_cast<std::uint32_t>(source);
     if (!scan.intensity.empty()) image.intensity[i] = scan.intensity[source];
