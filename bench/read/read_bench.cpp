@@ -15,6 +15,8 @@
 #include "core/parallel.hpp"
 #include "core/timer.hpp"
 #include "io/decimal.hpp"
+#include "io/exr_parts.hpp"
+#include "io/exr_threads.hpp"
 #include "io/input_file.hpp"
 #include "io/read_scan.hpp"
 #include "stages/organised_grid.hpp"
@@ -71,6 +73,26 @@ Json image_figures(const std::filesystem::path& file, int runs) {
           {"image_cpu_s", time.cpu},
           {"million_samples_per_s", 1e-6 * static_cast<double>(samples) / time.wall},
           {"peak_mib", peak_mib()}};
+}
+
+// The ranges of a range image alone, as a preview or a change detection needs them.
+Json range_figures(const std::filesystem::path& file, int runs) {
+  std::size_t samples = 0;
+  const Seconds time = fastest(runs, [&] {
+    hybrid::io::ExrParts image(file, hybrid::io::start_exr_threads());
+    samples = static_cast<std::size_t>(image.rows()) * static_cast<std::size_t>(image.cols());
+    std::vector<float> range(samples);
+    const auto cols = static_cast<std::size_t>(image.cols());
+    Imf::FrameBuffer buffer;
+    buffer.insert("range", Imf::Slice::Make(Imf::FLOAT, range.data(), image.header().dataWindow(),
+                                            sizeof(float), sizeof(float) * cols));
+    image.read(buffer, 0, image.rows());
+  });
+  return {{"file", file.filename().string()},
+          {"samples", samples},
+          {"range_s", time.wall},
+          {"range_cpu_s", time.cpu},
+          {"million_samples_per_s", 1e-6 * static_cast<double>(samples) / time.wall}};
 }
 
 Json read_figures(const std::filesystem::path& file, int runs) {
@@ -141,12 +163,13 @@ int main(int argc, char** argv) {
   CLI::App app{"Times the reading of scan files; prints JSON, the fastest of --runs"};
   std::vector<std::filesystem::path> files;
   int runs = 5, threads = 0;
-  bool numbers = false, report = false, image = false;
+  bool numbers = false, report = false, image = false, range = false;
   app.add_option("files", files, "scan files")->required();
   app.add_option("--runs", runs, "counted runs")->check(CLI::Range(1, 1000));
   app.add_option("--threads", threads, "threads, 0 = all cores");
   app.add_flag("--numbers", numbers, "of text files: their numbers alone, on one thread");
   app.add_flag("--image", image, "of organised scans: the whole way to a range image in memory");
+  app.add_flag("--range", range, "of range images: their channel range alone");
   app.add_flag("--report", report, "of one file: a line for bench/peers instead");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -159,6 +182,7 @@ int main(int argc, char** argv) {
     for (const auto& file : files)
       rows.push_back(numbers ? parser_figures(file, runs)
                      : image ? image_figures(file, runs)
+                     : range ? range_figures(file, runs)
                              : read_figures(file, runs));
     std::cout << rows.dump(1) << "\n";
   } catch (const hybrid::Error& error) {
