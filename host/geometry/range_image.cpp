@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/large_vector.hpp"
 #include "core/parallel.hpp"
 
 namespace hybrid {
@@ -26,10 +27,12 @@ RangeImage make_range_image(int rows, int cols) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const std::size_t count = image.count();
   // Memory touched for the first time costs more than the values: a thread for each.
-  const std::function<void()> fill[] = {
-      [&] { image.range_m.assign(count, kNaN); },     [&] { image.x.assign(count, kNaN); },
-      [&] { image.y.assign(count, kNaN); },           [&] { image.z.assign(count, kNaN); },
-      [&] { image.source.assign(count, kNoSource); }, [&] { image.mask.assign(count, kEmpty); }};
+  const std::function<void()> fill[] = {[&] { assign_large(image.range_m, count, kNaN); },
+                                        [&] { assign_large(image.x, count, kNaN); },
+                                        [&] { assign_large(image.y, count, kNaN); },
+                                        [&] { assign_large(image.z, count, kNaN); },
+                                        [&] { assign_large(image.source, count, kNoSource); },
+                                        [&] { assign_large(image.mask, count, std::uint8_t{kEmpty}); }};
   parallel_for(std::size(fill), [&](std::size_t i) { fill[i](); });
   return image;
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/error.hpp"
+#include "core/large_vector.hpp"
 #include "core/parallel.hpp"
 #include "stages/sweeps.hpp"
 
@@ -27,7 +28,7 @@ class GridSamples {
     if (scan.node.empty()) return;  // the samples are in the grid's order
     const std::size_t nodes =
         static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
-    sample_.assign(nodes, kNoSource);
+    assign_large(sample_, nodes, kNoSource);
     const auto in_grid = [&](std::size_t i) { return scan.node[i] < nodes && is_return(scan.point(i)); };
     // Of several returns at a node the first takes it, whichever thread comes first.
     std::atomic<bool> all_placed = true;
@@ -92,7 +93,7 @@ double median(std::vector<double>& values) {
 // k-th: for some of them evenly spread, enough for a median, or for all where these hold few returns.
 template <typename Node, typename Take>
 void for_some_returns(const Scan& scan, int count, const Node& node, const Take& take) {
-  constexpr int kSome = 512, kFew = 16;
+  constexpr int kSome = 128, kFew = 16;
   const auto visit = [&](int first, int stride) {
     int returns = 0;
     for (int k = first; k < count; k += stride) {
@@ -205,7 +206,7 @@ std::vector<double> even_table(int count, double step) {
 }
 
 void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_cols, RangeImage& image) {
-  if (!scan.intensity.empty()) image.intensity.assign(image.count(), 0.0f);
+  if (!scan.intensity.empty()) assign_large(image.intensity, image.count(), 0.0f);
   if (!scan.rgb.empty()) image.rgb.assign(image.count(), {0, 0, 0});
   const auto copy = [&](int row, int col) {
     std::size_t source = 0;

@@ -1,0 +1,19 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+namespace hybrid {
+
+// Asks the system for large pages for this memory, where it gives them on request: touching ordinary ones for
+// the first time costs more than filling them. Changes nothing else.
+void prefer_large_pages(void* memory, std::size_t bytes);
+
+// values.assign(count, value) on such pages.
+template <typename T>
+void assign_large(std::vector<T>& values, std::size_t count, const T& value) {
+  values.reserve(count);
+  prefer_large_pages(values.data(), count * sizeof(T));
+  values.assign(count, value);
+}
+
+}  // namespace hybrid
