@@ -16,4 +16,10 @@ void assign_large(std::vector<T>& values, std::size_t count, const T& value) {
   values.assign(count, value);
 }
 
+// values.resize(count) of an empty vector likewise.
+template <typename T>
+void resize_large(std::vector<T>& values, std::size_t count) {
+  assign_large(values, count, T{});
+}
+
 }  // namespace hybrid

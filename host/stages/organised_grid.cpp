@@ -225,8 +225,8 @@ void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_
     if (!scan.intensity.empty()) image.intensity[i] = scan.intensity[source];
     if (!scan.rgb.empty()) image.rgb[i] = scan.rgb[source];
   };
-  // Files go down the columns, images along the rows: bands of a few rows keep both in the cache.
-  constexpr int kBand = 16;
+  // Files go down the columns, images along the rows: bands of rows keep both in the cache.
+  constexpr int kBand = 128;
   parallel_for(static_cast<std::size_t>((image.rows + kBand - 1) / kBand), [&](std::size_t band) {
     const int first = static_cast<int>(band) * kBand, end = std::min(first + kBand, image.rows);
     for (int col = 0; col < image.cols; ++col)

@@ -4,8 +4,8 @@
 #include <new>
 
 #include "core/error.hpp"
+#include "core/large_vector.hpp"
 #include "io/e57/e57.hpp"
-#include "io/e57/large_pages.hpp"
 #include "io/e57/scan_grid.hpp"
 #include "io/e57/scan_samples.hpp"
 
@@ -54,9 +54,9 @@ class ScanReader {
     if (count > kMost)
       fail_input("{}: expected at most {} points, found {}; split the file", where_, kMost, count);
     try {
-      resize_in_large_pages(scan_.points, count);
-      if (columns_.intensity) resize_in_large_pages(scan_.intensity, count);
-      if (columns_.colour) resize_in_large_pages(scan_.rgb, count);
+      resize_large(scan_.points, count);
+      if (columns_.intensity) resize_large(scan_.intensity, count);
+      if (columns_.colour) resize_large(scan_.rgb, count);
     } catch (const std::bad_alloc&) {
       fail(ErrorKind::device,
            "{}: expected {} MiB of memory for {} points, found less free; split the file or use another "

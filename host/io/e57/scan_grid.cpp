@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/large_vector.hpp"
 #include "core/parallel.hpp"
-#include "io/e57/large_pages.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -31,7 +31,7 @@ ScanGrid::ScanGrid(const E57Scan& scan, const ScanColumns& columns, std::uint64_
   usable_ = field(*columns.row).is_integer() && field(*columns.column).is_integer();
   if (!usable_) return;
   ranges_.resize((count + E57RecordReader::kRange - 1) / E57RecordReader::kRange);
-  resize_in_large_pages(node_, count);
+  resize_large(node_, count);
   if (columns.return_index) return_.resize(count);
   if (!choose_frame(declared(scan.rows, field(*columns.row)), declared(scan.columns, field(*columns.column))))
     row_ = column_ = {};
