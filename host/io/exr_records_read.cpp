@@ -11,6 +11,7 @@
 #include "core/error.hpp"
 #include "core/interrupt.hpp"
 #include "core/parallel.hpp"
+#include "io/exr_errors.hpp"
 #include "io/exr_header.hpp"
 #include "io/exr_record_tiles.hpp"
 #include "io/exr_threads.hpp"
@@ -70,18 +71,12 @@ struct ExrRecords::State {
 
   template <typename Body>
   void guarded(const Body& body) const {
-    try {
-      body();
-    } catch (const Error&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& error) {
+    with_exr_errors(body, [&](const char* what) {
       fail_input(
           "{}: expected a range image with records, found another or a damaged file ({}); copy or write it "
           "again",
-          file, error.what());
-    }
+          file, what);
+    });
   }
 
   // The channels as the writer had them, in its order.

@@ -11,6 +11,7 @@
 
 #include "core/error.hpp"
 #include "geometry/range_image.hpp"
+#include "io/exr_errors.hpp"
 #include "io/exr_header.hpp"
 #include "io/exr_parts.hpp"
 #include "io/exr_scan_band.hpp"
@@ -121,18 +122,12 @@ class Reader {
 
   template <typename Body>
   void guarded(const Body& body) const {
-    try {
-      body();
-    } catch (const Error&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& error) {
+    with_exr_errors(body, [&](const char* what) {
       fail_input(
           "{}: expected an OpenEXR range image, found another or a damaged file ({}); copy or write it "
           "again, {}",
-          file_, error.what(), kSalvageRemedy);
-    }
+          file_, what, kSalvageRemedy);
+    });
   }
 
   void note_attributes(Scan& scan) const {

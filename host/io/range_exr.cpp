@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "core/error.hpp"
+#include "io/exr_errors.hpp"
 #include "io/exr_header.hpp"
 #include "io/exr_parts.hpp"
 #include "io/exr_stream.hpp"
@@ -167,13 +168,11 @@ class Reader {
  private:
   template <typename Body>
   void guarded(const Body& body) const {
-    try {
-      body();
-    } catch (const std::exception& error) {
+    with_exr_errors(body, [&](const char* what) {
       fail_input(
           "{}: expected a tiled range image as written to range.exr, found another or a damaged file ({})",
-          file_, error.what());
-    }
+          file_, what);
+    });
   }
 
   std::string text(const char* name) const { return text_attribute(header(), name); }
