@@ -141,7 +141,7 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
 }
 
 ScanRemains keep_remains(Scan scan, const RangeImage& image) {
-  ScanRemains remains{.intensity = !scan.intensity.empty(), .colour = !scan.rgb.empty()};
+  ScanRemains remains{.intensity = !scan.intensity.empty(), .colour = !scan.rgb.empty(), .crs = scan.crs};
   for (const std::uint32_t source : image.extra) remains.extra.push_back(sample_point(scan, source));
   if (!scan.origin.isZero()) remains.georeferenced = std::move(scan);
   return remains;
@@ -172,6 +172,27 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
     points.push_back(point);
   }
   io::write_ply(folder / "detail.ply", points, content);
+}
+
+io::SampleFileSize write_samples(const std::filesystem::path& folder, const ScanProduct& product,
+                                 const ScanRemains& scan) {
+  const auto& image = product.image;
+  std::vector<std::uint8_t> discarded(image.count());
+  for (std::size_t i = 0; i < discarded.size(); ++i)
+    discarded[i] = product.decimation.fate[i] == stages::kDiscarded;
+  io::SampleFileInput input{.image = image,
+                            .planes = product.segmentation.superclusters,
+                            .label = product.segmentation.sample_label,
+                            .discarded = discarded,
+                            .georeferenced = scan.georeferenced ? &*scan.georeferenced : nullptr,
+                            .world_from_scan = product.recorded_pose,
+                            .crs = scan.crs};
+  for (const io::PlyPoint& point : scan.extra) {
+    input.extra.push_back(point.position);
+    if (scan.intensity) input.extra_intensity.push_back(point.intensity);
+    if (scan.colour) input.extra_rgb.push_back(point.rgb);
+  }
+  return io::write_sample_file(folder / "samples.hsf", input);
 }
 
 void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product,

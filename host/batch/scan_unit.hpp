@@ -10,6 +10,7 @@
 #include "geometry/image.hpp"
 #include "geometry/scan.hpp"
 #include "io/ply.hpp"
+#include "io/samples/sample_file.hpp"
 #include "stages/contour_faces.hpp"
 #include "stages/intersections.hpp"
 #include "stages/stray_samples.hpp"
@@ -26,11 +27,12 @@ struct ScanProduct {
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
   std::vector<stages::Intersection> intersections;
   stages::Decimation decimation;
-  std::vector<std::uint8_t> stray;     // per node: stages::Stray
-  stages::ContourFaces contour_faces;  // after registration: what no proxy face explains
-  std::vector<std::uint8_t> drawn;     // per node: stages::Drawn; after registration
-  double sigma_m = 0;                  // range noise used
-  std::optional<Pose> recorded_pose;   // as the file gave it
+  std::vector<std::uint8_t> stray;                // per node: stages::Stray
+  stages::ContourFaces contour_faces;             // after registration: what no proxy face explains
+  std::vector<std::uint8_t> drawn;                // per node: stages::Drawn; after registration
+  double sigma_m = 0;                             // range noise used
+  std::optional<Pose> recorded_pose;              // as the file gave it
+  std::optional<io::SampleFileSize> sample_file;  // lossless = true
   std::vector<std::string> notes;
 };
 
@@ -43,6 +45,7 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
 // image's floats are too coarse for its coordinates.
 struct ScanRemains {
   bool intensity = false, colour = false;
+  std::string crs{};
   std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
   std::optional<Scan> georeferenced{};
 };
@@ -59,6 +62,9 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
 // when given. The property `stray` says why a sample is not drawn (stages::Stray), 0 for the others.
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,
                   const NodeColours* colours);
+// scans/<id>/samples.hsf: every sample of the input that has a point, exactly.
+io::SampleFileSize write_samples(const std::filesystem::path& folder, const ScanProduct& product,
+                                 const ScanRemains& scan);
 // scans/<id>/colour.exr.
 void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product,
                         const NodeColours& colours);

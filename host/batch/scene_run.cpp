@@ -251,6 +251,8 @@ class Run {
         if (wants("planes"))
           write_plane_outputs(scan_folder(product.id), product, remains_[i], exr_attributes(i));
         write_detail(scan_folder(product.id), product, remains_[i], nullptr);
+        if (options_.lossless && wants("planes"))
+          run_.products[i].sample_file = write_samples(scan_folder(product.id), product, remains_[i]);
         write_references(scan_folder(product.id), entries_[i].file, indices_[i], request_.salvage);
       });
   }
