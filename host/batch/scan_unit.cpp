@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "batch/orthophotos.hpp"
 #include "batch/planes_json.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
@@ -133,6 +134,7 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
       },
       [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); },
       [&] { io::write_text(folder / "intersections.obj", intersections_obj(product)); },
+      [&] { write_orthophotos(folder, product); },
       [&] {
         io::write_png(folder / "intersections.png",
                       stages::intersection_picture(image, product.segmentation, product.intersections));

@@ -55,7 +55,8 @@ ScanRemains keep_remains(Scan scan, const RangeImage& image);
 using NodeColours = stages::Renderer::ColouredRange;
 
 // scans/<id>/: range.exr, extra.ply (where samples lie beside the grid), range.png, classes.png, labels.exr,
-// planes.json, intersections.obj and .png. `attributes` and the recorded pose go to range.exr's header.
+// planes.json, intersections.obj and .png, planes/ (orthophotos). `attributes` and the recorded pose go to
+// range.exr's header.
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
                          const ScanRemains& scan, std::map<std::string, std::string> attributes);
 // scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours

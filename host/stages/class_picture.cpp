@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "stages/node_lookup.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -37,27 +37,6 @@ Colour class_colour(std::uint8_t square_class) {
     default:
       return {15, 75, 30};
   }
-}
-
-// Of ascending or descending angles the index of the nearest.
-int nearest(const std::vector<double>& angles, double angle) {
-  const bool ascends = angles.front() <= angles.back();
-  const auto before = [&](double a, double b) { return ascends ? a < b : a > b; };
-  const auto next = std::lower_bound(angles.begin(), angles.end(), angle, before);
-  if (next == angles.begin()) return 0;
-  if (next == angles.end()) return static_cast<int>(angles.size()) - 1;
-  const bool here = std::abs(*next - angle) < std::abs(*(next - 1) - angle);
-  return static_cast<int>(next - angles.begin()) - (here ? 0 : 1);
-}
-
-// The node that looks at the point; straight above and below, any of its row.
-std::array<int, 2> node_at(const RangeImage& image, const Vec3& point) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  const double elevation = std::atan2(point.z(), std::hypot(point.x(), point.y()));
-  double azimuth = std::atan2(point.y(), point.x());
-  const double first = image.azimuth_rad.front() - std::abs(image.azimuth_step_rad()) / 2;
-  azimuth = first + std::fmod(std::fmod(azimuth - first, kTurn) + kTurn, kTurn);
-  return {nearest(image.elevation_rad, elevation), nearest(image.azimuth_rad, azimuth)};
 }
 
 }  // namespace
@@ -91,7 +70,9 @@ Image8 intersection_picture(const RangeImage& image, const PlaneSegmentation& se
     const Colour colour = segment.angle_deg < 180 ? Colour{200, 0, 0} : Colour{0, 0, 200};
     // Halved until the ends of a piece are neighbours.
     std::vector<std::array<double, 2>> pieces = {{0, 1}};
-    const auto at = [&](double t) { return node_at(image, segment.from + t * (segment.to - segment.from)); };
+    const auto at = [&](double t) {
+      return node_towards(image, segment.from + t * (segment.to - segment.from));
+    };
     while (!pieces.empty()) {
       const auto [from, to] = pieces.back();
       pieces.pop_back();
