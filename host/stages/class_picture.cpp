@@ -66,22 +66,21 @@ Image8 intersection_picture(const RangeImage& image, const PlaneSegmentation& se
                             const std::vector<Intersection>& intersections) {
   Image8 picture = class_picture(image, segmentation);
   if (image.count() == 0) return picture;
+  const NodeLookup lookup(image);
   for (const Intersection& segment : intersections) {
     const Colour colour = segment.angle_deg < 180 ? Colour{200, 0, 0} : Colour{0, 0, 200};
     // Halved until the ends of a piece are neighbours.
     std::vector<std::array<double, 2>> pieces = {{0, 1}};
-    const auto at = [&](double t) {
-      return node_towards(image, segment.from + t * (segment.to - segment.from));
-    };
+    const auto at = [&](double t) { return lookup.towards(segment.from + t * (segment.to - segment.from)); };
     while (!pieces.empty()) {
       const auto [from, to] = pieces.back();
       pieces.pop_back();
       const auto a = at(from), b = at(to);
-      std::copy(colour.begin(), colour.end(), picture.at(a[1], a[0]));
-      std::copy(colour.begin(), colour.end(), picture.at(b[1], b[0]));
-      int cols = std::abs(a[1] - b[1]);
+      std::copy(colour.begin(), colour.end(), picture.at(a.col, a.row));
+      std::copy(colour.begin(), colour.end(), picture.at(b.col, b.row));
+      int cols = std::abs(a.col - b.col);
       if (image.wraps) cols = std::min(cols, image.cols - cols);
-      if (std::max(std::abs(a[0] - b[0]), cols) <= 1 || to - from < 1e-6) continue;
+      if (std::max(std::abs(a.row - b.row), cols) <= 1 || to - from < 1e-6) continue;
       pieces.push_back({(from + to) / 2, to});
       pieces.push_back({from, (from + to) / 2});
     }

@@ -3,49 +3,48 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace hybrid::stages {
 namespace {
 
-// Of ascending or descending angles the index of the nearest.
-int nearest(const std::vector<double>& angles, double angle) {
-  const bool ascends = angles.front() <= angles.back();
-  const auto before = [&](double a, double b) { return ascends ? a < b : a > b; };
-  const auto next = std::lower_bound(angles.begin(), angles.end(), angle, before);
-  if (next == angles.begin()) return 0;
-  if (next == angles.end()) return static_cast<int>(angles.size()) - 1;
-  const bool here = std::abs(*next - angle) < std::abs(*(next - 1) - angle);
-  return static_cast<int>(next - angles.begin()) - (here ? 0 : 1);
-}
-
 constexpr double kTurn = 2 * std::numbers::pi;
-
-double elevation_of(const Vec3& point) {
-  return std::atan2(point.z(), std::hypot(point.x(), point.y()));
-}
-
-// In the turn that begins half a step before the first column.
-double azimuth_of(const RangeImage& image, const Vec3& point) {
-  const double first = image.azimuth_rad.front() - std::abs(image.azimuth_step_rad()) / 2;
-  return first + std::fmod(std::fmod(std::atan2(point.y(), point.x()) - first, kTurn) + kTurn, kTurn);
-}
 
 }  // namespace
 
-std::array<int, 2> node_towards(const RangeImage& image, const Vec3& point) {
-  return {nearest(image.elevation_rad, elevation_of(point)),
-          nearest(image.azimuth_rad, azimuth_of(image, point))};
+NodeLookup::Axis::Axis(const std::vector<double>& angles)
+    : angles_(angles),
+      low_(std::min(angles.front(), angles.back())),
+      high_(std::max(angles.front(), angles.back())),
+      step_(angles.size() > 1 ? (high_ - low_) / static_cast<double>(angles.size() - 1) : 0),
+      sign_(angles.front() <= angles.back() ? 1 : -1) {}
+
+int NodeLookup::Axis::nearest(double angle) const {
+  if (!(step_ > 0)) return 0;
+  const int last = static_cast<int>(angles_.size()) - 1;
+  const double from_first = sign_ * (angle - angles_.front()) / step_;
+  // From where even steps would have it on to where it is.
+  int k = static_cast<int>(std::lround(std::clamp(from_first, 0.0, static_cast<double>(last))));
+  const auto off = [&](int i) { return std::abs(angles_[static_cast<std::size_t>(i)] - angle); };
+  while (k < last && off(k + 1) < off(k)) ++k;
+  while (k > 0 && off(k - 1) < off(k)) --k;
+  return k;
 }
 
-bool within_grid(const RangeImage& image, const Vec3& point) {
-  const double elevation = elevation_of(point), up = std::abs(image.elevation_step_rad()),
-               around = std::abs(image.azimuth_step_rad());
-  const auto [low, high] = std::minmax(image.elevation_rad.front(), image.elevation_rad.back());
-  if (elevation < low - up || elevation > high + up) return false;
-  if (image.wraps) return true;
-  const double past = azimuth_of(image, point) - image.azimuth_rad.back();
-  return past <= around || past >= kTurn - around - (image.azimuth_rad.back() - image.azimuth_rad.front());
+NodeLookup::NodeLookup(const RangeImage& image)
+    : wraps_(image.wraps), rows_(image.elevation_rad), cols_(image.azimuth_rad) {}
+
+NodeLookup::Node NodeLookup::towards(const Vec3& point) const {
+  const double elevation = std::atan2(point.z(), std::sqrt(point.x() * point.x() + point.y() * point.y()));
+  // In the turn that begins half a step before the first column.
+  const double begin = cols_.low() - cols_.step() / 2;
+  double azimuth = std::atan2(point.y(), point.x());
+  while (azimuth < begin) azimuth += kTurn;
+  while (azimuth >= begin + kTurn) azimuth -= kTurn;
+  const double past = azimuth - cols_.high();
+  return {
+      rows_.nearest(elevation), cols_.nearest(azimuth),
+      elevation >= rows_.low() - rows_.step() && elevation <= rows_.high() + rows_.step() &&
+          (wraps_ || past <= cols_.step() || past >= kTurn - cols_.step() - (cols_.high() - cols_.low()))};
 }
 
 }  // namespace hybrid::stages

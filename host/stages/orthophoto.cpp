@@ -75,11 +75,12 @@ std::optional<Orthophoto> make_orthophoto(const RangeImage& image, const PlaneSe
   photo.picture =
       Image8(static_cast<int>(std::ceil(width / photo.pixel_m)) + 2 * kBorder + 1,
              static_cast<int>(std::ceil(height / photo.pixel_m)) + 2 * kBorder + 1, 3, kNothingThere);
+  const NodeLookup lookup(image);
   for (int y = 0; y < photo.picture.height; ++y)
     for (int x = 0; x < photo.picture.width; ++x) {
       const Vec3 point = photo.origin + photo.pixel_m * (x * photo.right - y * photo.up);
-      if (!within_grid(image, point)) continue;
-      const auto [row, col] = node_towards(image, point);
+      const auto [row, col, within] = lookup.towards(point);
+      if (!within) continue;
       const std::size_t node = image.index(row, col);
       if (segmentation.sample_label[node] != plane.id || image.mask[node] == kEmpty) continue;
       const auto colour = look(node, plane);

@@ -93,18 +93,23 @@ TEST(Orthophoto, of_nothing_is_nothing) {
 
 TEST(NodeLookup, knows_the_borders_of_the_grid) {
   Wall wall;
-  EXPECT_TRUE(stages::within_grid(wall.image, direction(0.3, -0.4)));
-  EXPECT_TRUE(stages::within_grid(wall.image, direction(0.304, -0.404)));
-  EXPECT_FALSE(stages::within_grid(wall.image, direction(0.31, 0)));
-  EXPECT_FALSE(stages::within_grid(wall.image, direction(-0.31, 0)));
-  EXPECT_FALSE(stages::within_grid(wall.image, direction(0, -0.41)));
-  EXPECT_FALSE(stages::within_grid(wall.image, direction(0, 0.41)));
-  EXPECT_FALSE(stages::within_grid(wall.image, direction(0, 3)));
+  EXPECT_TRUE(stages::NodeLookup(wall.image).towards(direction(0.3, -0.4)).within);
+  EXPECT_TRUE(stages::NodeLookup(wall.image).towards(direction(0.304, -0.404)).within);
+  EXPECT_FALSE(stages::NodeLookup(wall.image).towards(direction(0.31, 0)).within);
+  EXPECT_FALSE(stages::NodeLookup(wall.image).towards(direction(-0.31, 0)).within);
+  EXPECT_FALSE(stages::NodeLookup(wall.image).towards(direction(0, -0.41)).within);
+  EXPECT_FALSE(stages::NodeLookup(wall.image).towards(direction(0, 0.41)).within);
+  EXPECT_FALSE(stages::NodeLookup(wall.image).towards(direction(0, 3)).within);
   wall.image.wraps = true;
-  EXPECT_TRUE(stages::within_grid(wall.image, direction(0, 3)));
-  const auto [row, col] = stages::node_towards(wall.image, direction(0.1, 0.1));
-  EXPECT_EQ(row, 40);
-  EXPECT_EQ(col, 100);
+  EXPECT_TRUE(stages::NodeLookup(wall.image).towards(direction(0, 3)).within);
+  const auto node = stages::NodeLookup(wall.image).towards(direction(0.1, 0.1));
+  EXPECT_EQ(node.row, 40);
+  EXPECT_EQ(node.col, 100);
+  // Uneven steps.
+  for (int col = 0; col < wall.image.cols; ++col)
+    wall.image.azimuth_rad[static_cast<std::size_t>(col)] = 1e-4 * col * col / 3;
+  for (int col = 1; col < wall.image.cols; ++col)
+    EXPECT_EQ(stages::NodeLookup(wall.image).towards(direction(0, 1e-4 * col * col / 3 + 1e-6)).col, col);
 }
 
 }  // namespace hybrid::testing
