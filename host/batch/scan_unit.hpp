@@ -36,11 +36,6 @@ struct ScanProduct {
   std::vector<std::string> notes;
 };
 
-// METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
-// for no surface.
-ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
-                         const StageOptions& options, Progress& progress);
-
 // What detail.ply needs of a scan and its range image does not hold. A georeferenced scan stays whole: the
 // image's floats are too coarse for its coordinates.
 struct ScanRemains {
@@ -49,7 +44,16 @@ struct ScanRemains {
   std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
   std::optional<Scan> georeferenced{};
 };
-ScanRemains keep_remains(Scan scan, const RangeImage& image);
+
+// METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
+// for no surface. The scan itself goes as soon as its range image stands, georeferenced ones excepted: half
+// of the memory that the stages need.
+struct ProcessedScan {
+  ScanProduct product;
+  ScanRemains remains;
+};
+ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
+                           const StageOptions& options, Progress& progress);
 
 // Colours of the range image's nodes, when photographs were projected on them.
 using NodeColours = stages::Renderer::ColouredRange;

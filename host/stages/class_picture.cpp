@@ -11,6 +11,8 @@
 namespace hybrid::stages {
 namespace {
 
+constexpr std::size_t kManySamples = 2'000'000;  // say what the percentiles are
+
 using Colour = std::array<std::uint8_t, 3>;
 
 // Golden-ratio steps in hue keep successive ids apart; three levels of paleness tell those that come round
@@ -62,10 +64,9 @@ Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentat
   return picture;
 }
 
-Image8 intersection_picture(const RangeImage& image, const PlaneSegmentation& segmentation,
-                            const std::vector<Intersection>& intersections) {
-  Image8 picture = class_picture(image, segmentation);
-  if (image.count() == 0) return picture;
+void draw_intersections(const RangeImage& image, const std::vector<Intersection>& intersections,
+                        Image8& picture) {
+  if (image.count() == 0) return;
   const NodeLookup lookup(image);
   for (const Intersection& segment : intersections) {
     const Colour colour = segment.angle_deg < 180 ? Colour{200, 0, 0} : Colour{0, 0, 200};
@@ -85,14 +86,13 @@ Image8 intersection_picture(const RangeImage& image, const PlaneSegmentation& se
       pieces.push_back({from, (from + to) / 2});
     }
   }
-  return picture;
 }
 
 Image8 range_picture(const RangeImage& image) {
   Image8 picture(image.cols, image.rows, 1);
   std::vector<float> ranges;
-  for (const float range : image.range_m)
-    if (range > 0 && std::isfinite(range)) ranges.push_back(range);
+  for (std::size_t i = 0; i < image.count(); i += 1 + image.count() / kManySamples)
+    if (const float range = image.range_m[i]; range > 0 && std::isfinite(range)) ranges.push_back(range);
   if (ranges.empty()) return picture;
   const auto percentile = [&](std::size_t percent) {
     const auto at = ranges.begin() + static_cast<std::ptrdiff_t>((ranges.size() - 1) * percent / 100);

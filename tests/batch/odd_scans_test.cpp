@@ -89,10 +89,9 @@ void expect_handled(const Scan& scan, const char* error = nullptr) {
       EXPECT_TRUE(testing::holds(message, error));
       continue;
     }
-    const ScanProduct product = process_scan(queue(), "odd", scan, options, progress);
+    const auto [product, remains] = process_scan(queue(), "odd", scan, options, progress);
     expect_sound(scan, product);
     const testing::TemporaryFolder folder;
-    const auto remains = keep_remains(scan, product.image);
     write_plane_outputs(folder.path(), product, remains, {});
     write_detail(folder.path(), product, remains, nullptr);
     write_samples(folder.path(), product, remains);
