@@ -14,8 +14,8 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kFront = 16;           // of a block: its size and checksum
-constexpr std::uint64_t kMostPerByte = 32768;  // zstd holds at most so many bytes in one
+constexpr std::uint64_t kFront = 16;        // of a block: its size and checksum
+constexpr std::uint64_t kLeastPerLine = 4;  // bytes that the angle of a row or column takes at least
 
 // The file's blocks, one after the other.
 class Blocks {
@@ -65,7 +65,8 @@ class Blocks {
 SampleHeader read_header(Blocks& blocks) {
   const std::string place = blocks.place();
   SampleHeader header = parse_header(blocks.next(), place);
-  if (header.nodes() / kMostPerByte > blocks.size() || header.extra / kMostPerByte > blocks.size())
+  const auto lines = static_cast<std::uint64_t>(header.rows) + static_cast<std::uint64_t>(header.cols);
+  if (kLeastPerLine * lines > blocks.size() || header.extra > blocks.size())
     fail_input(
         "{}: expected no more nodes than {} bytes can hold, found {} x {} and {} samples beside the grid; "
         "make the file again from the scan",

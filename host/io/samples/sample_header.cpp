@@ -10,8 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A header of a thousand planes and 30,000 rows and columns takes 5 MiB.
-constexpr std::size_t kMostHeader = std::size_t{1} << 28;
+// Numbers in digits pack to a third or a quarter.
+constexpr std::size_t kMostHeader = 1 << 16, kMostPerByte = 64;
 
 template <std::size_t n>
 std::vector<std::array<double, n>> rows_of(const Json& json) {
@@ -93,7 +93,7 @@ std::string header_bytes(const SampleHeader& header) {
 }
 
 SampleHeader parse_header(std::string_view bytes, const std::string& place) {
-  const std::string text = decompress(bytes, kMostHeader, place);
+  const std::string text = decompress(bytes, kMostHeader + kMostPerByte * bytes.size(), place);
   try {
     const Json json = Json::parse(text);
     for (const auto& [key, value] : json.items())
