@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../e2e/bad_mini_scene.hpp"
+#include "core/error.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::e2e {
