@@ -68,8 +68,9 @@ TEST_F(ReportPage, escapes_whatever_names_and_messages_hold) {
   const std::string html = write(page());
   EXPECT_EQ(html.find("<script>alert"), std::string::npos);
   EXPECT_EQ(html.find("<img src=x"), std::string::npos);
-  // Title, heading, failure (unit and error), abstention (reason, rival), note, options.
-  EXPECT_EQ(count(html, "&lt;/script&gt;&lt;script&gt;alert(1)"), 8u);
+  // Title, heading, failure (unit and error), abstention (reason, rival), note, options; all figures of the
+  // scan (reason, note).
+  EXPECT_EQ(count(html, "&lt;/script&gt;&lt;script&gt;alert(1)"), 10u);
   EXPECT_EQ(count(html, "<script"), count(html, "</script>"));
   EXPECT_EQ(script_json({{"a", "</script>"}}), "{\"a\":\"\\u003c/script>\"}");
   EXPECT_EQ(script_json("\xff"), "\"\xef\xbf\xbd\"");
