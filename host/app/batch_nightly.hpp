@@ -1,0 +1,24 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "archive/slurm.hpp"
+
+namespace hybrid::app {
+
+// hybrid batch gather, diff, bench: what is made of nights.
+void add_gather(CLI::App& batch, int& exit_code);
+void add_diff(CLI::App& batch, int& exit_code);
+void add_bench(CLI::App& batch, int& exit_code);
+
+// --engine of `hybrid batch run`.
+struct EngineChoice {
+  std::string engine = "local", slurm_arguments;
+  archive::SlurmOptions slurm;
+  bool slurm_asked() const { return engine == "slurm"; }
+};
+std::shared_ptr<EngineChoice> add_engine_options(CLI::App& command);
+// Submits and prints the jobs.
+void run_on_slurm(const EngineChoice& choice, const archive::Store& store, bool json);
+
+}  // namespace hybrid::app
