@@ -64,12 +64,14 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
       for (std::size_t i = 0; i < entries.size(); ++i) {
         ids.push_back(io::default_scan_id(file, static_cast<int>(i), static_cast<int>(entries.size()), ids));
         const std::string id = ids.back();
+        if (request.only && *request.only != i) continue;
         guarded("scan " + id, [&] {
           if (i > 0) progress.step("read", "scan " + id);
           scans.push_back(process_one(queue, request, id, file, print, io::read_scan(file, entries[i]),
                                       entries[i].index, progress));
         });
       }
+      if (request.only) io::scan_at(file, entries, *request.only);
     });
   }
   progress.finish();

@@ -12,8 +12,9 @@ struct PlanesRequest {
   std::vector<std::filesystem::path> files;
   std::filesystem::path out;
   StageOptions options;
-  std::optional<Vec3> scanner;  // where it stood, in the files' coordinates (io::place_scanner)
-  bool salvage = false;         // of damaged scans what is good (io::ReadOptions)
+  std::optional<Vec3> scanner;      // where it stood, in the files' coordinates (io::place_scanner)
+  std::optional<std::size_t> only;  // this scan of each file alone, under the id that it has among all
+  bool salvage = false;             // of damaged scans what is good (io::ReadOptions)
   bool quiet = false;
   bool force = false;  // write into the output folder of a scene
 };

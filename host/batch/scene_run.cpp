@@ -16,7 +16,6 @@
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
 #include "io/read_scan.hpp"
-#include "io/scanner_position.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -99,7 +98,7 @@ class Run {
 
   void read_inputs() {
     run_.scene = read_scene(request_, stages_, options_);
-    reserve_ids();
+    names_.emplace(run_.scene);
     expect_steps();
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
@@ -130,12 +129,6 @@ class Run {
     return request_.scene_views ? static_cast<int>(run_.scene.views.size()) : 0;
   }
 
-  // An id that the scene file gives is no longer free for a scan that is named after its file.
-  void reserve_ids() {
-    for (const auto& entry : run_.scene.scans)
-      if (!entry.id.empty()) ids_.push_back(entry.id);
-  }
-
   void add_input(const fs::path& file) {
     const auto print = io::fingerprint(file);
     inputs_.push_back(
@@ -160,8 +153,10 @@ class Run {
       std::string assignments;
       for (const auto& assignment : request_.assignments) assignments += " --set " + assignment;
       run_.failures.push_back({name, error.what(), error.kind(),
-                               fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(),
-                                           request_.out.string(), assignments)});
+                               !request_.command.empty()
+                                   ? request_.command
+                                   : fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(),
+                                                 request_.out.string(), assignments)});
     }
   }
 
@@ -177,24 +172,15 @@ class Run {
       scans = std::move(listed);
     });
     for (std::size_t i = 0; i < scans.size(); ++i)
-      process(scan_id(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry, scans[i]);
-  }
-
-  std::string scan_id(const io::SceneScan& entry, int index, int count) {
-    if (!entry.id.empty() && count == 1) return entry.id;  // reserved
-    const fs::path named = entry.id.empty() ? entry.file : fs::path(entry.id + ".scan");
-    ids_.push_back(io::default_scan_id(named, index, count, ids_));
-    return ids_.back();
+      process(names_->next(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry, scans[i]);
   }
 
   void process(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
     unit("scan " + id, [&] {
-      Scan scan = io::read_scan(entry.file, scan_entry);
-      if (entry.scanner) io::place_scanner(scan, *entry.scanner);
-      if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
-        log::warning("scan {}: {}", id, doubt);
-      run_.products.push_back(process_scan(queue_, id, scan, options_, progress_));
-      remains_.push_back(keep_remains(std::move(scan), run_.products.back().image));
+      auto kept = request_.kept_scan ? request_.kept_scan(id) : std::nullopt;
+      if (!kept) kept = make_planes(queue_, id, entry, scan_entry, options_, progress_);
+      run_.products.push_back(std::move(kept->product));
+      remains_.push_back(std::move(kept->remains));
       entries_.push_back(in_scan_frame(entry));
       indices_.push_back(scan_entry.index);
     });
@@ -373,7 +359,7 @@ class Run {
   std::vector<ScanRemains> remains_;    // one per product
   std::vector<io::SceneScan> entries_;  // one per product
   std::vector<std::size_t> indices_;    // one per product: which scan of its file
-  std::vector<std::string> ids_;        // no longer free
+  std::optional<ScanNames> names_;
   std::optional<io::SceneTruth> truth_;
   Json inputs_ = Json::array(), views_ = Json::array();
   SceneRun run_;

@@ -9,6 +9,7 @@
 
 #include "batch/registration_unit.hpp"
 #include "batch/render_unit.hpp"
+#include "batch/scene_scan.hpp"
 #include "device/queue.hpp"
 
 namespace hybrid::batch {
@@ -32,6 +33,10 @@ struct RunRequest {
   bool force = false;       // write into the output folder of another scene
   bool salvage = false;     // of damaged scans what is good (io::ReadOptions)
   bool quiet = false;
+  // A scan by its id, where it was processed before with the same options: nothing to read and process it
+  // here. What it throws is that scan's failure.
+  std::function<std::optional<KeptScan>(const std::string& id)> kept_scan;
+  std::string command;  // what failures say runs them again; "": a hybrid run with this request's options
 };
 
 // A unit that failed while the others went on.

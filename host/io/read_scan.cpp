@@ -124,6 +124,15 @@ const ScanEntry& scan_at(const std::filesystem::path& file, const std::vector<Sc
   return entries[index];
 }
 
+bool has_scan_extension(const std::filesystem::path& file) {
+  const std::string extension = lower_case(file.extension().string());
+  for (const ScanFormat& format : kFormats)
+    if (extension == format.extension) return true;
+  for (const auto& [known, what] : kRemedies)
+    if (extension == known) return true;
+  return false;
+}
+
 std::string scan_extensions() {
   std::string text;
   for (std::size_t i = 0; i < std::size(kFormats); ++i)

@@ -22,6 +22,8 @@ Scan read_scan(const std::filesystem::path& file, std::size_t index);
 const ScanEntry& scan_at(const std::filesystem::path& file, const std::vector<ScanEntry>& entries,
                          std::size_t index);
 
+// Whether the extension is that of a format above (in any case), or of one that is known and cannot be read.
+bool has_scan_extension(const std::filesystem::path& file);
 // ".pcd, .ply, .ptx ... or .exr", for messages and help.
 std::string scan_extensions();
 

@@ -1,0 +1,102 @@
+#include "archive/unit_run.hpp"
+
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "archive/store_lock.hpp"
+#include "core/error.hpp"
+#include "core/fail_point.hpp"
+#include "core/parallel.hpp"
+#include "core/timer.hpp"
+#include "io/output.hpp"
+
+namespace hybrid::archive {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double cpu_seconds() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+// The kernel's high-water mark of this process' memory starts anew, where it can be told to.
+void forget_peak() {
+  std::ofstream("/proc/self/clear_refs") << "5\n";
+}
+
+std::uint64_t peak_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+  return 0;
+}
+
+UnitResult run_kind(device::Queue& queue, const Store& store, const Manifest& manifest, const Unit& unit,
+                    Outcomes& outcomes, const std::filesystem::path& work) {
+  switch (unit.kind) {
+    case UnitKind::planes:
+      return run_planes_unit(queue, unit, work);
+    case UnitKind::scene:
+      return run_scene_unit(queue, store, manifest, unit, outcomes, work);
+    default:
+      return run_report_unit(manifest, unit, outcomes, work);
+  }
+}
+
+}  // namespace
+
+UnitResult run_report_unit(const Manifest& manifest, const Unit& unit, Outcomes& outcomes,
+                           const std::filesystem::path& work) {
+  Json units = Json::array(), problems = Json::array();
+  for (const std::size_t need : unit.needs) {
+    const Unit& one = manifest.units[need];
+    const Outcome& outcome = outcomes.of(need);
+    Json row = {{"index", need},
+                {"id", one.id},
+                {"kind", name_of(one.kind)},
+                {"state", name_of(outcome.state)},
+                {"key", outcome.key}};
+    if (!one.result.empty()) row["result"] = one.result;
+    if (!outcome.error.empty()) row["error"] = outcome.error;
+    units.push_back(std::move(row));
+  }
+  for (const auto& [path, what] : manifest.problems) problems.push_back({{"path", path}, {"what", what}});
+  io::write_text(work / "archive.json", Json{{"units", units}, {"problems", problems}}.dump(1) + "\n");
+  return {};
+}
+
+void run_unit(device::Queue& queue, const Store& store, const Manifest& manifest, const Unit& unit,
+              Outcomes& outcomes, const std::string& key, const std::filesystem::path& work) {
+  for (const Input& input : unit.inputs) check_unchanged(input);
+  forget_peak();
+  const Timer timer;
+  const double cpu_before = cpu_seconds();
+  const UnitResult result = run_kind(queue, store, manifest, unit, outcomes, work);
+  for (const Input& input : unit.inputs) check_unchanged(input);
+  const Json object = {{"key", key},
+                       {"unit", unit.id},
+                       {"kind", name_of(unit.kind)},
+                       {"status", result.failures.empty() ? "done" : "partial"},
+                       {"failures", result.failures},
+                       {"from", unit.from}};
+  const Json record = {{"key", key},
+                       {"host", host_name()},
+                       {"finished", utc_now()},
+                       {"seconds", timer.seconds()},
+                       {"cpu_s", cpu_seconds() - cpu_before},
+                       {"memory_bytes", peak_bytes()},
+                       {"estimate", {{"cpu_s", unit.estimate_s}, {"memory_bytes", unit.estimate_bytes}}},
+                       {"threads", thread_count()}};
+  store.commit_object(work, key, object, record);
+  malloc_trim(0);
+}
+
+}  // namespace hybrid::archive

@@ -1,0 +1,34 @@
+#include "batch/scene_scan.hpp"
+
+#include "core/log.hpp"
+#include "io/read_scan.hpp"
+#include "io/scanner_position.hpp"
+
+namespace hybrid::batch {
+
+KeptScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
+                     const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress) {
+  Scan scan = io::read_scan(entry.file, scan_entry);
+  if (entry.scanner) io::place_scanner(scan, *entry.scanner);
+  if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
+    log::warning("scan {}: {}", id, doubt);
+  KeptScan made;
+  made.product = process_scan(queue, id, scan, options, progress);
+  made.remains = keep_remains(std::move(scan), made.product.image);
+  return made;
+}
+
+ScanNames::ScanNames(const io::SceneFile& scene) {
+  for (const auto& entry : scene.scans)
+    if (!entry.id.empty()) taken_.push_back(entry.id);
+}
+
+std::string ScanNames::next(const io::SceneScan& entry, int index, int count) {
+  if (!entry.id.empty() && count == 1) return entry.id;  // taken by itself
+  const std::filesystem::path named =
+      entry.id.empty() ? entry.file : std::filesystem::path(entry.id + ".scan");
+  taken_.push_back(io::default_scan_id(named, index, count, taken_));
+  return taken_.back();
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,42 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hybrid::io {
+
+// How a batch processes its scenes, as a TOML file says it:
+//
+//   [run]                       all optional
+//   salvage = true              of damaged scans what is good
+//   leave_one_out = true        every photograph's view from the others
+//   seed = 1
+//   [planes] ... [register] ... [render] ...   options over those of every scene file
+//   [[scene]]                   and again for the scenes whose name in the archive matches
+//   match = "abbey/*"           * and ? as in a shell; * also takes slashes
+//   salvage = false
+//   render.blend = "nearest"
+struct ProfileSettings {
+  std::optional<bool> salvage, leave_one_out;
+  std::optional<int> seed;
+  std::vector<std::string> assignments;  // SECTION.KEY=VALUE as --set takes them, in the file's order
+};
+struct ProfileFile {
+  ProfileSettings all;
+  struct Override {
+    int line = 0;
+    std::string match;
+    ProfileSettings settings;
+  };
+  std::vector<Override> overrides;
+
+  // Of the scene of this name: `all`, then every override that matches, in order.
+  ProfileSettings settings_of(const std::string& scene) const;
+};
+
+// Throws ErrorKind::input naming file, line and key: unknown keys of its own, wrong types. Keys of options
+// are checked by who applies them.
+ProfileFile read_profile_file(const std::filesystem::path& file);
+
+}  // namespace hybrid::io

@@ -1,0 +1,123 @@
+// Damaged inputs: each is reported with its cause, the others come out as if it were not there.
+#include <gtest/gtest.h>
+
+#include "../e2e/bad_mini_scene.hpp"
+#include "io/output.hpp"
+#include "small_archive.hpp"
+
+namespace hybrid::e2e {
+namespace {
+namespace fs = std::filesystem;
+
+std::string state_of(const nlohmann::json& status, const std::string& id) {
+  for (const auto& row : status["list"])
+    if (row["id"] == id) return row["state"];
+  return "none";
+}
+std::string error_of(const nlohmann::json& status, const std::string& id) {
+  for (const auto& row : status["list"])
+    if (row["id"] == id) return row.value("error", "");
+  return "none";
+}
+
+// Of a list as results_of gives it, the lines of one scene's objects by their links.
+std::string scene_of(const fs::path& store, const std::string& scene) {
+  return content_list(store / "results" / scene / "scene/");
+}
+
+}  // namespace
+
+TEST(ArchiveDamage, is_told_with_its_cause_and_the_others_go_on) {
+  const Scratch scratch;
+  const fs::path archive = scratch / "archive", store = scratch / "store";
+  write_small_archive(archive, 6);
+  ASSERT_EQ(plan(archive, scratch / "clean").exit_code, 0);
+  ASSERT_EQ(run_store(scratch / "clean").exit_code, 0);
+
+  const std::string scan = io::read_text(archive / "a/s.ply");
+  io::write_text(archive / "a/s.ply", scan.substr(0, scan.size() / 2));
+  io::write_text(archive / "b/proxy.obj", "v 0 0\n");
+  io::write_text(archive / "c/images/0.png", "no picture");
+  fs::remove(archive / "d/s.ply");
+  std::string broken = mini_scene_text();
+  broken.replace(broken.find("\"proxy.obj\""), 11, "7");
+  io::write_text(archive / "e/scene.toml", broken);
+  EXPECT_EQ(plan(archive, store).exit_code, 3);
+  const auto ran = run_store(store);
+  EXPECT_EQ(ran.exit_code, 3) << ran.err;
+
+  const auto status = status_of(store);
+  EXPECT_EQ(state_of(status, "planes a s"), "failed");
+  EXPECT_NE(error_of(status, "planes a s").find("s.ply"), std::string::npos)
+      << error_of(status, "planes a s");
+  EXPECT_EQ(state_of(status, "scene a"), "partial");
+  EXPECT_EQ(state_of(status, "planes b s"), "done");
+  EXPECT_EQ(state_of(status, "scene b"), "failed");
+  EXPECT_NE(error_of(status, "scene b").find("proxy.obj:1"), std::string::npos);
+  EXPECT_EQ(state_of(status, "scene c"), "failed");
+  EXPECT_NE(error_of(status, "scene c").find("0.png"), std::string::npos);
+  EXPECT_EQ(state_of(status, "scene d"), "partial");
+  EXPECT_NE(error_of(status, "scene d").find("no such file"), std::string::npos);
+  EXPECT_EQ(state_of(status, "scene e"), "failed");
+  EXPECT_NE(error_of(status, "scene e").find("scene.toml:14"), std::string::npos)
+      << error_of(status, "scene e");
+  EXPECT_EQ(scene_of(store, "f"), scene_of(scratch / "clean", "f"));
+  for (const auto& row : status["list"])
+    if (row["state"] == "failed") {
+      EXPECT_NE(row["command"].get<std::string>().find("hybrid batch run --out"), std::string::npos);
+      EXPECT_NE(io::read_text(store / row["log"].get<std::string>()).find("error"), std::string::npos);
+    }
+
+  // What `hybrid run` makes of the scene with the bad scan, words and all.
+  const auto alone = run("hybrid run " + (archive / "a/scene.toml").string() + " --out " +
+                         (scratch / "alone").string() + " --quiet");
+  EXPECT_EQ(alone.exit_code, 4);
+  EXPECT_EQ(io::read_text(store / "results/a/scene/summary.json"),
+            io::read_text(scratch / "alone/summary.json"));
+
+  // Nothing has changed: nothing is tried again, and it is still not well.
+  EXPECT_EQ(plan(archive, store).exit_code, 3);
+  const auto second = run_store(store);
+  EXPECT_EQ(second.exit_code, 3);
+  EXPECT_EQ(json_of(second)["computed"], 0);
+
+  // Mended: as clean as a store that never saw the damage.
+  write_small_archive(archive, 6);
+  EXPECT_EQ(plan(archive, store).exit_code, 0);
+  EXPECT_EQ(run_store(store).exit_code, 0);
+  for (const char* scene : {"a", "b", "c", "d", "e"})
+    EXPECT_EQ(scene_of(store, scene), scene_of(scratch / "clean", scene)) << scene;
+}
+
+TEST(ArchiveDamage, a_unit_that_takes_its_process_down_is_quarantined) {
+  const Scratch scratch;
+  const fs::path store = scratch / "store";
+  write_small_archive(scratch / "archive", 1);
+  ASSERT_EQ(plan(scratch / "archive", store).exit_code, 0);
+  // Every worker dies at its first unit: three times the scan's, then the scene's, then the report's.
+  const auto ran =
+      run("HYBRID_FAIL_AT=unit-begun:1 hybrid batch run --out " + store.string() + " --jobs 1 --json");
+  EXPECT_EQ(ran.exit_code, 1) << ran.err;
+  auto status = status_of(store);
+  EXPECT_EQ(state_of(status, "planes a s"), "quarantined");
+  EXPECT_NE(error_of(status, "planes a s").find("signal 9"), std::string::npos);
+  EXPECT_EQ(json_of(run_store(store))["computed"], 0);  // left alone
+  const auto again = run_store(store, "--retry");
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(state_of(status_of(store), "scene a"), "done");
+}
+
+TEST(ArchiveDamage, limits_end_a_unit_and_not_the_run) {
+  const Scratch scratch;
+  const fs::path store = scratch / "store";
+  write_small_archive(scratch / "archive", 1);
+  ASSERT_EQ(plan(scratch / "archive", store).exit_code, 0);
+  const auto memory = run_store(store, "--unit 0 --unit-memory 1M");
+  EXPECT_EQ(memory.exit_code, 1);
+  EXPECT_NE(memory.out.find("GiB of memory (--unit-memory)"), std::string::npos) << memory.out;
+  const auto time = run_store(store, "--unit 0 --unit-time 0.001");
+  EXPECT_NE(time.out.find("took longer than 0 s (--unit-time)"), std::string::npos) << time.out;
+  EXPECT_EQ(run_store(store).exit_code, 0);
+}
+
+}  // namespace hybrid::e2e

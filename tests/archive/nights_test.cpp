@@ -1,0 +1,145 @@
+// Night after night over one store: what is made, what is not made again.
+#include <gtest/gtest.h>
+
+#include "../e2e/bad_mini_scene.hpp"
+#include "io/output.hpp"
+#include "small_archive.hpp"
+
+namespace hybrid::e2e {
+namespace {
+namespace fs = std::filesystem;
+
+// A store after its first night; the archive is beside it.
+class Nights : public ::testing::Test {
+ protected:
+  void first_night(int scenes) {
+    write_small_archive(archive, scenes);
+    const auto planned = plan(archive, store);
+    ASSERT_EQ(planned.exit_code, 0) << planned.err << planned.out;
+    const auto ran = run_store(store);
+    ASSERT_EQ(ran.exit_code, 0) << ran.err << ran.out;
+    EXPECT_EQ(json_of(ran)["computed"], 2 * scenes + 1);
+  }
+  nlohmann::json next_night(const std::string& options = "") {
+    const auto planned = plan(archive, store, options);
+    EXPECT_EQ(planned.exit_code, 0) << planned.err;
+    const auto ran = run_store(store);
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    return json_of(ran);
+  }
+
+  Scratch scratch;
+  const fs::path archive = scratch / "archive", store = scratch / "store";
+};
+
+std::string without_seals(const std::string& list) {
+  std::string kept;
+  for (std::size_t at = 0; at < list.size();) {
+    const auto end = list.find('\n', at) + 1;
+    const std::string line = list.substr(at, end - at);
+    if (!line.starts_with("object.json ") && !line.starts_with("record.json ") &&
+        !line.starts_with("log.txt "))
+      kept += line;
+    at = end;
+  }
+  return kept;
+}
+
+}  // namespace
+
+TEST_F(Nights, a_scene_is_what_run_writes) {
+  first_night(1);
+  const auto alone = run("hybrid run " + (archive / "a/scene.toml").string() + " --out " +
+                         (scratch / "alone").string() + " --quiet");
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_EQ(without_seals(content_list(store / "results/a/scene/")), content_list(scratch / "alone"));
+  EXPECT_TRUE(fs::exists(store / "results/report/archive.json"));
+  const auto verified = run("hybrid batch verify " + store.string());
+  EXPECT_EQ(verified.exit_code, 0) << verified.out;
+}
+
+TEST_F(Nights, the_second_writes_nothing) {
+  first_night(2);
+  const auto before = stamps_of(store);
+  EXPECT_EQ(next_night()["computed"], 0);
+  auto after = stamps_of(store);
+  for (const char* changed : {"lock"}) after[changed] = before.at(changed);  // who holds it
+  for (const auto& [path, stamp] : before)
+    if (path.starts_with("manifests/")) after[path] = stamp;  // its time says which plan is the latest
+  EXPECT_EQ(after, before);
+}
+
+TEST_F(Nights, a_changed_scan_remakes_what_depends_on_it_alone) {
+  first_night(3);
+  change_scan(archive / "b");
+  EXPECT_EQ(next_night()["computed"], 3);  // planes b, scene b, the report
+  const auto& text = io::read_text(archive / "c/scene.toml");
+  io::write_text(archive / "c/scene.toml",
+                 text + "\n[[view]]\nname = \"more\"\neye = [1, 1, 1]\ntarget = [2, 2, 1]\nsize = [8, 8]\n");
+  EXPECT_EQ(next_night()["computed"], 2);  // scene c, the report
+  EXPECT_TRUE(fs::exists(store / "results/c/scene/views/more.png"));
+}
+
+TEST_F(Nights, a_profile_overrides_and_a_scene_of_it_overrides_that) {
+  first_night(2);
+  io::write_text(scratch / "p.toml",
+                 "[render]\nblend = \"nearest\"\n[[scene]]\nmatch = \"b\"\nrender.blend = \"linear\"\n");
+  EXPECT_EQ(next_night("--profile " + (scratch / "p.toml").string())["computed"], 3);  // no planes
+  const auto blend = [&](const char* scene) {
+    return nlohmann::json::parse(
+        io::read_text(store / "results" / scene / "scene/summary.json"))["options"]["render"]["blend"];
+  };
+  EXPECT_EQ(blend("a"), "nearest");
+  EXPECT_EQ(blend("b"), "linear");
+  EXPECT_EQ(next_night()["computed"], 0);  // back to what was there
+  EXPECT_EQ(blend("a"), "dual");
+}
+
+TEST_F(Nights, a_touched_file_is_not_made_again_and_a_forged_time_is_found) {
+  first_night(1);
+  const fs::path scan = archive / "a/s.ply";
+  fs::last_write_time(scan, fs::file_time_type::clock::now());
+  EXPECT_EQ(next_night()["computed"], 0);
+  const auto time = fs::last_write_time(scan);
+  {  // in place: the same inode
+    std::string bytes = io::read_text(scan);
+    FILE* file = std::fopen(scan.c_str(), "r+b");
+    std::fseek(file, -3, SEEK_END);
+    std::fputc(bytes[bytes.size() - 3] ^ 1, file);
+    std::fclose(file);
+  }
+  fs::last_write_time(scan, time);
+  EXPECT_EQ(next_night()["computed"], 0);
+  EXPECT_EQ(next_night("--verify")["computed"], 3);
+}
+
+TEST_F(Nights, verify_finds_a_flipped_bit_and_the_next_run_mends_it) {
+  first_night(1);
+  const auto clean = results_of(store);
+  const fs::path victim = fs::canonical(store / "results/a/scene/summary.json");
+  std::string text = io::read_text(victim);
+  text[text.size() / 2] = static_cast<char>(text[text.size() / 2] ^ 4);
+  io::write_text(victim, text);
+  const auto found = run("hybrid batch verify --json " + store.string());
+  EXPECT_EQ(found.exit_code, 1);
+  ASSERT_EQ(json_of(found)["damaged"].size(), 1u) << found.out;
+  EXPECT_NE(found.out.find("summary.json"), std::string::npos);
+  EXPECT_EQ(run("hybrid batch verify --remove " + store.string()).exit_code, 1);
+  EXPECT_EQ(json_of(run_store(store))["computed"], 1);
+  EXPECT_EQ(results_of(store), clean);
+}
+
+TEST_F(Nights, prune_keeps_what_a_plan_names) {
+  first_night(2);
+  EXPECT_EQ(json_of(run("hybrid batch prune --json " + store.string()))["removed"], 0);
+  change_scan(archive / "a");
+  EXPECT_EQ(next_night()["computed"], 3);
+  EXPECT_EQ(json_of(run("hybrid batch prune --json " + store.string()))["removed"], 0);  // the older plan's
+  const auto pruned = json_of(run("hybrid batch prune --keep 1 --json " + store.string()));
+  EXPECT_EQ(pruned["removed"], 3);
+  EXPECT_EQ(pruned["kept"], 5);
+  EXPECT_EQ(run("hybrid batch verify " + store.string()).exit_code, 0);
+  EXPECT_EQ(next_night()["computed"], 0);
+}
+
+}  // namespace hybrid::e2e

@@ -1,0 +1,76 @@
+#include "small_archive.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "../e2e/bad_mini_scene.hpp"
+#include "io/output.hpp"
+
+namespace hybrid::e2e {
+namespace {
+namespace fs = std::filesystem;
+
+bool tells_of_the_run(const fs::path& file) {
+  const auto name = file.filename();
+  return name == "record.json" || name == "timing.json" || name == "log.txt";
+}
+
+}  // namespace
+
+void write_small_archive(const fs::path& archive, int scenes) {
+  for (int i = 0; i < scenes; ++i) write_mini_scene(archive / std::string(1, static_cast<char>('a' + i)));
+}
+
+void change_scan(const fs::path& scene) {
+  std::string bytes = io::read_text(scene / "s.ply");
+  bytes[bytes.size() - 3] = static_cast<char>(bytes[bytes.size() - 3] ^ 1);
+  io::write_text(scene / "s.ply", bytes);
+}
+
+Outcome plan(const fs::path& archive, const fs::path& store, const std::string& options) {
+  return run("hybrid batch plan '" + archive.string() + "' --out '" + store.string() + "' --json " + options);
+}
+Outcome run_store(const fs::path& store, const std::string& options) {
+  return run("hybrid batch run --out '" + store.string() + "' --jobs 1 --threads 2 --json " + options);
+}
+
+nlohmann::json json_of(const Outcome& outcome) {
+  auto json = nlohmann::json::parse(outcome.out, nullptr, false);
+  EXPECT_FALSE(json.is_discarded()) << outcome.out << outcome.err;
+  return json;
+}
+nlohmann::json status_of(const fs::path& store) {
+  return json_of(run("hybrid batch status '" + store.string() + "' --json"));
+}
+
+std::string results_of(const fs::path& store) {
+  std::vector<std::string> lines;
+  for (const auto& entry : fs::recursive_directory_iterator(store / "objects"))
+    if (entry.is_regular_file() && !tells_of_the_run(entry.path()))
+      lines.push_back(fs::relative(entry.path(), store).string() + " " + io::fingerprint(entry.path()).xxh3);
+  for (const auto& entry : fs::recursive_directory_iterator(store / "results"))
+    if (entry.is_symlink())
+      lines.push_back(entry.path().lexically_relative(store).string() + " -> " +
+                      fs::read_symlink(entry.path()).string());
+  std::sort(lines.begin(), lines.end());
+  std::string text;
+  for (const auto& line : lines) text += line + "\n";
+  return text;
+}
+
+std::map<std::string, std::string> stamps_of(const fs::path& store) {
+  std::map<std::string, std::string> stamps;
+  for (const auto& entry : fs::recursive_directory_iterator(store)) {
+    struct stat found {};
+    lstat(entry.path().c_str(), &found);
+    stamps[entry.path().lexically_relative(store).string()] =
+        fmt::format("{} {}.{} {}.{}", found.st_ino, found.st_mtim.tv_sec, found.st_mtim.tv_nsec,
+                    found.st_ctim.tv_sec, found.st_ctim.tv_nsec);
+  }
+  return stamps;
+}
+
+}  // namespace hybrid::e2e
