@@ -77,7 +77,8 @@ void add_diff(CLI::App& batch, int& exit_code) {
     const Json comparison = archive::compare_nights(a, b, limits);
     if (!out->empty()) {
       io::create_output_folder(*out);
-      io::write_text(*out / "diff.json", comparison.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+      io::write_text(*out / "diff.json",
+                     comparison.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
       archive::write_comparison_page(*out, comparison, a, b, *pictures);
     }
     std::string text = archive::comparison_text(comparison);
@@ -94,7 +95,8 @@ void add_bench(CLI::App& batch, int& exit_code) {
   auto json = std::make_shared<bool>(false);
   auto options = std::make_shared<std::string>();
   command->add_option("archive", request->archive, "folder with scenes and scans")->required();
-  command->add_option("--profiles", request->profiles, "TOML files, the first is what others are compared with")
+  command
+      ->add_option("--profiles", request->profiles, "TOML files, the first is what others are compared with")
       ->delimiter(',')
       ->required();
   command->add_option("--out", request->out, "a store per profile, bench.json and index.html")->required();
@@ -124,9 +126,18 @@ std::shared_ptr<EngineChoice> add_engine_options(CLI::App& command) {
   return choice;
 }
 
-void run_on_slurm(const EngineChoice& choice, const archive::Store& store, bool json) {
+void submit_batch(const CLI::App& command, const EngineChoice& choice, const archive::Store& store,
+                  const std::string& units, bool retry, bool json) {
+  if (!units.empty() && units != "all")
+    fail(ErrorKind::usage, "--unit {}: --engine slurm submits all that is to be done", units);
   auto options = choice.slurm;
   options.arguments = words_of(choice.slurm_arguments);
+  options.retry = retry;
+  if (retry) options.run_options.push_back("--retry");
+  for (const char* name :
+       {"--memory", "--unit-memory", "--unit-time", "--retries", "--device", "--log-level"})
+    if (const auto* option = command.get_option(name); option->count() > 0)
+      options.run_options.insert(options.run_options.end(), {name, option->as<std::string>()});
   const auto manifest = archive::read_manifest(store.manifest_file());
   const Json submission = archive::submit_to_slurm(store, manifest, options);
   print(json, submission, archive::slurm_text(submission));

@@ -18,7 +18,8 @@ struct EngineChoice {
   bool slurm_asked() const { return engine == "slurm"; }
 };
 std::shared_ptr<EngineChoice> add_engine_options(CLI::App& command);
-// Submits and prints the jobs.
-void run_on_slurm(const EngineChoice& choice, const archive::Store& store, bool json);
+// Submits the store's plan and prints the jobs. Options of `command` that concern a task go with it.
+void submit_batch(const CLI::App& command, const EngineChoice& choice, const archive::Store& store,
+                  const std::string& units, bool retry, bool json);
 
 }  // namespace hybrid::app

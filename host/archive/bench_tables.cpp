@@ -1,7 +1,5 @@
 // What people read of a bench: a table on the terminal, a page in the browser.
-#include <fnmatch.h>
-
-#include <algorithm>
+#include <fmt/format.h>
 
 #include "archive/profile_bench.hpp"
 #include "io/output.hpp"
@@ -100,7 +98,8 @@ void write_bench_page(const std::filesystem::path& folder, const Json& bench) {
   for (const auto& figure : bench["figures"]) {
     Json row = {figure["name"], figure["scenes"]};
     for (std::size_t i = 0; i < figure["mean"].size(); ++i)
-      for (const char* which : {"mean", "least", "most"}) row.push_back(number(figure[which][i].get<double>()));
+      for (const char* which : {"mean", "least", "most"})
+        row.push_back(number(figure[which][i].get<double>()));
     all.add(row);
   }
   for (const auto& one : bench["scenes"]) {

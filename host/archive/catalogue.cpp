@@ -38,8 +38,8 @@ CREATE VIEW history AS
 )sql";
 
 std::string utc(fs::file_time_type time) {
-  const auto system = std::chrono::time_point_cast<std::chrono::seconds>(
-      std::chrono::file_clock::to_sys(time));
+  const auto system =
+      std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::file_clock::to_sys(time));
   const std::time_t seconds = std::chrono::system_clock::to_time_t(system);
   std::tm parts{};
   gmtime_r(&seconds, &parts);

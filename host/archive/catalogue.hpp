@@ -16,7 +16,8 @@ namespace hybrid::archive {
 //             object (part is the unit), and of the scans and views that failed inside one
 //   problems  night, path, what
 // and the view `history`: night, planned, result, subject, name, value: a figure night after night.
-// Returns their counts, for people and --json. Holds no lock: an object that is removed meanwhile is left out.
+// Returns their counts, for people and --json. Holds no lock: an object that is removed meanwhile is left
+// out.
 nlohmann::ordered_json write_catalogue(const Store& store);
 
 }  // namespace hybrid::archive

@@ -77,7 +77,8 @@ ProgramEnd run_program(const std::vector<std::string>& words, bool shows_errors)
   posix_spawn_file_actions_destroy(&actions);
   ProgramEnd end;
   if (failed != 0) {
-    if (failed != ENOENT) fail(ErrorKind::temporary, "{}: cannot be started: {}", words[0], std::strerror(failed));
+    if (failed != ENOENT)
+      fail(ErrorKind::temporary, "{}: cannot be started: {}", words[0], std::strerror(failed));
     end.exit_code = 127;
     return end;
   }

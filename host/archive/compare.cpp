@@ -20,9 +20,7 @@ struct Stand {
   const Store* store = nullptr;
   const Unit* unit = nullptr;
   Outcome outcome;
-  bool has_object() const {
-    return outcome.state == UnitState::done || outcome.state == UnitState::partial;
-  }
+  bool has_object() const { return outcome.state == UnitState::done || outcome.state == UnitState::partial; }
 };
 
 // By result: the names that mean the same on both sides. The report tells of the others.
@@ -156,7 +154,9 @@ Json compare_result(const std::string& result, const Stand& a, const Stand& b,
     return stand.has_object() ? Json(stand.outcome.key) : Json(nullptr);
   };
   Json row = {{"result", result},
-              {"change", !a.unit ? "added" : !b.unit ? "removed" : "changed"},
+              {"change", !a.unit   ? "added"
+                         : !b.unit ? "removed"
+                                   : "changed"},
               {"state", {state(a), state(b)}},
               {"objects", {key(a), key(b)}}};
   if (!b.outcome.error.empty()) row["error"] = b.outcome.error;
@@ -164,9 +164,8 @@ Json compare_result(const std::string& result, const Stand& a, const Stand& b,
                            : rank(b) > rank(a) ? Verdict::better
                                                : Verdict::moved);
   row["because"] = a.unit && b.unit ? differences(a.unit->from, b.unit->from) : Json::array();
-  row["figures"] = a.has_object() && b.has_object()
-                       ? moved_figures(summary_of(a), summary_of(b), thresholds)
-                       : Json::array();
+  row["figures"] = a.has_object() && b.has_object() ? moved_figures(summary_of(a), summary_of(b), thresholds)
+                                                    : Json::array();
   row["pictures"] = a.has_object() && b.has_object() ? changed_pictures(a, b) : Json::array();
   return row;
 }
@@ -183,9 +182,9 @@ std::string number(const Json& value) {
 }
 
 std::string figure_line(const Json& row) {
-  std::string text = fmt::format("  {:<6} {}: {}: {} -> {}", row["verdict"].get<std::string>(),
-                                 row["of"].get<std::string>(), row["figure"].get<std::string>(),
-                                 number(row["before"]), number(row["after"]));
+  std::string text =
+      fmt::format("  {:<6} {}: {}: {} -> {}", row["verdict"].get<std::string>(), row["of"].get<std::string>(),
+                  row["figure"].get<std::string>(), number(row["before"]), number(row["after"]));
   if (row.contains("change"))
     text += row["relative"].is_null() ? fmt::format(" ({:+.3g})", row["change"].get<double>())
                                       : fmt::format(" ({:+.3g}, {:+.2f} %)", row["change"].get<double>(),
@@ -243,8 +242,7 @@ std::string comparison_text(const Json& comparison) {
     for (const char* verdict : {"worse", "better", "moved"})
       for (const auto& row : result["figures"])
         if (row["verdict"] == verdict) text += figure_line(row);
-    if (!result["pictures"].empty())
-      text += fmt::format("  {} pictures differ\n", result["pictures"].size());
+    if (!result["pictures"].empty()) text += fmt::format("  {} pictures differ\n", result["pictures"].size());
   }
   return text + fmt::format("{} figures and states better, {} worse, {} moved otherwise\n", count("better"),
                             count("worse"), count("moved"));

@@ -11,7 +11,8 @@ namespace hybrid::archive {
 //   {"a", "b": {"store", "night", "archive"}, "build": [what differs of the programs],
 //    "counts": {"same", "changed", "added", "removed", "better", "moved", "worse"},
 //    "results": [{"result", "change": "changed" | "added" | "removed", "state": [before, after],
-//                 "error", "objects": [key, key], "because": ["input scans/west.ply", "options/planes/square",
+//                 "error", "objects": [key, key], "because": ["input scans/west.ply",
+//                 "options/planes/square",
 //                 ...], "figures": [{"of", "figure", "before", "after", "change", "relative", "verdict"}],
 //                 "pictures": [{"path", "change"}]}]}
 // A result whose object is the same is only counted. One that was done and is no more, or that is not there

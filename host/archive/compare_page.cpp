@@ -65,7 +65,11 @@ std::string figure_table(const Json& comparison) {
     for (const auto& result : comparison["results"])
       for (const auto& row : result["figures"])
         if (row["verdict"] == verdict)
-          table.add({result["result"], row["of"], row["figure"], shown(row["before"]), shown(row["after"]),
+          table.add({result["result"],
+                     row["of"],
+                     row["figure"],
+                     shown(row["before"]),
+                     shown(row["after"]),
                      row.contains("change") ? shown(row["change"], state_of(verdict)) : Json(nullptr),
                      report::cell(row, "/relative", 100),
                      {{"text", verdict}, {"state", state_of(verdict)}}});
@@ -96,10 +100,9 @@ std::string picture_row(const fs::path& folder, const std::string& result, const
   const Image8 changed = difference(a, b);
   std::string html = "<h3>" + report::escape(result + ": " + path) + "</h3>\n<div class=\"row three\">\n" +
                      write("before", a, "before") + write("after", b, "after");
-  html += changed.width > 0
-              ? write("difference", changed, "four times their difference")
-              : fmt::format("<p class=\"soft\">{} x {} pixels before, {} x {} after</p>\n", a.width, a.height,
-                            b.width, b.height);
+  html += changed.width > 0 ? write("difference", changed, "four times their difference")
+                            : fmt::format("<p class=\"soft\">{} x {} pixels before, {} x {} after</p>\n",
+                                          a.width, a.height, b.width, b.height);
   return html + "</div>\n";
 }
 
@@ -116,8 +119,7 @@ std::string picture_section(const fs::path& folder, const Json& comparison, cons
         continue;
       }
       if (count++ >= most) continue;
-      html += picture_row(folder, name, path,
-                          a.store.object(result["objects"][0].get<std::string>()) / path,
+      html += picture_row(folder, name, path, a.store.object(result["objects"][0].get<std::string>()) / path,
                           b.store.object(result["objects"][1].get<std::string>()) / path);
     }
   if (count > most) html += fmt::format("<p>{} more pictures changed.</p>\n", count - most);
@@ -128,8 +130,13 @@ std::string picture_section(const fs::path& folder, const Json& comparison, cons
 std::string facts(const Json& comparison) {
   const auto& counts = comparison["counts"];
   std::string html = "<ul class=\"facts\">\n";
-  for (const auto& [name, state] : {std::pair{"same", ""}, {"changed", ""}, {"added", ""}, {"removed", "bad"},
-                                    {"worse", "bad"}, {"better", "good"}, {"moved", ""}}) {
+  for (const auto& [name, state] : {std::pair{"same", ""},
+                                    {"changed", ""},
+                                    {"added", ""},
+                                    {"removed", "bad"},
+                                    {"worse", "bad"},
+                                    {"better", "good"},
+                                    {"moved", ""}}) {
     const auto count = counts[name].get<std::size_t>();
     html += fmt::format("<li class=\"{}\">{} {}</li>\n", count > 0 ? state : "", count, name);
   }

@@ -56,8 +56,9 @@ Night open_night(const std::string& text) {
   for (const auto& night : nights)
     if (which.size() >= 4 && night.name.starts_with(which)) found.push_back(night);
   if (found.size() == 1) return {store, found.front().name, read_manifest(found.front().file)};
-  fail_input("{}: expected a number of nights back, or four letters and more of a night's name; found {} of {}",
-             text, found.size() > 1 ? "several" : "none", listed(nights));
+  fail_input(
+      "{}: expected a number of nights back, or four letters and more of a night's name; found {} of {}",
+      text, found.size() > 1 ? "several" : "none", listed(nights));
 }
 
 }  // namespace hybrid::archive

@@ -44,11 +44,12 @@ void run_batch(const std::vector<std::string>& words) {
   command.insert(command.end(), words.begin(), words.end());
   const auto end = run_program(command, true);
   if (end.exit_code != 0 && end.exit_code != 3)
-    throw Error(end.exit_code == 130  ? ErrorKind::interrupted
-                : end.exit_code == 75 ? ErrorKind::temporary
-                : end.exit_code == 4  ? ErrorKind::input
-                                      : ErrorKind::failed,
-                fmt::format("hybrid batch {} ended with {}; its own words are above", words[0], end.exit_code));
+    throw Error(
+        end.exit_code == 130  ? ErrorKind::interrupted
+        : end.exit_code == 75 ? ErrorKind::temporary
+        : end.exit_code == 4  ? ErrorKind::input
+                              : ErrorKind::failed,
+        fmt::format("hybrid batch {} ended with {}; its own words are above", words[0], end.exit_code));
 }
 
 void add_means(const Json& document, const std::string& prefix, std::map<std::string, double>& figures) {
@@ -116,8 +117,7 @@ ProfileResult collect(const std::string& name, const fs::path& folder) {
     cpu_s += record.value("cpu_s", 0.0);
     seconds += record.value("seconds", 0.0);
     memory = std::max(memory, record.value("memory_bytes", std::uint64_t{0}));
-    if (!unit.result.empty() && unit.kind != UnitKind::report)
-      add_scene(night.store, unit, outcome, result);
+    if (!unit.result.empty() && unit.kind != UnitKind::report) add_scene(night.store, unit, outcome, result);
   }
   result.facts["units"] = states;
   result.facts["failures"] = failures;

@@ -29,7 +29,8 @@ Json page_of(const Unit& unit, const Outcome& outcome) {
                                       : "../" + unit.result + "/";
 }
 
-Json row_of(const Store& store, const Unit& unit, const Outcome& outcome) {
+Json row_of(const Store& store, const Unit& unit, Outcomes& outcomes) {
+  const Outcome& outcome = outcomes.of(unit.index);
   Json row = {{"result", unit.result},
               {"kind", name_of(unit.kind)},
               {"state", name_of(outcome.state)},
@@ -37,8 +38,11 @@ Json row_of(const Store& store, const Unit& unit, const Outcome& outcome) {
               {"summary", summary_of(store, outcome)}};
   if (outcome.error.empty()) return row;
   row["error"] = outcome.error;
-  if (!has_object(outcome))  // the store's own place is the reader's to know
-    row["command"] = fmt::format("hybrid batch run --out STORE --unit {} --retry", unit.index);
+  // What it needs and has not got, too. The store's own place is the reader's to know.
+  std::string units;
+  for (const std::size_t need : unit.needs)
+    if (!has_object(outcomes.of(need))) units += std::to_string(need) + ",";
+  row["command"] = fmt::format("hybrid batch run --out STORE --unit {}{} --retry", units, unit.index);
   return row;
 }
 
@@ -58,11 +62,12 @@ UnitResult run_report_unit(const Store& store, const Manifest& manifest, const U
     if (!one.result.empty()) row["result"] = one.result;
     if (!outcome.error.empty()) row["error"] = outcome.error;
     units.push_back(std::move(row));
-    if (!one.result.empty()) results.push_back(row_of(store, one, outcome));
+    if (!one.result.empty()) results.push_back(row_of(store, one, outcomes));
   }
   for (const auto& [path, what] : manifest.problems) problems.push_back({{"path", path}, {"what", what}});
   io::write_text(work / "archive.json", Json{{"units", units}, {"problems", problems}}.dump(1) + "\n");
-  report::write_archive_page(work, manifest.archive.filename().string(),
+  const fs::path named = manifest.archive.has_filename() ? manifest.archive : manifest.archive.parent_path();
+  report::write_archive_page(work, "Archive " + named.filename().string(),
                              {{"results", results}, {"problems", problems}});
   return {};
 }

@@ -95,18 +95,31 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+// Tasks have folders of their own.
+std::string absolute_folder(const Store& store) {
+  return fs::absolute(store.folder()).lexically_normal().string();
+}
+
+// Slurm gives % a meaning in the names of logs.
+std::string log_file(const fs::path& folder, const std::string& name) {
+  std::string text = "--output=";
+  for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
+  return text + "/" + name;
+}
+
 // The lines of one shard's tasks are in the file that it gets as its argument. A full disk (75) may have
 // room later: such a task goes back into the queue, three times.
 std::string task_script(const Store& store, const SlurmOptions& options) {
   std::string command = quoted(own_program().string()) + " batch run --out " +
-                        quoted(store.folder().string()) + " --unit \"$units\" --jobs " +
+                        quoted(absolute_folder(store)) + " --unit \"$units\" --jobs " +
                         std::to_string(options.cpus) + " --threads " + std::to_string(options.cpus);
   for (const auto& option : options.run_options) command += " " + quoted(option);
   return "#!/bin/sh\n"
          "# A task of a job array: the units on its line of the list.\n"
          "units=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" \"$1\")\n"
          "[ -n \"$units\" ] || { echo \"$1: no line $((SLURM_ARRAY_TASK_ID + 1))\" >&2; exit 2; }\n"
-         "echo \"task $SLURM_ARRAY_TASK_ID on $(hostname), start ${SLURM_RESTART_COUNT:-0}: units $units\"\n" +
+         "echo \"task $SLURM_ARRAY_TASK_ID on $(hostname), start ${SLURM_RESTART_COUNT:-0}: units "
+         "$units\"\n" +
          command +
          "\ncode=$?\n"
          "if [ $code -eq 75 ] && [ \"${SLURM_RESTART_COUNT:-0}\" -lt 3 ]; then\n"
@@ -116,13 +129,13 @@ std::string task_script(const Store& store, const SlurmOptions& options) {
 }
 
 std::string gather_script(const Store& store) {
-  return "#!/bin/sh\nexec " + quoted(own_program().string()) + " batch gather " +
-         quoted(store.folder().string()) + "\n";
+  return "#!/bin/sh\nexec " + quoted(own_program().string()) + " batch gather --wait " +
+         quoted(absolute_folder(store)) + "\n";
 }
 
 // The next free number.
 fs::path submission_folder(const Store& store) {
-  const fs::path root = store.folder() / "slurm";
+  const fs::path root = fs::path(absolute_folder(store)) / "slurm";
   io::create_output_folder(root);
   for (int number = 1;; ++number) {
     std::error_code code;
@@ -140,7 +153,10 @@ class Submission {
   // One sbatch; returns the job's number.
   std::string submit(const std::string& name, const std::vector<std::string>& own,
                      const std::vector<std::string>& script) {
-    std::vector<std::string> words = {"sbatch", "--parsable", "--requeue", "--open-mode=append",
+    std::vector<std::string> words = {"sbatch",
+                                      "--parsable",
+                                      "--requeue",
+                                      "--open-mode=append",
                                       "--job-name=hybrid-" + name,
                                       "--cpus-per-task=" + std::to_string(options_.cpus)};
     if (!after_.empty()) words.push_back("--dependency=afterany:" + after_);
@@ -186,7 +202,7 @@ void submit_stage(const SlurmStage& stage, const fs::path& folder, std::size_t m
     }
     io::write_text(folder / (name + ".txt"), lines);
     const std::string job = submission.submit(
-        name, {fmt::format("--array=0-{}", last - first - 1), "--output=" + (folder / (name + "-%a.log")).string()},
+        name, {fmt::format("--array=0-{}", last - first - 1), log_file(folder, name + "-%a.log")},
         {(folder / "task.sh").string(), (folder / (name + ".txt")).string()});
     submission.add(kind, job, last - first, units);
   }
@@ -207,8 +223,8 @@ std::string unit_list(const Bundle& bundle) {
   return text;
 }
 
-std::vector<SlurmStage> bundle_units(const Store& store, const Manifest& manifest, const SlurmOptions& options,
-                                     std::size_t most_tasks) {
+std::vector<SlurmStage> bundle_units(const Store& store, const Manifest& manifest,
+                                     const SlurmOptions& options, std::size_t most_tasks) {
   const auto wanted = wanted_units(store, manifest, options.retry);
   double least_s = options.bundle_s;
   for (;; least_s = std::max(1.0, 2 * least_s)) {
@@ -233,8 +249,8 @@ Json submit_to_slurm(const Store& store, const Manifest& manifest, const SlurmOp
   io::write_text(folder / "gather.sh", gather_script(store));
   Submission submission(options, folder);
   for (const SlurmStage& stage : stages) submit_stage(stage, folder, limits.array, submission);
-  const std::string job = submission.submit("gather", {"--output=" + (folder / "gather.log").string()},
-                                            {(folder / "gather.sh").string()});
+  const std::string job =
+      submission.submit("gather", {log_file(folder, "gather.log")}, {(folder / "gather.sh").string()});
   submission.add("gather", job, 1, 0);
   return {{"folder", folder.string()}, {"jobs", submission.jobs()}};
 }

@@ -10,11 +10,11 @@
 namespace hybrid::archive {
 
 struct SlurmOptions {
-  double bundle_s = 30;                 // estimated seconds of a task at least; starting one takes 0.2 s
-  int cpus = 1;                         // per task
-  std::vector<std::string> arguments;   // for every sbatch: --partition=..., --time=..., --mem=...
-  std::vector<std::string> run_options; // for every `hybrid batch run`: --retry, --device ...
-  bool retry = false;                   // also what failed by its input, and what is in quarantine
+  double bundle_s = 30;                  // estimated seconds of a task at least; starting one takes 0.2 s
+  int cpus = 1;                          // per task
+  std::vector<std::string> arguments;    // for every sbatch: --partition=..., --time=..., --mem=...
+  std::vector<std::string> run_options;  // for every `hybrid batch run`: --retry, --device ...
+  bool retry = false;                    // also what failed by its input, and what is in quarantine
 };
 
 // Units that one task of a job array runs, and all tasks of one kind of unit.
@@ -27,8 +27,8 @@ struct SlurmStage {
 // What the store lacks, in the manifest's order, as tasks of at least `bundle_s` estimated seconds (the last
 // of a kind may be shorter), no more of them in all than `most_tasks`. Units whose failure is their input's
 // are left out, with `retry` they are not; what needs a unit of these comes again, too.
-std::vector<SlurmStage> bundle_units(const Store& store, const Manifest& manifest, const SlurmOptions& options,
-                                     std::size_t most_tasks);
+std::vector<SlurmStage> bundle_units(const Store& store, const Manifest& manifest,
+                                     const SlurmOptions& options, std::size_t most_tasks);
 
 // "3,8-12": what `--unit` takes.
 std::string unit_list(const Bundle& bundle);

@@ -56,9 +56,14 @@ Json state_cell(const Json& row) {
 
 std::string scene_table(const Json& archive) {
   Table table;
-  table.text("scene").text("state").number("scans", "", 0).number("registered", "", 0)
-      .number("abstained", "", 0).number("failures", "", 0)
-      .number("samples", "million", 3).number("superclusters", "", 0)
+  table.text("scene")
+      .text("state")
+      .number("scans", "", 0)
+      .number("registered", "", 0)
+      .number("abstained", "", 0)
+      .number("failures", "", 0)
+      .number("samples", "million", 3)
+      .number("superclusters", "", 0)
       .number("discarded", "%", 1, "mean of the scans")
       .number("ICP rms", "mm", 2, "of the worst scan")
       .number("median", "mm", 2, "distance of planar samples from the model, worst scan")
@@ -93,8 +98,13 @@ std::string scene_table(const Json& archive) {
 
 std::string loose_table(const Json& archive) {
   Table table;
-  table.text("scan").text("state").number("samples", "", 0).number("noise", "mm", 2)
-      .number("superclusters", "", 0).number("discarded", "%", 1).number("notes", "", 0);
+  table.text("scan")
+      .text("state")
+      .number("samples", "", 0)
+      .number("noise", "mm", 2)
+      .number("superclusters", "", 0)
+      .number("discarded", "%", 1)
+      .number("notes", "", 0);
   for (const auto& row : archive["results"]) {
     if (row["kind"] != "planes") continue;
     const Json& summary = row["summary"];
@@ -140,7 +150,8 @@ std::string failure_list(const Json& archive) {
   for (const auto& problem : archive["problems"])
     problems += fmt::format("<li><strong>{}</strong>: {}</li>\n", escape(problem["path"].get<std::string>()),
                             escape(problem["what"].get<std::string>()));
-  if (!problems.empty()) html += "<h2 id=\"problems\">What the plan could not use</h2>\n<ul>\n" + problems + "</ul>\n";
+  if (!problems.empty())
+    html += "<h2 id=\"problems\">What the plan could not use</h2>\n<ul>\n" + problems + "</ul>\n";
   return html;
 }
 
@@ -165,11 +176,10 @@ std::string facts(const Json& archive) {
 }  // namespace
 
 void write_archive_page(const std::filesystem::path& folder, const std::string& title, const Json& archive) {
-  io::write_text(folder / "index.html",
-                 page(title,
-                      facts(archive) + failure_list(archive) + scene_table(archive) +
-                          abstained_table(archive) + loose_table(archive),
-                      ""));
+  io::write_text(folder / "index.html", page(title,
+                                             facts(archive) + failure_list(archive) + scene_table(archive) +
+                                                 abstained_table(archive) + loose_table(archive),
+                                             ""));
 }
 
 }  // namespace hybrid::report

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 bool tells_of_the_run(const fs::path& file) {
   const auto name = file.filename();
-  return name == "record.json" || name == "timing.json" || name == "log.txt";
+  return name == "record.json" || is_timing(name) || name == "log.txt";
 }
 
 }  // namespace
