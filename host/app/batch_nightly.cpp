@@ -8,7 +8,7 @@
 #include "archive/compare_page.hpp"
 #include "archive/profile_bench.hpp"
 #include "archive/store_lock.hpp"
-#include "core/log.hpp"
+#include "core/error.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::app {

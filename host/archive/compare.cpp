@@ -1,6 +1,7 @@
 #include "archive/compare.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "archive/figures.hpp"
@@ -86,28 +87,64 @@ Json summary_of(const Stand& stand) {
   return summary.is_discarded() ? Json::object() : summary;
 }
 
+using Figures = std::map<FigureName, Json>;
+
+std::map<std::string, std::size_t> subjects_of(const Figures& figures) {
+  std::map<std::string, std::size_t> counts;
+  for (const auto& [name, value] : figures) ++counts[name.first];
+  return counts;
+}
+
+Json moved_figure(const FigureName& name, const Json& before, const Json& after,
+                  const io::ThresholdFile& thresholds) {
+  Json row = {{"of", name.first}, {"figure", name.second}, {"before", before}, {"after", after}};
+  if (before.is_number() && after.is_number()) {
+    const double a = before.get<double>(), change = after.get<double>() - a;
+    row["change"] = change;
+    row["relative"] = a != 0 ? Json(change / std::abs(a)) : Json(nullptr);
+  }
+  row["verdict"] = name_of(judge(thresholds, name.second, before, after));
+  return row;
+}
+
+// A scan or view that is on one side alone is one row, not all of its figures: worse when it had a pose.
+void add_lone_subjects(const Figures& before, const Figures& after, Json& list) {
+  const auto had = subjects_of(before), has = subjects_of(after);
+  for (const auto& [subject, count] : had) {
+    if (has.count(subject)) continue;
+    const auto status = before.find({subject, "registration/status"});
+    const bool posed = status != before.end() && status->second == "accepted";
+    list.push_back({{"of", subject},
+                    {"figure", "all figures"},
+                    {"before", count},
+                    {"after", nullptr},
+                    {"verdict", name_of(posed ? Verdict::worse : Verdict::moved)}});
+  }
+  for (const auto& [subject, count] : has)
+    if (!had.count(subject))
+      list.push_back({{"of", subject},
+                      {"figure", "all figures"},
+                      {"before", nullptr},
+                      {"after", count},
+                      {"verdict", name_of(Verdict::moved)}});
+}
+
 Json moved_figures(const Json& a, const Json& b, const io::ThresholdFile& thresholds) {
   const auto before = figures_of(a), after = figures_of(b);
+  const auto had = subjects_of(before), has = subjects_of(after);
   Json list = Json::array();
-  const auto add = [&](const FigureName& name, const Json& x, const Json& y) {
-    Json row = {{"of", name.first}, {"figure", name.second}, {"before", x}, {"after", y}};
-    if (x.is_number() && y.is_number()) {
-      const double change = y.get<double>() - x.get<double>();
-      row["change"] = change;
-      row["relative"] = x.get<double>() != 0 ? Json(change / std::abs(x.get<double>())) : Json(nullptr);
-    }
-    row["verdict"] = name_of(judge(thresholds, name.second, x, y));
-    list.push_back(std::move(row));
-  };
+  add_lone_subjects(before, after, list);
   for (const auto& [name, value] : before) {
+    if (!has.count(name.first)) continue;
     const auto other = after.find(name);
     if (other == after.end())
-      add(name, value, nullptr);
+      list.push_back(moved_figure(name, value, nullptr, thresholds));
     else if (other->second != value)
-      add(name, value, other->second);
+      list.push_back(moved_figure(name, value, other->second, thresholds));
   }
   for (const auto& [name, value] : after)
-    if (!before.count(name)) add(name, nullptr, value);
+    if (had.count(name.first) && !before.count(name))
+      list.push_back(moved_figure(name, nullptr, value, thresholds));
   return list;
 }
 
@@ -119,7 +156,8 @@ bool is_picture(const std::string& path) {
 std::map<std::string, std::string> pictures_of(const Stand& stand) {
   std::map<std::string, std::string> pictures;
   if (!stand.has_object()) return pictures;
-  for (const auto& file : stand.store->object_json(stand.outcome.key)["files"])
+  const Json object = stand.store->object_json(stand.outcome.key);
+  for (const auto& file : object["files"])
     if (const auto path = file.at("path").get<std::string>(); is_picture(path))
       pictures[path] = file.at("xxh3").get<std::string>();
   return pictures;

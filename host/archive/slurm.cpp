@@ -92,7 +92,8 @@ std::vector<Bundle> bundles_of(const Manifest& manifest, UnitKind kind, const st
 std::string quoted(const std::string& word) {
   std::string text = "'";
   for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
+  text += "'";
+  return text;
 }
 
 // Tasks have folders of their own.
@@ -113,7 +114,7 @@ std::string task_script(const Store& store, const SlurmOptions& options) {
   std::string command = quoted(own_program().string()) + " batch run --out " +
                         quoted(absolute_folder(store)) + " --unit \"$units\" --jobs " +
                         std::to_string(options.cpus) + " --threads " + std::to_string(options.cpus);
-  for (const auto& option : options.run_options) command += " " + quoted(option);
+  for (const auto& option : options.run_options) command += fmt::format(" {}", quoted(option));
   return "#!/bin/sh\n"
          "# A task of a job array: the units on its line of the list.\n"
          "units=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" \"$1\")\n"
@@ -173,7 +174,8 @@ class Submission {
 
   void add(const std::string& kind, const std::string& job, std::size_t tasks, std::size_t units) {
     jobs_.push_back({{"job", job}, {"kind", kind}, {"tasks", tasks}, {"units", units}, {"after", after_}});
-    stage_ += (stage_.empty() ? "" : ":") + job;
+    if (!stage_.empty()) stage_ += ":";
+    stage_ += job;
   }
   // What comes now waits for all of the stage so far.
   void next_stage() {
@@ -216,8 +218,8 @@ std::string unit_list(const Bundle& bundle) {
   for (std::size_t i = 0; i < bundle.size();) {
     std::size_t end = i + 1;
     while (end < bundle.size() && bundle[end] == bundle[end - 1] + 1) ++end;
-    text += (text.empty() ? "" : ",") + std::to_string(bundle[i]);
-    if (end - i > 1) text += "-" + std::to_string(bundle[end - 1]);
+    if (!text.empty()) text += ",";
+    text += end - i > 1 ? fmt::format("{}-{}", bundle[i], bundle[end - 1]) : fmt::format("{}", bundle[i]);
     i = end;
   }
   return text;

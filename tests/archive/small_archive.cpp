@@ -1,5 +1,6 @@
 #include "small_archive.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

@@ -31,7 +31,13 @@ fail() {
   exit 1
 }
 
-for name in a b c d e; do cp -r "$scene" "$work/$name" && mkdir -p "$work/archive" && mv "$work/$name" "$work/archive/"; done
+# Scenes of other contents each, or they would be one.
+mkdir -p "$work/archive"
+for name in a b c d e; do
+  cp -r "$scene" "$work/archive/$name"
+  sed -i "s/\"mini\"/\"mini $name\"/" "$work/archive/$name/scene.toml"
+  printf "\\x0$((16#$(printf '%s' "$name")))" | dd of="$work/archive/$name/s.ply" bs=1 seek=$(($(stat -c %s "$scene/s.ply") - 12)) conv=notrunc status=none
+done
 head -c 5000 "$scene/s.ply" >"$work/archive/e/s.ply" # cut short: its scene is partial here and there
 
 start_cluster "$work/cluster" || { echo "FAILED: the cluster does not start"; exit 1; }
@@ -50,12 +56,12 @@ hybrid batch run --out "$work/store" --engine slurm --bundle 0 --slurm-args "--p
 cat "$work/jobs"
 [ "$(grep -c ': planes,' "$work/jobs")" = 2 ] || fail "expected two arrays for five planes units"
 
-# The power fails while n2 has a task.
-for _ in $(seq 600); do
-  squeue -h -t R -o '%N' | grep -q n2 && break
-  sleep 0.05
+# The power fails while n2 works on a unit, which takes a second at least with the start of the program.
+for _ in $(seq 1000); do
+  grep -qsh '^task .* on n2' "$work"/store/slurm/1/*.log && break
+  sleep 0.03
 done
-power_cut "$work/cluster" n2
+power_cut "$work/cluster" n2 2>/dev/null
 echo "n2 is cut off"
 
 for _ in $(seq 400); do
