@@ -46,6 +46,23 @@ class Nightly : public testing::Test {
     ASSERT_EQ(ran.exit_code, expected_code) << ran.err << ran.out;
   }
   Outcome diff(const std::string& words) { return run("hybrid batch diff " + words); }
+  // Between two nights of which a scan has changed a little.
+  void check_thresholds() {
+    const auto code = [&](const std::string& text) {
+      io::write_text(scratch / "limits.toml", text);
+      return diff(store.string() + " --thresholds " + (scratch / "limits.toml").string()).exit_code;
+    };
+    EXPECT_EQ(code("[[figure]]\nname = \"*\"\nworse = \"never\"\n"), 0);
+    const int higher = code("defaults = false\n[[figure]]\nname = \"*\"\nworse = \"higher\"\n");
+    const int lower = code("defaults = false\n[[figure]]\nname = \"*\"\nworse = \"lower\"\n");
+    EXPECT_TRUE(higher == 3 || lower == 3);  // something moved
+    EXPECT_EQ(code("defaults = false\n[[figure]]\nname = \"*\"\nworse = \"higher\"\nabsolute = 1e9\n"), 0);
+    EXPECT_EQ(code("[[figure]]\nname = \"*\"\nworse = \"sideways\"\n"), 4);
+    EXPECT_EQ(code("[[figure]]\nworse = \"lower\"\n"), 4);
+    const auto nowhere = diff(store.string() + "@7 " + store.string());
+    EXPECT_EQ(nowhere.exit_code, 4);
+    EXPECT_NE(nowhere.err.find("@0 = @"), std::string::npos) << nowhere.err;  // those that there are
+  }
   Json diff_json(const std::string& words) { return Json::parse(diff(words + " --json").out); }
 
   Scratch scratch;
@@ -54,25 +71,27 @@ class Nightly : public testing::Test {
 
 }  // namespace
 
-TEST_F(Nightly, two_nights_in_catalogue_diff_and_page) {
+TEST_F(Nightly, three_nights_in_catalogue_diff_and_page) {
   write_small_archive(archive, 3);
   night(0);
   change_scan(archive / "b");
+  night(0);
+  check_thresholds();
   cut_short(archive / "c/s.ply");
   night(3);
 
-  // The catalogue tells of both.
+  // The catalogue tells of all.
   const auto gathered = run("hybrid batch gather " + store.string());
   ASSERT_EQ(gathered.exit_code, 0) << gathered.err;
   const fs::path catalogue = store / "catalogue.sqlite";
-  EXPECT_EQ(ask(catalogue, "SELECT count(*) FROM nights"), "2");
+  EXPECT_EQ(ask(catalogue, "SELECT count(*) FROM nights"), "3");
   EXPECT_EQ(ask(catalogue, "SELECT state FROM units WHERE result = 'c/scene' ORDER BY night"),
-            "partial done");
+            "partial done done");
   EXPECT_EQ(ask(catalogue, "SELECT count(DISTINCT object) FROM units WHERE result = 'a/scene'"), "1");
   EXPECT_EQ(ask(catalogue,
                 "SELECT count(*) FROM history WHERE result = 'b/scene' AND subject = 'scan s' AND "
                 "name = 'decimation/discarded_share'"),
-            "2");
+            "3");
   EXPECT_NE(ask(catalogue, "SELECT count(*) FROM failures WHERE error LIKE '%s.ply%'"), "0");
   EXPECT_EQ(ask(catalogue, "SELECT count(*) FROM objects WHERE cpu_s IS NULL OR host IS NULL"), "0");
   const auto bytes = io::read_text(catalogue);
@@ -80,9 +99,9 @@ TEST_F(Nightly, two_nights_in_catalogue_diff_and_page) {
   EXPECT_EQ(bytes, io::read_text(catalogue));
 
   // What changed, why, and that the damaged scan is a regression.
-  const auto told = diff(store.string() + " --out " + (scratch / "page").string());
+  const auto told = diff(store.string() + "@2 --out " + (scratch / "page").string());
   EXPECT_EQ(told.exit_code, 3) << told.out << told.err;
-  const auto found = diff_json(store.string() + "@1 " + store.string());
+  const auto found = diff_json(store.string() + "@2 " + store.string());
   EXPECT_EQ(found["counts"]["same"], 1u);  // a
   EXPECT_EQ(found["counts"]["changed"], 2u);
   ASSERT_EQ(found["results"].size(), 2u);
@@ -90,13 +109,23 @@ TEST_F(Nightly, two_nights_in_catalogue_diff_and_page) {
   EXPECT_EQ(b["result"], "b/scene");
   EXPECT_EQ(b["because"], Json::array({"input s.ply"}));
   EXPECT_FALSE(b["figures"].empty());
-  EXPECT_FALSE(b["pictures"].empty());
   const auto& c = found["results"][1];
   EXPECT_EQ(c["state"], Json::array({"done", "partial"}));
   EXPECT_EQ(c["verdict"], "worse");
+  EXPECT_EQ(c["figures"][0]["of"], "scan s");  // one row for a scan that is gone
+  EXPECT_EQ(c["figures"][0]["after"], nullptr);
+  EXPECT_FALSE(c["pictures"].empty());  // its views lack the scan
+  int shown = 0;
+  for (const auto& picture : c["pictures"]) {
+    if (picture["change"] != "changed") continue;
+    fs::path name = "c/scene/" + picture["path"].get<std::string>();
+    EXPECT_TRUE(fs::exists(scratch / "page/pictures/before" / name.replace_extension(".jpg"))) << name;
+    ++shown;
+  }
+  EXPECT_GT(shown, 0) << c["pictures"];
   EXPECT_NE(told.out.find("c/scene: changed, done -> partial: worse"), std::string::npos) << told.out;
   // The other way round it is better; a night with itself is the same.
-  EXPECT_EQ(diff_json(store.string() + " " + store.string() + "@1")["results"][1]["verdict"], "better");
+  EXPECT_EQ(diff_json(store.string() + " " + store.string() + "@2")["results"][1]["verdict"], "better");
   EXPECT_EQ(diff(store.string() + " " + store.string()).exit_code, 0);
 
   // Pages: complaints of the browser aside, the failure and its command are there.
@@ -112,29 +141,8 @@ TEST_F(Nightly, two_nights_in_catalogue_diff_and_page) {
   }
 }
 
-TEST_F(Nightly, thresholds_decide_what_is_worse) {
-  write_small_archive(archive, 1);
-  night(0);
-  change_scan(archive / "a");
-  night(0);
-  const auto code = [&](const std::string& text) {
-    io::write_text(scratch / "limits.toml", text);
-    return diff(store.string() + " --thresholds " + (scratch / "limits.toml").string()).exit_code;
-  };
-  EXPECT_EQ(code("[[figure]]\nname = \"*\"\nworse = \"never\"\n"), 0);
-  const int higher = code("defaults = false\n[[figure]]\nname = \"*\"\nworse = \"higher\"\n");
-  const int lower = code("defaults = false\n[[figure]]\nname = \"*\"\nworse = \"lower\"\n");
-  EXPECT_TRUE(higher == 3 || lower == 3);  // something moved
-  EXPECT_EQ(code("defaults = false\n[[figure]]\nname = \"*\"\nworse = \"higher\"\nabsolute = 1e9\n"), 0);
-  EXPECT_EQ(code("[[figure]]\nname = \"*\"\nworse = \"sideways\"\n"), 4);
-  EXPECT_EQ(code("[[figure]]\nworse = \"lower\"\n"), 4);
-  const auto nowhere = diff(store.string() + "@7 " + store.string());
-  EXPECT_EQ(nowhere.exit_code, 4);
-  EXPECT_NE(nowhere.err.find("@0 = @"), std::string::npos) << nowhere.err;  // those that there are
-}
-
 TEST_F(Nightly, profiles_are_compared) {
-  write_small_archive(archive, 2);
+  write_small_archive(archive, 1);
   io::write_text(scratch / "dual.toml", "[render]\nblend = \"dual\"\n");
   io::write_text(scratch / "nearest.toml", "[render]\nblend = \"nearest\"\n");
   const auto words = "hybrid batch bench " + archive.string() + " --profiles " +
@@ -148,7 +156,7 @@ TEST_F(Nightly, profiles_are_compared) {
   EXPECT_GT(json["profiles"][0]["cpu_s"].get<double>(), 0);
   bool same_planes = false, other_views = false;
   for (const auto& row : json["figures"]) {
-    EXPECT_EQ(row["scenes"], 2) << row;
+    EXPECT_EQ(row["scenes"], 1) << row;
     if (row["name"] == "superclusters") same_planes = row["mean"][0] == row["mean"][1];
     if (row["name"] == "left_out/psnr_db") other_views = row["mean"][0] != row["mean"][1];
   }
