@@ -119,7 +119,7 @@ class Catalogue {
     }
     std::uintmax_t bytes = 0;
     for (const auto& file : object["files"]) bytes += file.value("bytes", std::uintmax_t{0});
-    objects_.add({key, or_null(object, "unit"), or_null(object, "kind"), or_null(object, "status"),
+    objects_.add({key, or_null(record, "unit"), or_null(object, "kind"), or_null(object, "status"),
                   or_null(record, "host"), or_null(record, "finished"), or_null(record, "seconds"),
                   or_null(record, "cpu_s"), or_null(record, "memory_bytes"), or_null(record, "threads"),
                   object["files"].size(), bytes});

@@ -110,18 +110,24 @@ std::string picture_section(const fs::path& folder, const Json& comparison, cons
                             std::size_t most) {
   std::string html, others;
   std::size_t count = 0;
-  for (const auto& result : comparison["results"])
-    for (const auto& picture : result["pictures"]) {
-      const std::string name = result["result"].get<std::string>(), path = picture["path"].get<std::string>();
-      if (picture["change"] != "changed") {
-        others += "<li>" + report::escape(name + ": " + path + ": " + picture["change"].get<std::string>()) +
-                  "</li>\n";
-        continue;
+  // Pictures of single planes are many: they come after the others.
+  for (const bool of_planes : {false, true})
+    for (const auto& result : comparison["results"])
+      for (const auto& picture : result["pictures"]) {
+        if ((picture["path"].get<std::string>().find("/planes/") != std::string::npos) != of_planes) continue;
+        const std::string name = result["result"].get<std::string>(),
+                          path = picture["path"].get<std::string>();
+        if (picture["change"] != "changed") {
+          others += "<li>" +
+                    report::escape(name + ": " + path + ": " + picture["change"].get<std::string>()) +
+                    "</li>\n";
+          continue;
+        }
+        if (count++ >= most) continue;
+        html +=
+            picture_row(folder, name, path, a.store.object(result["objects"][0].get<std::string>()) / path,
+                        b.store.object(result["objects"][1].get<std::string>()) / path);
       }
-      if (count++ >= most) continue;
-      html += picture_row(folder, name, path, a.store.object(result["objects"][0].get<std::string>()) / path,
-                          b.store.object(result["objects"][1].get<std::string>()) / path);
-    }
   if (count > most) html += fmt::format("<p>{} more pictures changed.</p>\n", count - most);
   if (!others.empty()) html += "<h3>On one side only</h3>\n<ul>\n" + others + "</ul>\n";
   return html.empty() ? "<p>No picture differs.</p>\n" : html;

@@ -274,6 +274,7 @@ class Engine {
     const std::size_t unit = *slot.unit;
     slot.unit.reset();
     if (ending.ok) {
+      ++computed_;
       store_.forget_failure(slot.key);
       outcomes_.forget(unit);
       settle(unit, outcomes_.of(unit), slot.timer.seconds());
@@ -318,6 +319,7 @@ class Engine {
   }
 
   void note_failure(const Slot& slot, std::size_t unit, const Ending& ending) {
+    ++computed_;
     const auto before = store_.failure(slot.key);
     const int attempts = 1 + (before && !options_.retry ? before->value("attempts", 0) : 0) +
                          (ending.worker_died ? options_.retries : 0);
@@ -436,7 +438,7 @@ class Engine {
     }
     result.summary = {{"store", store_.folder().string()},
                       {"units", counts},
-                      {"computed", todo_count_},
+                      {"computed", computed_},
                       {"seconds", timer_.seconds()},
                       {"failed", failed}};
     if (!failed.empty() || !manifest_.problems.empty()) result.exit_code = 3;
@@ -460,7 +462,7 @@ class Engine {
   std::vector<std::vector<std::size_t>> users_;  // per unit: pending units that need it
   std::vector<std::size_t> missing_;             // per unit: pending units that it needs
   std::map<std::size_t, int> attempts_;          // in this run
-  std::size_t todo_count_ = 0;
+  std::size_t todo_count_ = 0, computed_ = 0;
   double todo_estimate_s_ = 0;
   std::list<Slot> slots_;
   RunProgress* progress_ = nullptr;

@@ -1,18 +1,21 @@
 #include "archive/estimate.hpp"
 
+#include <algorithm>
+
 namespace hybrid::archive {
 namespace {
 
 // A process with its kernels built.
 constexpr std::uint64_t kEmpty_bytes = 200'000'000;
 
-// Seconds and bytes are the measured ones of README's section on batches, rounded up.
+// Measured on the synthetic churches, presets tiny and demo.
 constexpr double kPlanes_s = 0.05, kPlanesPerSample_s = 3e-6;
 constexpr std::uint64_t kPlanesPerSample_bytes = 300;
-constexpr double kScene_s = 0.3, kScenePerSample_s = 4e-6, kScenePerPixel_s = 4e-6;
-constexpr std::uint64_t kScenePerSample_bytes = 200, kScenePerPixel_bytes = 100;
-// A JPEG of one byte holds about ten pixels of three channels, and is decoded beside its levels.
-constexpr std::uint64_t kPerPhotographByte_bytes = 40;
+constexpr double kScene_s = 0.3, kScenePerSample_s = 4e-6, kScenePerPixel_s = 4e-6,
+                 kPerPhotographPixel_s = 1e-7;
+constexpr std::uint64_t kScenePerSample_bytes = 200, kScenePerPixel_bytes = 100,
+                        kPerPhotographPixel_bytes = 8;
+constexpr std::uint64_t kPixelsPerByte = 8;  // of a JPEG file
 
 }  // namespace
 
@@ -21,11 +24,15 @@ Estimate estimate_planes(std::uint64_t samples) {
           kEmpty_bytes + kPlanesPerSample_bytes * samples};
 }
 
-Estimate estimate_scene(std::uint64_t samples, std::uint64_t photograph_bytes, std::uint64_t view_pixels) {
-  return {kScene_s + kScenePerSample_s * static_cast<double>(samples) +
-              kScenePerPixel_s * static_cast<double>(view_pixels),
-          kEmpty_bytes + kScenePerSample_bytes * samples + kScenePerPixel_bytes * view_pixels +
-              kPerPhotographByte_bytes * photograph_bytes};
+Estimate estimate_scene(const SceneSize& size) {
+  const std::uint64_t photograph_pixels = kPixelsPerByte * size.photograph_bytes;
+  const std::uint64_t pixels = size.view_pixels + size.photograph_views * photograph_pixels /
+                                                      std::max<std::uint64_t>(1, size.photographs);
+  return {kScene_s + kScenePerSample_s * static_cast<double>(size.samples) +
+              kScenePerPixel_s * static_cast<double>(pixels) +
+              kPerPhotographPixel_s * static_cast<double>(photograph_pixels),
+          kEmpty_bytes + kScenePerSample_bytes * size.samples + kScenePerPixel_bytes * pixels +
+              kPerPhotographPixel_bytes * photograph_pixels};
 }
 
 }  // namespace hybrid::archive

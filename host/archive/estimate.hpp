@@ -9,7 +9,11 @@ struct Estimate {
   std::uint64_t bytes = 0;
 };
 Estimate estimate_planes(std::uint64_t samples);
-// `photograph_bytes`: of their files, compressed.
-Estimate estimate_scene(std::uint64_t samples, std::uint64_t photograph_bytes, std::uint64_t view_pixels);
+// `photograph_bytes`: of their files, compressed. `view_pixels`: of views with a size of their own;
+// `photograph_views`: those through one of the `photographs`.
+struct SceneSize {
+  std::uint64_t samples = 0, photograph_bytes = 0, photographs = 0, view_pixels = 0, photograph_views = 0;
+};
+Estimate estimate_scene(const SceneSize& size);
 
 }  // namespace hybrid::archive

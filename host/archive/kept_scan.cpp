@@ -113,9 +113,9 @@ void pass(File& file, stages::Decimation& decimation) {
 template <typename File>
 void pass(File& file, batch::ScanProduct& product) {
   auto& [id, input_samples, input_returns, image, segmentation, boundary, intersections, decimation, stray,
-         contour_faces, drawn, sigma_m, recorded_pose, notes] = product;
-  if (!contour_faces.fits.empty() || !drawn.empty())
-    fail(ErrorKind::failed, "scan {}: registered already; a scan is kept before", id);
+         contour_faces, drawn, sigma_m, recorded_pose, sample_file, notes] = product;
+  if (!contour_faces.fits.empty() || !drawn.empty() || sample_file)
+    fail(ErrorKind::failed, "scan {}: registered or written already; a scan is kept before", id);
   pass(file, id);
   pass(file, input_samples);
   pass(file, input_returns);
@@ -157,16 +157,17 @@ void pass(File& file, Scan& scan) {
 
 template <typename File>
 void pass(File& file, batch::ScanRemains& remains) {
-  auto& [intensity, colour, extra, georeferenced] = remains;
+  auto& [intensity, colour, crs, extra, georeferenced] = remains;
   pass(file, intensity);
   pass(file, colour);
+  pass(file, crs);
   static_assert(sizeof(io::PlyPoint) == 32);  // without gaps
   pass_array(file, extra, 4);
   pass_optional(file, georeferenced, [&](Scan& scan) { pass(file, scan); });
 }
 
 template <typename File>
-void pass(File& file, batch::KeptScan& scan) {
+void pass(File& file, batch::ProcessedScan& scan) {
   auto& [product, remains] = scan;
   pass(file, product);
   pass(file, remains);
@@ -174,14 +175,14 @@ void pass(File& file, batch::KeptScan& scan) {
 
 }  // namespace
 
-void write_kept_scan(const std::filesystem::path& file, batch::KeptScan& scan) {
+void write_kept_scan(const std::filesystem::path& file, batch::ProcessedScan& scan) {
   KeptWriter writer;
   pass(writer, scan);
   writer.save(file);
 }
 
-batch::KeptScan read_kept_scan(const std::filesystem::path& file) {
-  batch::KeptScan scan;
+batch::ProcessedScan read_kept_scan(const std::filesystem::path& file) {
+  batch::ProcessedScan scan;
   KeptReader reader(file);
   pass(reader, scan);
   reader.finish();

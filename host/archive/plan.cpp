@@ -148,11 +148,11 @@ class Planner {
   void plan_parts(const io::SceneFile& scene, const std::string& name, const batch::StageOptions& options,
                   Unit& unit) {
     const fs::path folder = scene.path.parent_path();
-    std::uint64_t samples = 0, photograph_bytes = 0, view_pixels = 0;
+    SceneSize size;
     batch::ScanNames names(scene);
     unit.from["scans"] = Json::array();
     for (std::size_t entry = 0; entry < scene.scans.size(); ++entry)
-      samples += plan_entry(scene, entry, name, options, names, unit);
+      size.samples += plan_entry(scene, entry, name, options, names, unit);
     auto files = scene_inputs(scene);
     for (fs::path& file : files) file = file.lexically_normal();
     std::sort(files.begin(), files.end());
@@ -161,12 +161,18 @@ class Planner {
     for (Input& input : cache_.look(files)) {
       unit.from["inputs"].push_back(
           {{"file", fs::proximate(input.file, folder).generic_string()}, {"xxh3", print_of(input)}});
-      photograph_bytes += input.bytes;
+      size.photograph_bytes += input.bytes;
+      ++size.photographs;
       unit.inputs.push_back(std::move(input));
     }
     for (const auto& view : scene.views)
-      view_pixels += static_cast<std::uint64_t>(view.size[0]) * static_cast<std::uint64_t>(view.size[1]);
-    const auto estimate = estimate_scene(samples, photograph_bytes, view_pixels);
+      if (view.photograph.empty())
+        size.view_pixels +=
+            static_cast<std::uint64_t>(view.size[0]) * static_cast<std::uint64_t>(view.size[1]);
+      else
+        ++size.photograph_views;
+    if (unit.settings.leave_one_out.value_or(false)) size.photograph_views += size.photographs;
+    const auto estimate = estimate_scene(size);
     unit.estimate_s = estimate.cpu_s;
     unit.estimate_bytes = estimate.bytes;
   }

@@ -3,6 +3,7 @@
 #include "archive/unit_run.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/planes_run.hpp"
+#include "batch/scene_scan.hpp"
 #include "core/error.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"

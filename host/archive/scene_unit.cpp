@@ -35,7 +35,7 @@ std::set<std::string> stages_of(const fs::path& scene) {
 }
 
 // A file that the disk has damaged costs time, not the scene.
-std::optional<batch::KeptScan> read_or_nothing(const fs::path& file) {
+std::optional<batch::ProcessedScan> read_or_nothing(const fs::path& file) {
   try {
     return read_kept_scan(file);
   } catch (const Error& error) {
@@ -60,7 +60,7 @@ UnitResult run_scene_unit(device::Queue& queue, const Store& store, const Manife
   request.seed = unit.settings.seed;
   request.salvage = unit.settings.salvage.value_or(false);
   request.command = command_of(unit);
-  request.kept_scan = [&](const std::string& id) -> std::optional<batch::KeptScan> {
+  request.kept_scan = [&](const std::string& id) -> std::optional<batch::ProcessedScan> {
     const auto found = planes.find(id);
     if (found == planes.end()) return std::nullopt;
     const Outcome& outcome = outcomes.of(found->second->index);

@@ -20,12 +20,13 @@ namespace hybrid::archive {
 //     objects/<kk>/<key>/      what one unit made. <key>: 32 hex digits, XXH3-128 of all that it was made
 //                              from; <kk>: the first two. Appears by rename when complete and is never
 //                              changed
-//       object.json              sealed. key, unit, kind, status ("done", or "partial": some of its scans or
-//                              views failed), failures, from (what the key was made of), and files: path,
-//                              bytes and xxh3 of every file below, by path. Same bytes on every run
-//       record.json              sealed. host, finished (UTC), seconds, cpu_s, memory_bytes (peak), threads,
-//                              and files as above for those that differ from run to run: timing.json,
-//                              report/timing.js, log.txt
+//       object.json              sealed. key, kind, status ("done", or "partial": some of its scans or views
+//                              failed), failures, from (what the key was made of), and files: path, bytes
+//                              and xxh3 of every file below, by path. Same bytes on every run; units of one
+//                              key share it
+//       record.json              sealed. unit (the first that made it), host, finished (UTC), seconds, cpu_s,
+//                              memory_bytes (peak), threads, and files as above for those that differ from
+//                              run to run: timing.json, report/timing.js, log.txt
 //       log.txt                  what the unit said
 //       scene:                   what `hybrid run` writes: summary.json, scans/, views/, report/ ...
 //       planes of a loose scan:  what `hybrid planes` writes

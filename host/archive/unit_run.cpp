@@ -39,6 +39,25 @@ std::uint64_t peak_bytes() {
   return 0;
 }
 
+// A queue's profile counts from its beginning: of this unit is what has come since `before`.
+void leave_other_units_out(const std::filesystem::path& timing, const device::Profile& before) {
+  std::error_code code;
+  if (!std::filesystem::exists(timing, code)) return;
+  Json document = Json::parse(io::read_text(timing), nullptr, false);
+  if (!document.is_object() || !document.contains("kernels")) return;
+  Json kernels = Json::object();
+  for (const auto& [label, row] : document["kernels"].items()) {
+    const auto earlier = before.find(label);
+    const device::ProfileRow none{};
+    const device::ProfileRow& old = earlier == before.end() ? none : earlier->second;
+    const auto launches = row["launches"].get<decltype(old.launches)>() - old.launches;
+    if (launches > 0)
+      kernels[label] = {{"launches", launches}, {"seconds", row["seconds"].get<double>() - old.seconds}};
+  }
+  document["kernels"] = kernels;
+  io::write_text(timing, document.dump(1) + "\n");
+}
+
 UnitResult run_kind(device::Queue& queue, const Store& store, const Manifest& manifest, const Unit& unit,
                     Outcomes& outcomes, const std::filesystem::path& work) {
   switch (unit.kind) {
@@ -59,15 +78,17 @@ void run_unit(device::Queue& queue, const Store& store, const Manifest& manifest
   forget_peak();
   const Timer timer;
   const double cpu_before = cpu_seconds();
+  const device::Profile profile_before = queue.profile();
   const UnitResult result = run_kind(queue, store, manifest, unit, outcomes, work);
   for (const Input& input : unit.inputs) check_unchanged(input);
+  leave_other_units_out(work / "timing.json", profile_before);
   const Json object = {{"key", key},
-                       {"unit", unit.id},
                        {"kind", name_of(unit.kind)},
                        {"status", result.failures.empty() ? "done" : "partial"},
                        {"failures", result.failures},
                        {"from", unit.from}};
   const Json record = {{"key", key},
+                       {"unit", unit.id},
                        {"host", host_name()},
                        {"finished", utc_now()},
                        {"seconds", timer.seconds()},

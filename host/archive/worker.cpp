@@ -73,7 +73,6 @@ class Worker {
     try {
       const Log log(work / "log.txt");
       fail_point("unit-begun");
-      queue_.forget_profile();
       Outcomes outcomes(store_, manifest_);  // the store goes on changing
       try {
         with_context(unit.id, [&] {

@@ -177,10 +177,10 @@ class Run {
 
   void process(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
     unit("scan " + id, [&] {
-      auto kept = request_.kept_scan ? request_.kept_scan(id) : std::nullopt;
-      if (!kept) kept = make_planes(queue_, id, entry, scan_entry, options_, progress_);
-      run_.products.push_back(std::move(kept->product));
-      remains_.push_back(std::move(kept->remains));
+      auto made = request_.kept_scan ? request_.kept_scan(id) : std::nullopt;
+      if (!made) made = make_planes(queue_, id, entry, scan_entry, options_, progress_);
+      run_.products.push_back(std::move(made->product));
+      remains_.push_back(std::move(made->remains));
       entries_.push_back(in_scan_frame(entry));
       indices_.push_back(scan_entry.index);
     });
@@ -238,6 +238,8 @@ class Run {
         if (wants("planes"))
           write_plane_outputs(scan_folder(product.id), product, remains_[i], exr_attributes(i));
         write_detail(scan_folder(product.id), product, remains_[i], nullptr);
+        if (options_.lossless && wants("planes"))
+          run_.products[i].sample_file = write_samples(scan_folder(product.id), product, remains_[i]);
         write_references(scan_folder(product.id), entries_[i].file, indices_[i], request_.salvage);
       });
   }

@@ -35,7 +35,7 @@ struct RunRequest {
   bool quiet = false;
   // A scan by its id, where it was processed before with the same options: nothing to read and process it
   // here. What it throws is that scan's failure.
-  std::function<std::optional<KeptScan>(const std::string& id)> kept_scan;
+  std::function<std::optional<ProcessedScan>(const std::string& id)> kept_scan;
   std::string command;  // what failures say runs them again; "": a hybrid run with this request's options
 };
 

@@ -6,16 +6,13 @@
 
 namespace hybrid::batch {
 
-KeptScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
-                     const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress) {
+ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
+                          const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress) {
   Scan scan = io::read_scan(entry.file, scan_entry);
   if (entry.scanner) io::place_scanner(scan, *entry.scanner);
   if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
     log::warning("scan {}: {}", id, doubt);
-  KeptScan made;
-  made.product = process_scan(queue, id, scan, options, progress);
-  made.remains = keep_remains(std::move(scan), made.product.image);
-  return made;
+  return process_scan(queue, id, std::move(scan), options, progress);
 }
 
 ScanNames::ScanNames(const io::SceneFile& scene) {

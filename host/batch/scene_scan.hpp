@@ -8,15 +8,9 @@
 
 namespace hybrid::batch {
 
-// What the planes stages made of one scan, and what remains of the scan itself: all that later stages need.
-struct KeptScan {
-  ScanProduct product;
-  ScanRemains remains;
-};
-
 // Reads a scan of a scene, places its scanner as the scene file says, and runs the planes stages on it.
-KeptScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
-                     const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress);
+ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
+                          const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress);
 
 // Gives every scan of a scene its id, in the order of the scene file and of the scans in each file. An id
 // that the scene file gives is not free for a scan that is named after its file.

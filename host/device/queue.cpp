@@ -107,11 +107,6 @@ void Queue::finish() {
   collect_profile();
 }
 
-void Queue::forget_profile() {
-  profile();
-  profile_.clear();
-}
-
 const Profile& Queue::profile() {
   finish();
   return profile_;

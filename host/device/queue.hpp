@@ -123,8 +123,6 @@ class Queue {
   void finish();
   // Device seconds by label since construction; waits for queued work.
   const Profile& profile();
-  // Device seconds start anew: of a process that does one job after the other.
-  void forget_profile();
 
   // Tests run every kernel at two work-group sizes; 0 = the default choice.
   void set_work_group_size(std::size_t size) { work_group_size_ = size; }

@@ -50,7 +50,8 @@ std::map<std::int64_t, Json> unexplained(const Json& scan) {
   return planes;
 }
 
-std::string supercluster_table(const Json& scan, const Json& planes, const Json& pose) {
+std::string supercluster_table(const fs::path& out, const std::string& folder, const Json& scan,
+                               const Json& planes, const Json& pose) {
   if (!planes.is_object()) return "";
   const auto strangers = unexplained(scan);
   Table table;
@@ -69,7 +70,11 @@ std::string supercluster_table(const Json& scan, const Json& planes, const Json&
     const auto stranger = strangers.find(plane["id"].get<std::int64_t>());
     const bool explained = stranger == strangers.end();
     const auto normal = plane["normal"].get<std::vector<double>>();
-    table.add({plane["id"], plane["area_m2"], cell(plane, "/rms_m", 1000), plane["samples"], plane["squares"],
+    Json id = {{"value", plane["id"]}};
+    const std::string image = fmt::format("{}planes/{}.png", folder, plane["id"].get<std::int64_t>());
+    std::error_code ignored;
+    if (fs::exists(out / image, ignored)) id["href"] = link("../" + image);
+    table.add({id, plane["area_m2"], cell(plane, "/rms_m", 1000), plane["samples"], plane["squares"],
                slope_deg(plane, pose), plane["offset_m"],
                fmt::format("{:.3f} {:.3f} {:.3f}", normal.at(0), normal.at(1), normal.at(2)),
                plane["contours"].size(),
@@ -137,7 +142,7 @@ std::string scan_section(const fs::path& out, const Json& scan, std::size_t inde
          picture(out, folder + "range.png", "Range image: near is bright") +
          picture(out, folder + "intersections.png",
                  "Lines in which planes meet: corners red, edges that stand out blue") +
-         residual_section(scan) + "</div>\n" + supercluster_table(scan, planes, pose) +
+         residual_section(scan) + "</div>\n" + supercluster_table(out, folder, scan, planes, pose) +
          "<details><summary>all figures</summary><div class=\"scroll\"><table>\n" + rows +
          "</table></div></details>\n";
 }

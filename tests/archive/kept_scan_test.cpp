@@ -15,9 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // Every member set, with sizes around a block's and values that only bits can tell apart.
-batch::KeptScan sample() {
+batch::ProcessedScan sample() {
   std::mt19937 random(1);
-  batch::KeptScan scan;
+  batch::ProcessedScan scan;
   auto& product = scan.product;
   product.id = "west";
   product.input_samples = 123456789012;
@@ -48,6 +48,7 @@ batch::KeptScan sample() {
   product.recorded_pose = Pose{2, Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {1, 2, 3}};
   product.notes = {"", "a note"};
   scan.remains.intensity = true;
+  scan.remains.crs = "EPSG:27700";
   scan.remains.extra = {{{1, 2, 3}, 0.5f, {7, 8, 9}, 1}};
   Scan whole;
   whole.name = "georeferenced";

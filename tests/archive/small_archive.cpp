@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../e2e/bad_mini_scene.hpp"
+#include "core/error.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::e2e {
@@ -19,16 +20,39 @@ bool tells_of_the_run(const fs::path& file) {
   return name == "record.json" || is_timing(name) || name == "log.txt";
 }
 
+// The lowest bit of a byte, counted from the file's end.
+void change_byte(const fs::path& file, std::size_t from_end) {
+  std::string bytes = io::read_text(file);
+  bytes[bytes.size() - from_end] = static_cast<char>(bytes[bytes.size() - from_end] ^ 1);
+  io::write_text(file, bytes);
+}
+
 }  // namespace
 
 void write_small_archive(const fs::path& archive, int scenes) {
-  for (int i = 0; i < scenes; ++i) write_mini_scene(archive / std::string(1, static_cast<char>('a' + i)));
+  for (int i = 0; i < scenes; ++i) {
+    const fs::path scene = archive / std::string(1, static_cast<char>('a' + i));
+    write_mini_scene(scene);
+    change_byte(scene / "s.ply", 12 * static_cast<std::size_t>(i) + 2);
+  }
+}
+
+FirstNight::FirstNight() {
+  static const Scratch made;
+  if (!fs::exists(made / "store")) {
+    write_small_archive(made / "archive", 3);
+    const auto planned = plan(made / "archive", made / "store");
+    EXPECT_EQ(planned.exit_code, 0) << planned.err;
+    const auto ran = run_store(made / "store");
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_EQ(json_of(ran)["computed"], 7);
+  }
+  fs::copy(made.path(), scratch.path(), fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+  EXPECT_EQ(plan(archive, store).exit_code, 0);
 }
 
 void change_scan(const fs::path& scene) {
-  std::string bytes = io::read_text(scene / "s.ply");
-  bytes[bytes.size() - 3] = static_cast<char>(bytes[bytes.size() - 3] ^ 1);
-  io::write_text(scene / "s.ply", bytes);
+  change_byte(scene / "s.ply", 2402);
 }
 
 Outcome plan(const fs::path& archive, const fs::path& store, const std::string& options) {

@@ -8,8 +8,17 @@
 
 namespace hybrid::e2e {
 
-// An archive of the smallest scenes, in folders of their own: "a", "b", ... Each has one scan, "s".
+// An archive of the smallest scenes, in folders of their own: "a", "b", ... Each has one scan, "s", in which
+// one sample is another than in the others'.
 void write_small_archive(const std::filesystem::path& archive, int scenes);
+
+// Such an archive of three scenes with a store after its first night, made once per process; the test's own
+// copy. Keys know no paths: the store is good for the copy.
+struct FirstNight {
+  Scratch scratch;
+  const std::filesystem::path archive = scratch / "archive", store = scratch / "store";
+  FirstNight();
+};
 
 // Another scan in the place of that of a scene: the same room, one sample moved by a millimetre.
 void change_scan(const std::filesystem::path& scene);

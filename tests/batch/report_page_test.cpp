@@ -117,10 +117,10 @@ TEST_F(ReportPage, superclusters_come_from_planes_json_and_their_slope_from_the_
                           {"contours", Json::array()}}}},
                        {"intersections", Json::array()}};
   io::write_text(folder_ / "scans/one #1/planes.json", planes.dump());
-  EXPECT_NE(write(page()).find("[7,2.25,1.25,99,4,null,-1.5,"), std::string::npos);
+  EXPECT_NE(write(page()).find("[{\"value\":7},2.25,1.25,99,4,null,-1.5,"), std::string::npos);
   const Json pose = {{"world_from_scan", {2, 0, 0, 0, 0, 0, -2, 0, 0, 2, 0, 0, 0, 0, 0, 1}}};  // scaled by 2
   io::write_text(folder_ / "scans/one #1/pose.json", pose.dump());
-  EXPECT_NE(write(page()).find("[7,2.25,1.25,99,4,90.0,-1.5,"), std::string::npos);
+  EXPECT_NE(write(page()).find("[{\"value\":7},2.25,1.25,99,4,90.0,-1.5,"), std::string::npos);
 }
 
 TEST(Previews, mean_light_of_blocks_the_last_ones_cut) {
