@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "app/batch_nightly.hpp"
 #include "app/commands.hpp"
 #include "archive/audit.hpp"
 #include "archive/engine.hpp"
@@ -184,10 +185,16 @@ void add_run_command(CLI::App& batch, int& exit_code) {
       ->check(CLI::Range(0, 100));
   command->add_flag("--retry", engine->retry, "again what failed by its input, and what is in quarantine");
   command->add_option("--device", options->device, "cpu, gpu or an index of `hybrid devices`");
+  const auto choice = add_engine_options(*command);
   add_wait(*command, options);
   command->callback([=, &exit_code] {
     apply(*options);
     const Store store = Store::open(options->store);
+    if (choice->slurm_asked()) {
+      submit_batch(*command, *choice, store, *unit, engine->retry, options->json);
+      exit_code = 0;
+      return;
+    }
     if (!memory->empty()) engine->memory_bytes = parse_bytes(*memory, "--memory");
     if (!unit_memory->empty()) engine->unit_memory_bytes = parse_bytes(*unit_memory, "--unit-memory");
     engine->device = options->device;
@@ -290,6 +297,9 @@ void add_batch(CLI::App& program, int& exit_code) {
   add_status(*batch, exit_code);
   add_verify(*batch, exit_code);
   add_prune(*batch, exit_code);
+  add_gather(*batch, exit_code);
+  add_diff(*batch, exit_code);
+  add_bench(*batch, exit_code);
 }
 
 }  // namespace hybrid::app

@@ -67,7 +67,7 @@ fs::path in_shard(const fs::path& folder, const std::string& key) {
 }  // namespace
 
 bool is_volatile(const std::string& path) {
-  return path == "timing.json" || path == "log.txt";
+  return path == "timing.json" || path == "report/timing.js" || path == "log.txt";
 }
 
 std::string hash_of(const std::string& text) {

@@ -26,12 +26,12 @@ namespace hybrid::archive {
 //                              key share it
 //       record.json              sealed. unit (the first that made it), host, finished (UTC), seconds, cpu_s,
 //                              memory_bytes (peak), threads, and files as above for those that differ from
-//                              run to run: timing.json, log.txt
+//                              run to run: timing.json, report/timing.js, log.txt
 //       log.txt                  what the unit said
 //       scene:                   what `hybrid run` writes: summary.json, scans/, views/, report/ ...
 //       planes of a loose scan:  what `hybrid planes` writes
 //       planes of a scene's scan: kept.bin (kept_scan.hpp), summary.json
-//       report:                  archive.json
+//       report:                  archive.json, index.html (report/archive_page.hpp)
 //     failures/<kk>/<key>.json  sealed. The unit's last failure: unit, error, exit_code, attempts,
 //                              quarantined, command (runs it again), finished. Gone when it succeeds
 //     failures/<kk>/<key>.log   what it said

@@ -66,31 +66,11 @@ UnitResult run_kind(device::Queue& queue, const Store& store, const Manifest& ma
     case UnitKind::scene:
       return run_scene_unit(queue, store, manifest, unit, outcomes, work);
     default:
-      return run_report_unit(manifest, unit, outcomes, work);
+      return run_report_unit(store, manifest, unit, outcomes, work);
   }
 }
 
 }  // namespace
-
-UnitResult run_report_unit(const Manifest& manifest, const Unit& unit, Outcomes& outcomes,
-                           const std::filesystem::path& work) {
-  Json units = Json::array(), problems = Json::array();
-  for (const std::size_t need : unit.needs) {
-    const Unit& one = manifest.units[need];
-    const Outcome& outcome = outcomes.of(need);
-    Json row = {{"index", need},
-                {"id", one.id},
-                {"kind", name_of(one.kind)},
-                {"state", name_of(outcome.state)},
-                {"key", outcome.key}};
-    if (!one.result.empty()) row["result"] = one.result;
-    if (!outcome.error.empty()) row["error"] = outcome.error;
-    units.push_back(std::move(row));
-  }
-  for (const auto& [path, what] : manifest.problems) problems.push_back({{"path", path}, {"what", what}});
-  io::write_text(work / "archive.json", Json{{"units", units}, {"problems", problems}}.dump(1) + "\n");
-  return {};
-}
 
 void run_unit(device::Queue& queue, const Store& store, const Manifest& manifest, const Unit& unit,
               Outcomes& outcomes, const std::string& key, const std::filesystem::path& work) {

@@ -20,7 +20,7 @@ struct UnitResult {
 UnitResult run_planes_unit(device::Queue& queue, const Unit& unit, const std::filesystem::path& work);
 UnitResult run_scene_unit(device::Queue& queue, const Store& store, const Manifest& manifest,
                           const Unit& unit, Outcomes& outcomes, const std::filesystem::path& work);
-UnitResult run_report_unit(const Manifest& manifest, const Unit& unit, Outcomes& outcomes,
+UnitResult run_report_unit(const Store& store, const Manifest& manifest, const Unit& unit, Outcomes& outcomes,
                            const std::filesystem::path& work);
 
 // Runs the unit in `work`, a folder of Store::begin_object, and commits its object under `key`. Its inputs

@@ -8,6 +8,7 @@
 #include "batch/landmark_sheet.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
+#include "batch/residual_figures.hpp"
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
@@ -292,7 +293,10 @@ class Run {
   Json scan_summary(std::size_t i) const {
     Json json = scan_figures(run_.products[i]);
     const auto& registration = run_.registrations[i];
-    if (registration) json["registration"] = registration_figures(*registration);
+    if (registration) {
+      json["registration"] = registration_figures(*registration);
+      json["registration"]["residuals"] = residual_figures(run_.products[i], *registration);
+    }
     if (run_.abstentions[i]) json["registration"] = registration_figures(*run_.abstentions[i]);
     if (truth_)
       for (const auto& truth : truth_->scans)
@@ -305,6 +309,9 @@ class Run {
   void report() {
     make_summary();
     unit("report", [&] {
+      for (std::size_t i = 0; i < run_.products.size(); ++i)
+        if (run_.registrations[i])
+          write_residual_picture(scan_folder(run_.products[i].id), run_.products[i], *run_.registrations[i]);
       progress_.step("report", "scene " + run_.scene.name);
       write_report_(run_);
     });
@@ -340,7 +347,8 @@ class Run {
       inputs.push_back(run_.scene.path.parent_path() / input["file"].get<std::string>());
     run_.timing = {{"scene", run_.scene.name}};
     run_.timing.update(timing_json(queue_, progress_, inputs, request_.out));
-    io::write_text(request_.out / "timing.json", run_.timing.dump(1) + "\n");
+    for (const auto& failure : run_.failures) run_.timing["run_again"][failure.unit] = failure.command;
+    write_timing(request_.out, run_.timing, wants("report"));
     io::write_text(request_.out / "summary.json", run_.summary.dump(1) + "\n");
   }
 

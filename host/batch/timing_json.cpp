@@ -5,6 +5,7 @@
 #include <array>
 
 #include "core/parallel.hpp"
+#include "io/output.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -32,6 +33,11 @@ Json timing_json(device::Queue& queue, const Progress& progress,
           {"out", std::filesystem::absolute(out).string()},
           {"seconds_by_stage", progress.seconds_by_stage()},
           {"kernels", kernels}};
+}
+
+void write_timing(const std::filesystem::path& out, const Json& timing, bool page) {
+  io::write_text(out / "timing.json", timing.dump(1) + "\n");
+  if (page) io::write_text(out / "report" / "timing.js", "hybridTiming(" + timing.dump(1) + ");\n");
 }
 
 }  // namespace hybrid::batch

@@ -1,5 +1,6 @@
 #include "small_archive.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 bool tells_of_the_run(const fs::path& file) {
   const auto name = file.filename();
-  return name == "record.json" || name == "timing.json" || name == "log.txt";
+  return name == "record.json" || is_timing(name) || name == "log.txt";
 }
 
 // The lowest bit of a byte, counted from the file's end.

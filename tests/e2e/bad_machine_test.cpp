@@ -77,8 +77,12 @@ TEST(BadMachine, a_disk_that_fills_up_under_each_writer) {
   }
   std::set<std::string> all;
   for (const auto& name : mini_outputs()) all.insert(name);
-  all.erase("timing.json");  // one page at its first writing; at its second the disk has a page left
-  failed.erase("timing.json");
+  // Those of a page at most that find one: the disk that was made large enough for the temporary of a file
+  // that replaces its first version (timing.json, detail.ply) has room left when the next is written.
+  for (const char* small : {"timing.json", "report/timing.js", "scans/s/residual.png"}) {
+    all.erase(small);
+    failed.erase(small);
+  }
   EXPECT_EQ(failed, all);
 }
 

@@ -143,7 +143,18 @@ std::vector<std::string> mini_outputs() {
           "views/left-out-pair.png",
           "report/registration-before.png",
           "report/registration-after.png",
+          "scans/s/residual.png",
+          "report/pictures/scans/s/range.jpg",
+          "report/pictures/scans/s/classes.jpg",
+          "report/pictures/scans/s/residual.jpg",
+          "report/pictures/scans/s/intersections.jpg",
+          "report/pictures/views/front.jpg",
+          "report/pictures/views/left-out.jpg",
+          "report/pictures/views/left-out-pair.jpg",
+          "report/pictures/report/registration-before.jpg",
+          "report/pictures/report/registration-after.jpg",
           "report/index.html",
+          "report/timing.js",
           "timing.json",
           "summary.json"};
 }

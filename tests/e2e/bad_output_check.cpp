@@ -19,7 +19,9 @@ void expect_complete_files(const fs::path& out) {
     if (entry.is_directory()) continue;
     const std::string name = fs::relative(entry.path(), out).string();
     EXPECT_NE(std::find(known.begin(), known.end(), name), known.end()) << name << " is no output";
-    if (name == "timing.json") {
+    if (name == "report/timing.js") {
+      EXPECT_TRUE(io::read_text(entry.path()).ends_with("});\n")) << io::read_text(entry.path());
+    } else if (name == "timing.json") {
       EXPECT_TRUE(nlohmann::json::accept(io::read_text(entry.path()))) << io::read_text(entry.path());
     } else if (name == "scans/s/detail.ply") {  // written twice, the second time with colours
       EXPECT_NO_THROW(io::read_ply(entry.path()));

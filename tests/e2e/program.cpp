@@ -42,10 +42,14 @@ Scratch::~Scratch() {
   fs::remove_all(path_, ignored);
 }
 
+bool is_timing(const fs::path& name) {
+  return name == "timing.json" || name == "timing.js";
+}
+
 std::string content_list(const fs::path& folder) {
   std::vector<std::string> lines;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || entry.path().filename() == "timing.json") continue;
+    if (!entry.is_regular_file() || is_timing(entry.path().filename())) continue;
     lines.push_back(fs::relative(entry.path(), folder).string() + " " + io::fingerprint(entry.path()).xxh3);
   }
   std::sort(lines.begin(), lines.end());

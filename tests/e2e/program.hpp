@@ -31,7 +31,10 @@ class Scratch {
   std::filesystem::path path_;
 };
 
-// Every file below `folder` but timing.json: relative path and XXH3 of its content, one per line, sorted.
+// timing.json and its copy for the report's page: the files that may differ between runs.
+bool is_timing(const std::filesystem::path& name);
+
+// Every file below `folder` but those of times: relative path and XXH3 of its content, one per line, sorted.
 std::string content_list(const std::filesystem::path& folder);
 
 }  // namespace hybrid::e2e

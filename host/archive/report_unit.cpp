@@ -1,0 +1,75 @@
+// The archive's page: every result of the night, its figures, what failed. A function of the units' objects,
+// so that it has the same bytes whenever and wherever it is made.
+#include "archive/unit_run.hpp"
+#include "io/output.hpp"
+#include "report/archive_page.hpp"
+
+namespace hybrid::archive {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+bool has_object(const Outcome& outcome) {
+  return outcome.state == UnitState::done || outcome.state == UnitState::partial;
+}
+
+Json summary_of(const Store& store, const Outcome& outcome) {
+  const fs::path file = store.object(outcome.key) / "summary.json";
+  std::error_code ignored;
+  if (!has_object(outcome) || !fs::exists(file, ignored)) return nullptr;
+  const Json summary = Json::parse(io::read_text(file), nullptr, false);
+  return summary.is_discarded() ? Json(nullptr) : summary;
+}
+
+// From results/report/index.html, which is how people come to it.
+Json page_of(const Unit& unit, const Outcome& outcome) {
+  if (!has_object(outcome)) return nullptr;
+  return unit.kind == UnitKind::scene ? "../" + unit.result + "/report/index.html"
+                                      : "../" + unit.result + "/";
+}
+
+Json row_of(const Store& store, const Unit& unit, Outcomes& outcomes) {
+  const Outcome& outcome = outcomes.of(unit.index);
+  Json row = {{"result", unit.result},
+              {"kind", name_of(unit.kind)},
+              {"state", name_of(outcome.state)},
+              {"page", page_of(unit, outcome)},
+              {"summary", summary_of(store, outcome)}};
+  if (outcome.error.empty()) return row;
+  row["error"] = outcome.error;
+  // What it needs and has not got, too. The store's own place is the reader's to know.
+  std::string units;
+  for (const std::size_t need : unit.needs)
+    if (!has_object(outcomes.of(need))) units += std::to_string(need) + ",";
+  row["command"] = fmt::format("hybrid batch run --out STORE --unit {}{} --retry", units, unit.index);
+  return row;
+}
+
+}  // namespace
+
+UnitResult run_report_unit(const Store& store, const Manifest& manifest, const Unit& unit, Outcomes& outcomes,
+                           const fs::path& work) {
+  Json units = Json::array(), problems = Json::array(), results = Json::array();
+  for (const std::size_t need : unit.needs) {
+    const Unit& one = manifest.units[need];
+    const Outcome& outcome = outcomes.of(need);
+    Json row = {{"index", need},
+                {"id", one.id},
+                {"kind", name_of(one.kind)},
+                {"state", name_of(outcome.state)},
+                {"key", outcome.key}};
+    if (!one.result.empty()) row["result"] = one.result;
+    if (!outcome.error.empty()) row["error"] = outcome.error;
+    units.push_back(std::move(row));
+    if (!one.result.empty()) results.push_back(row_of(store, one, outcomes));
+  }
+  for (const auto& [path, what] : manifest.problems) problems.push_back({{"path", path}, {"what", what}});
+  io::write_text(work / "archive.json", Json{{"units", units}, {"problems", problems}}.dump(1) + "\n");
+  const fs::path named = manifest.archive.has_filename() ? manifest.archive : manifest.archive.parent_path();
+  report::write_archive_page(work, "Archive " + named.filename().string(),
+                             {{"results", results}, {"problems", problems}});
+  return {};
+}
+
+}  // namespace hybrid::archive

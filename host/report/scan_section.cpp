@@ -1,0 +1,178 @@
+#include "report/scan_section.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "io/output.hpp"
+#include "report/histogram.hpp"
+#include "report/previews.hpp"
+
+namespace hybrid::report {
+namespace fs = std::filesystem;
+namespace {
+
+// A nested JSON object as rows "a / b / c : value"; without lists, which have tables or plots of their own.
+void figure_rows(const Json& value, const std::string& name, std::string& rows) {
+  if (value.is_object()) {
+    for (const auto& [key, inner] : value.items())
+      figure_rows(inner, name.empty() ? key : name + " / " + key, rows);
+    return;
+  }
+  if (value.is_array() && (value.size() > 12 || (!value.empty() && value[0].is_object()))) return;
+  const std::string text = value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
+                           : value.is_string()     ? value.get<std::string>()
+                                               : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", escape(name), escape(text));
+}
+
+// Degrees between a plane and the horizontal; null without a pose.
+Json slope_deg(const Json& plane, const Json& pose) {
+  if (!pose.is_object() || !pose.contains("world_from_scan") || !pose["world_from_scan"].is_array())
+    return nullptr;
+  const auto rows = pose["world_from_scan"].get<std::vector<double>>();
+  const auto normal = plane["normal"].get<std::vector<double>>();
+  if (rows.size() != 16 || normal.size() != 3) return nullptr;
+  double z = 0, scale = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    z += rows[8 + k] * normal[k];
+    scale += rows[8 + k] * rows[8 + k];
+  }
+  return std::acos(std::min(1.0, std::abs(z) / std::sqrt(scale))) * 180 / M_PI;
+}
+
+std::map<std::int64_t, Json> unexplained(const Json& scan) {
+  std::map<std::int64_t, Json> planes;
+  if (scan.contains("unexplained_planes"))
+    for (const auto& plane : scan["unexplained_planes"]) planes[plane["id"].get<std::int64_t>()] = plane;
+  return planes;
+}
+
+std::string supercluster_table(const fs::path& out, const std::string& folder, const Json& scan,
+                               const Json& planes, const Json& pose) {
+  if (!planes.is_object()) return "";
+  const auto strangers = unexplained(scan);
+  Table table;
+  table.number("id", "", 0)
+      .number("area", "m\u00b2", 3)
+      .number("rms", "mm", 2, "of its samples' distances to the plane")
+      .number("samples", "", 0)
+      .number("squares", "", 0)
+      .number("slope", "deg", 1, "0 = level, 90 = upright, in the world; none without a pose")
+      .number("offset", "m", 3, "normal . x = offset, scan frame")
+      .text("normal", "scan frame, towards the scanner")
+      .number("outlines", "", 0, "outer and inner rings of its contour")
+      .number("unexplained", "%", 1, "share of its samples without a face of the proxy")
+      .text("shown as", "what stands for it in views when no face of the proxy does");
+  for (const auto& plane : planes["superclusters"]) {
+    const auto stranger = strangers.find(plane["id"].get<std::int64_t>());
+    const bool explained = stranger == strangers.end();
+    const auto normal = plane["normal"].get<std::vector<double>>();
+    Json id = {{"value", plane["id"]}};
+    const std::string image = fmt::format("{}planes/{}.png", folder, plane["id"].get<std::int64_t>());
+    std::error_code ignored;
+    if (fs::exists(out / image, ignored)) id["href"] = link("../" + image);
+    table.add({id, plane["area_m2"], cell(plane, "/rms_m", 1000), plane["samples"], plane["squares"],
+               slope_deg(plane, pose), plane["offset_m"],
+               fmt::format("{:.3f} {:.3f} {:.3f}", normal.at(0), normal.at(1), normal.at(2)),
+               plane["contours"].size(),
+               explained ? Json(nullptr) : cell(stranger->second, "/unexplained_share", 100),
+               explained ? Json(nullptr) : stranger->second["shown_as"]});
+  }
+  return fmt::format("<details><summary>{} superclusters, {} lines in which they meet</summary>\n",
+                     planes["superclusters"].size(), planes["intersections"].size()) +
+         table.sorted_by("area", true).html() + "</details>\n";
+}
+
+std::string residual_section(const Json& scan) {
+  if (!scan.contains("/registration/residuals"_json_pointer)) return "";
+  const auto& residuals = scan["registration"]["residuals"];
+  return fmt::format(
+      "<figure>{}<figcaption>Distance of planar samples from the model after ICP: half are within "
+      "{:.2f} mm, 95 % within {:.1f} mm of those that have a face; none: no face of a similar "
+      "direction is near.</figcaption></figure>\n",
+      residual_plot(residuals), 1000 * residuals["median_m"].get<double>(),
+      1000 * residuals["p95_m"].get<double>());
+}
+
+std::string notes_section(const Json& scan) {
+  if (!scan.contains("notes") || scan["notes"].empty()) return "";
+  std::string html = "<ul class=\"warn\">\n";
+  for (const auto& note : scan["notes"])
+    html += fmt::format("<li>{}</li>\n", escape(note.get<std::string>()));
+  return html + "</ul>\n";
+}
+
+}  // namespace
+
+Json read_document(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return nullptr;
+  const Json document = Json::parse(io::read_text(file), nullptr, false);
+  return document.is_discarded() ? Json(nullptr) : document;
+}
+
+std::string scan_anchor(std::size_t index) {
+  return fmt::format("scan-{}", index + 1);
+}
+
+std::string picture(const fs::path& out, const std::string& file, const std::string& caption) {
+  const std::string preview = write_preview(out, file);
+  const std::string own = "report/";  // the page's folder
+  const std::string full = file.rfind(own, 0) == 0 ? file.substr(own.size()) : "../" + file;
+  return preview.empty() ? "" : figure(preview, full, caption);
+}
+
+std::string scan_section(const fs::path& out, const Json& scan, std::size_t index) {
+  const std::string id = scan["id"].get<std::string>(), folder = "scans/" + id + "/";
+  const Json planes = read_document(out / folder / "planes.json");
+  const Json pose = read_document(out / folder / "pose.json");
+  std::string rows;
+  figure_rows(scan, "", rows);
+  return fmt::format("<h2 id=\"{}\">Scan {}</h2>\n", scan_anchor(index), escape(id)) + notes_section(scan) +
+         "<div class=\"row\">\n" +
+         picture(out, folder + "classes.png",
+                 "Superclusters (pastel), locally planar but too small (dark blue), non-planar (dark green), "
+                 "undersampled (black)") +
+         picture(out, folder + "residual.png",
+                 "Distance from the model after ICP: pale 1 mm and less, over yellow and red to dark red, 10 "
+                 "cm and more; blue: planar, but no face is near; grey: not planar") +
+         picture(out, folder + "range.png", "Range image: near is bright") +
+         picture(out, folder + "intersections.png",
+                 "Lines in which planes meet: corners red, edges that stand out blue") +
+         residual_section(scan) + "</div>\n" + supercluster_table(out, folder, scan, planes, pose) +
+         "<details><summary>all figures</summary><div class=\"scroll\"><table>\n" + rows +
+         "</table></div></details>\n";
+}
+
+std::string abstained_section(const fs::path& out, const Json& scan) {
+  const std::string id = scan["id"].get<std::string>(), folder = "scans/" + id + "/sheet/";
+  const auto& registration = scan["registration"];
+  std::string html = fmt::format("<h3>Scan {}</h3>\n<p>The automatic alignment abstains: {}.</p>\n",
+                                 escape(id), escape(registration.value("reason", "no reason given")));
+  if (registration.contains("rivals") && !registration["rivals"].empty()) {
+    html += "<p>Against the best pose it could be:</p>\n<ul>\n";
+    for (const auto& rival : registration["rivals"])
+      html += fmt::format(
+          "<li>{}; {:.2f} % of the planar area speak for the best pose, {:.2f} % for this one</li>\n",
+          escape(rival["how"].get<std::string>()), 100 * rival["speaks_for_the_best"].get<double>(),
+          100 * rival["speaks_for_the_rival"].get<double>());
+    html += "</ul>\n";
+  }
+  html += "<div class=\"row wide\">\n" +
+          picture(out, folder + "scan.png",
+                  "Landmark sheet: the scan, planes in colours, with rows and columns") +
+          picture(out, folder + "model.png", "The model from two sides with numbered vertices") + "</div>\n";
+  std::error_code ignored;
+  const fs::path stanza = out / folder / "landmarks.toml";
+  if (fs::is_regular_file(stanza, ignored))
+    html += fmt::format(
+        "<details><summary>scans/{}/sheet/landmarks.toml: fill in four corners that both pictures show, copy "
+        "it into the scene file, run again</summary><pre>{}</pre></details>\n",
+        escape(id), escape(io::read_text(stanza)));
+  return html;
+}
+
+}  // namespace hybrid::report

@@ -1,0 +1,164 @@
+// The report's page from made-up figures: everything escaped, nothing from outside, the same bytes, and what
+// is not there is left out. tests/e2e/report_browser_test.cpp looks at it in a browser.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/error.hpp"
+#include "io/output.hpp"
+#include "io/picture.hpp"
+#include "report/previews.hpp"
+#include "report/scene_page.hpp"
+#include "stages/residual_picture.hpp"
+
+namespace hybrid::report {
+namespace {
+namespace fs = std::filesystem;
+
+const std::string kHostile = "</script><script>alert(1)</script><img src=x onerror=alert(2)> & \"quoted\" '";
+
+Json summary() {
+  return {{"program", {{"name", "hybrid"}, {"version", "1"}}},
+          {"scene", kHostile},
+          {"inputs", {{{"file", kHostile}, {"bytes", 12}, {"xxh3", "00"}}}},
+          {"options", {{"text", kHostile}}},
+          {"scans",
+           {{{"id", "one #1"},
+             {"input_returns", 1234},
+             {"notes", {kHostile}},
+             {"registration",
+              {{"status", "abstained"},
+               {"reason", kHostile},
+               {"rivals",
+                {{{"how", kHostile}, {"speaks_for_the_best", 0.5}, {"speaks_for_the_rival", 0.4}}}}}}}}},
+          {"views", Json::array()}};
+}
+
+class ReportPage : public testing::Test {
+ protected:
+  ReportPage() {
+    std::string name = (fs::temp_directory_path() / "hybrid-report-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~ReportPage() override { fs::remove_all(folder_); }
+
+  std::string write(const ScenePage& page) {
+    write_scene_page(page);
+    return io::read_text(folder_ / "report/index.html");
+  }
+  ScenePage page() {
+    ScenePage made;
+    made.out = folder_;
+    made.summary = summary();
+    made.failures = {{kHostile, "scan west: " + kHostile}};
+    return made;
+  }
+  fs::path folder_;
+};
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+}  // namespace
+
+TEST_F(ReportPage, escapes_whatever_names_and_messages_hold) {
+  const std::string html = write(page());
+  EXPECT_EQ(html.find("<script>alert"), std::string::npos);
+  EXPECT_EQ(html.find("<img src=x"), std::string::npos);
+  // Title, heading, failure (unit and error), abstention (reason, rival), note, options; all figures of the
+  // scan (reason, note).
+  EXPECT_EQ(count(html, "&lt;/script&gt;&lt;script&gt;alert(1)"), 10u);
+  EXPECT_EQ(count(html, "<script"), count(html, "</script>"));
+  EXPECT_EQ(script_json({{"a", "</script>"}}), "{\"a\":\"\\u003c/script>\"}");
+  EXPECT_EQ(script_json("\xff"), "\"\xef\xbf\xbd\"");
+  EXPECT_EQ(link("scans/a b#1%?/x.png"), "scans/a%20b%231%25%3F/x.png");
+}
+
+TEST_F(ReportPage, asks_nothing_from_outside_and_is_the_same_every_time) {
+  const std::string html = write(page());
+  EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
+  for (const char* outside : {"src=\"http", "href=\"http", "src=\"//", "href=\"//", "@import", "url("})
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  EXPECT_EQ(html, write(page()));
+}
+
+TEST_F(ReportPage, failures_name_their_unit_for_the_command_in_timing_js) {
+  auto made = page();
+  made.failures = {{"scan west", "scan west: west.ply: is cut short"}};
+  const std::string html = write(made);
+  EXPECT_NE(html.find("scan west: west.ply: is cut short"), std::string::npos);
+  EXPECT_NE(html.find("<code data-unit=\"scan west\">"), std::string::npos);
+  made.failures.clear();
+  EXPECT_EQ(write(made).find("data-unit=\"scan"), std::string::npos);
+}
+
+TEST_F(ReportPage, shows_the_pictures_that_are_there_and_removes_older_ones) {
+  io::write_png(folder_ / "scans/one #1/classes.png", Image8(30, 10, 3, 200));
+  io::write_text(folder_ / "report/pictures/scans/gone/classes.jpg", "of an older run");
+  const std::string html = write(page());
+  EXPECT_NE(html.find("src=\"pictures/scans/one%20%231/classes.jpg\""), std::string::npos);
+  EXPECT_EQ(html.find("range.jpg"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder_ / "report/pictures/scans/one #1/classes.jpg"));
+  EXPECT_FALSE(fs::exists(folder_ / "report/pictures/scans/gone"));
+}
+
+TEST_F(ReportPage, superclusters_come_from_planes_json_and_their_slope_from_the_pose) {
+  const Json planes = {{"superclusters",
+                        {{{"id", 7},
+                          {"normal", {0, 0, 1}},
+                          {"offset_m", -1.5},
+                          {"rms_m", 0.00125},
+                          {"area_m2", 2.25},
+                          {"squares", 4},
+                          {"samples", 99},
+                          {"contours", Json::array()}}}},
+                       {"intersections", Json::array()}};
+  io::write_text(folder_ / "scans/one #1/planes.json", planes.dump());
+  EXPECT_NE(write(page()).find("[{\"value\":7},2.25,1.25,99,4,null,-1.5,"), std::string::npos);
+  const Json pose = {{"world_from_scan", {2, 0, 0, 0, 0, 0, -2, 0, 0, 2, 0, 0, 0, 0, 0, 1}}};  // scaled by 2
+  io::write_text(folder_ / "scans/one #1/pose.json", pose.dump());
+  EXPECT_NE(write(page()).find("[{\"value\":7},2.25,1.25,99,4,90.0,-1.5,"), std::string::npos);
+}
+
+TEST(Previews, mean_light_of_blocks_the_last_ones_cut) {
+  Image8 picture(5, 3, 1);
+  for (int x = 0; x < 5; ++x)
+    for (int y = 0; y < 3; ++y) *picture.at(x, y) = x % 2 == 0 ? 0 : 255;
+  const Image8 small = shrink(picture, 3);
+  ASSERT_EQ(small.width, 3);
+  ASSERT_EQ(small.height, 2);
+  EXPECT_EQ(*small.at(0, 0), 188);  // sRGB of half the light
+  EXPECT_EQ(*small.at(1, 1), 188);
+  EXPECT_EQ(*small.at(2, 0), 0);
+  EXPECT_EQ(shrink(picture, 5).pixels, picture.pixels);
+}
+
+TEST(ResidualPicture, counts_and_colours_by_the_distance) {
+  RangeImage image;
+  image.rows = 1;
+  image.cols = 6;
+  image.mask = {kMeasured, kMeasured, kMeasured, kMeasured, kEmpty, kMeasured};
+  PlaneSegmentation segmentation;
+  segmentation.sample_label = {1, 1, 1, 1, 0, 0};
+  const std::vector<float> distance = {0.00005f, 0.0011f, 2.0f, NAN, NAN, NAN};
+  const auto histogram = stages::residual_histogram(image, segmentation, distance);
+  EXPECT_EQ(histogram.counts.front(), 1);
+  EXPECT_EQ(histogram.counts[6], 1);  // 1 mm to 1.58 mm: a decade of 5 above 0.1 mm
+  EXPECT_EQ(histogram.counts.back(), 1);
+  EXPECT_EQ(histogram.without_face, 1);
+  EXPECT_FLOAT_EQ(static_cast<float>(histogram.median_m), 0.0011f);
+  const auto picture = stages::residual_picture(image, segmentation, distance, 100);
+  ASSERT_EQ(picture.width, 6);
+  EXPECT_GT(picture.at(0, 0)[0], 200);  // pale
+  EXPECT_EQ(picture.at(2, 0)[0], 95);   // dark red
+  EXPECT_EQ(picture.at(3, 0)[2], 190);  // blue: no face
+  EXPECT_EQ(picture.at(4, 0)[0], 0);    // no return
+  EXPECT_EQ(picture.at(5, 0)[0], 105);  // not planar
+  EXPECT_EQ(stages::residual_picture(image, segmentation, distance, 3).width, 3);
+  EXPECT_THROW(stages::residual_histogram(image, segmentation, {}), Error);
+}
+
+}  // namespace hybrid::report
