@@ -36,7 +36,8 @@ void turn_round(io::TexturedMesh& mesh) {
   mesh.name += "-back";
   mesh.normal = -mesh.normal;
   for (auto& ring : mesh.rings) std::reverse(ring.begin(), ring.end());
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) std::swap(mesh.triangles[t + 1], mesh.triangles[t + 2]);
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3)
+    std::swap(mesh.triangles[t + 1], mesh.triangles[t + 2]);
 }
 
 }  // namespace

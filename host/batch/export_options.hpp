@@ -14,7 +14,8 @@ struct ExportOptions {
   stages::AtlasOptions atlas;
 };
 
-inline const std::set<std::string> kExportFormats = {"glb", "obj", "ply", "las", "e57", "colmap", "st", "rib"};
+inline const std::set<std::string> kExportFormats = {"glb", "obj",    "ply", "las",
+                                                     "e57", "colmap", "st",  "rib"};
 
 // Sets one key; false when there is none of that name. Throws ErrorKind::input.
 bool set_export_option(ExportOptions& options, const std::string& key, const OptionValue& value);

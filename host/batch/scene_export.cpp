@@ -124,9 +124,10 @@ struct SceneExport::State {
     }
     to.meshes = textured_meshes(scene, plan.charts);
     if (plan.layout.enlarged > 1)
-      note(fmt::format("the atlas holds {} pages at most: texels are {:.2f} times as large as wanted; raise "
-                       "atlas_pages or atlas_page",
-                       inputs.options.exporting.atlas.pages, plan.layout.enlarged));
+      note(
+          fmt::format("the atlas holds {} pages at most: texels are {:.2f} times as large as wanted; raise "
+                      "atlas_pages or atlas_page",
+                      inputs.options.exporting.atlas.pages, plan.layout.enlarged));
     const auto [finest, coarsest] =
         std::minmax_element(plan.charts.begin(), plan.charts.end(),
                             [](const auto& a, const auto& b) { return a.texel_m < b.texel_m; });
@@ -197,7 +198,8 @@ struct SceneExport::State {
     std::vector<io::ColmapPoint> cloud;
     const auto& all = points();
     for (std::size_t i = 0; i < all.position.size(); ++i) cloud.push_back({all.position[i], all.rgb[i]});
-    for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) made(std::string("colmap/") + name);
+    for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"})
+      made(std::string("colmap/") + name);
     const auto left_out = io::write_colmap(folder / "colmap", scene.photographs, cloud);
     if (!left_out.empty())
       note(fmt::format("colmap: panoramas have no camera model there and are left out: {}",
@@ -233,8 +235,8 @@ void SceneExport::write(const std::string& format) {
   if (format == "colmap") s.write_colmap();
   if (format == "st") write_st_maps(s.scene.photographs, made, note);
   if (format == "rib")
-    write_rib_export(s.renderer, s.scene, s.inputs.scene.views, s.inputs.photographs, s.inputs.options, s.folder,
-                     made, note);
+    write_rib_export(s.renderer, s.scene, s.inputs.scene.views, s.inputs.photographs, s.inputs.options,
+                     s.folder, made, note);
 }
 
 Json SceneExport::finish() {

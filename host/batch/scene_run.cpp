@@ -306,9 +306,12 @@ class Run {
 
   void export_all() {
     const PolygonModel no_model;
-    const ExportInputs inputs{run_.scene,         run_.model ? *run_.model : no_model,
-                              run_.photographs,   run_.products,
-                              run_.registrations, remains_,
+    const ExportInputs inputs{run_.scene,
+                              run_.model ? *run_.model : no_model,
+                              run_.photographs,
+                              run_.products,
+                              run_.registrations,
+                              remains_,
                               [&](std::size_t i) { return std::optional(read_again(i)); },
                               options_};
     std::optional<SceneExport> scene_export;

@@ -76,12 +76,12 @@ class GlbBuilder {
     std::string bytes;
     for (const CloudPoint& point : scene_.points) {
       for (const float value : point.rgb)
-        append(bytes, static_cast<std::uint16_t>(std::lround(
-                          65535 * std::fmin(std::fmax(static_cast<double>(value), 0.0), 1.0))));
+        append(bytes, static_cast<std::uint16_t>(
+                          std::lround(65535 * std::fmin(std::fmax(static_cast<double>(value), 0.0), 1.0))));
       append(bytes, std::uint16_t{65535});
     }
-    const int colours = add_accessor(bytes, kVertices, kUint16, scene_.points.size(), "VEC4",
-                                     {{"normalized", true}});
+    const int colours =
+        add_accessor(bytes, kVertices, kUint16, scene_.points.size(), "VEC4", {{"normalized", true}});
     const Json primitive = {{"attributes", {{"POSITION", positions}, {"COLOR_0", colours}}},
                             {"material", add_material({{"name", "points"}})},
                             {"mode", kPoints}};
@@ -94,7 +94,8 @@ class GlbBuilder {
       const Pose world_from_cam = photograph.cam_from_world.inverse();
       // A glTF camera looks along -Z with Y up, ours along Z with Y down.
       const Mat3 turn = Vec3(1, -1, -1).asDiagonal();
-      const Eigen::Quaterniond rotation(gltf_from_world() * world_from_cam.rotation.toRotationMatrix() * turn);
+      const Eigen::Quaterniond rotation(gltf_from_world() * world_from_cam.rotation.toRotationMatrix() *
+                                        turn);
       const Camera& c = photograph.camera;
       Json node = {{"name", photograph.name},
                    {"translation", numbers(turned(world_from_cam.translation - origin_))},
@@ -104,10 +105,11 @@ class GlbBuilder {
         const double half = std::max(c.cy, c.height - c.cy) / c.fy;
         const double across = std::max(c.cx, c.width - c.cx) / c.fx;
         node["camera"] = cameras_.size();
-        cameras_.push_back({{"name", photograph.name},
-                            {"type", "perspective"},
-                            {"perspective",
-                             {{"aspectRatio", across / half}, {"yfov", 2 * std::atan(half)}, {"znear", 0.01}}}});
+        cameras_.push_back(
+            {{"name", photograph.name},
+             {"type", "perspective"},
+             {"perspective",
+              {{"aspectRatio", across / half}, {"yfov", 2 * std::atan(half)}, {"znear", 0.01}}}});
       }
       node["extras"] = {{"size_px", {c.width, c.height}},
                         {"focal_px", {c.fx, c.fy}},
@@ -140,8 +142,10 @@ class GlbBuilder {
   void write(const std::filesystem::path& file) {
     root_["nodes"] = nodes_;
     if (used_extensions_) root_["extensionsUsed"] = {"KHR_materials_unlit"};
-    for (const auto& [key, list] : {std::pair{"cameras", &cameras_}, {"meshes", &meshes_},
-                                    {"materials", &materials_}, {"accessors", &accessors_},
+    for (const auto& [key, list] : {std::pair{"cameras", &cameras_},
+                                    {"meshes", &meshes_},
+                                    {"materials", &materials_},
+                                    {"accessors", &accessors_},
                                     {"bufferViews", &views_}})
       if (!list->empty()) root_[key] = *list;
     if (binary_bytes_ > 0) root_["buffers"] = Json::array({{{"byteLength", binary_bytes_}}});

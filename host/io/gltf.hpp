@@ -13,9 +13,9 @@ struct TexturedMesh {
   std::string name;
   int page = -1;  // of TexturedScene::pages; -1: plain grey
   std::vector<Vec3> positions;
-  Vec3 normal = Vec3::UnitZ();             // of all its vertices: a mesh is one side of one face
-  std::vector<Vec2> texels;                // position in the page, in its texels from the top left corner
-  std::vector<std::uint32_t> triangles;    // three indices each, counter-clockwise from the front
+  Vec3 normal = Vec3::UnitZ();           // of all its vertices: a mesh is one side of one face
+  std::vector<Vec2> texels;              // position in the page, in its texels from the top left corner
+  std::vector<std::uint32_t> triangles;  // three indices each, counter-clockwise from the front
   std::vector<std::vector<std::uint32_t>> rings;  // the outline, then its holes: for formats with polygons
 };
 
@@ -35,7 +35,7 @@ struct TexturedScene {
   std::vector<TexturedMesh> meshes;
   std::vector<CloudPoint> points;
   std::vector<Photograph> photographs;
-  std::string crs;             // of world + shift, or ""
+  std::string crs;  // of world + shift, or ""
   Vec3 shift = Vec3::Zero();
 };
 

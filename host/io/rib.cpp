@@ -118,7 +118,8 @@ class RibWriter {
     text += fmt::format("ScreenWindow {} {} {} {}\n", number(-c.cx / c.fx), number((c.width - c.cx) / c.fx),
                         number((c.cy - c.height) / c.fy), number(c.cy / c.fy));
     text += "Clipping 0.01 100000\nIdentity\nConcatTransform " +
-            matrix(flip * cam_from_world.rotation.toRotationMatrix(), flip * (cam_from_world * origin_)) + "\n";
+            matrix(flip * cam_from_world.rotation.toRotationMatrix(), flip * (cam_from_world * origin_)) +
+            "\n";
     return text + "WorldBegin\nReadArchive \"world.rib\"\nWorldEnd\nFrameEnd\n";
   }
 
@@ -129,33 +130,32 @@ class RibWriter {
                         : c.lens == Lens::fisheye   ? 1
                         : c.lens == Lens::spherical ? 2
                                                     : 3;
-    std::string text = fmt::format("# photograph {}\nTransformBegin\nConcatTransform {}\n",
-                                   quoted(projector.photograph.name),
-                                   matrix(world_from_cam.rotation.toRotationMatrix(),
-                                          world_from_cam.translation - origin_));
-    text += fmt::format("LightSource \"hybrid_projector\" {} \"string slide\" [{}] \"string depth\" [{}]", index,
-                        quoted(texture_of(projector.slide)),
+    std::string text = fmt::format(
+        "# photograph {}\nTransformBegin\nConcatTransform {}\n", quoted(projector.photograph.name),
+        matrix(world_from_cam.rotation.toRotationMatrix(), world_from_cam.translation - origin_));
+    text += fmt::format("LightSource \"hybrid_projector\" {} \"string slide\" [{}] \"string depth\" [{}]",
+                        index, quoted(texture_of(projector.slide)),
                         quoted(projector.depth.empty() ? "" : texture_of(projector.depth)));
     const double largest = std::min(c.max_radius2(), 1e30);
-    for (const auto& [name, value] : std::initializer_list<std::pair<const char*, double>>{
-             {"lens", lens},
-             {"width", c.width},
-             {"height", c.height},
-             {"fx", c.fx},
-             {"fy", c.fy},
-             {"cx", c.cx},
-             {"cy", c.cy},
-             {"k1", c.k1},
-             {"k2", c.k2},
-             {"k3", c.k3},
-             {"k4", c.k4},
-             {"k5", c.k5},
-             {"k6", c.k6},
-             {"p1", c.p1},
-             {"p2", c.p2},
-             {"largest_s", largest},
-             {"feather", scene_.feather_px},
-             {"bias", scene_.tolerance_m}})
+    for (const auto& [name, value] :
+         std::initializer_list<std::pair<const char*, double>>{{"lens", lens},
+                                                               {"width", c.width},
+                                                               {"height", c.height},
+                                                               {"fx", c.fx},
+                                                               {"fy", c.fy},
+                                                               {"cx", c.cx},
+                                                               {"cy", c.cy},
+                                                               {"k1", c.k1},
+                                                               {"k2", c.k2},
+                                                               {"k3", c.k3},
+                                                               {"k4", c.k4},
+                                                               {"k5", c.k5},
+                                                               {"k6", c.k6},
+                                                               {"p1", c.p1},
+                                                               {"p2", c.p2},
+                                                               {"largest_s", largest},
+                                                               {"feather", scene_.feather_px},
+                                                               {"bias", scene_.tolerance_m}})
       text += fmt::format(" \"float {}\" [{}]", name, number(value));
     return text + "\nTransformEnd\n";
   }

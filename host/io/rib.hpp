@@ -31,8 +31,8 @@ struct RibScene {
   std::vector<RibSphere> samples;
   std::vector<RibProjector> projectors;
   std::vector<RibView> views;
-  bool points = true;          // samples as RiPoints of their diameter, else as spheres
-  double tolerance_m = 0.02;   // by which a surface may lie behind what a projector's depth says
+  bool points = true;         // samples as RiPoints of their diameter, else as spheres
+  double tolerance_m = 0.02;  // by which a surface may lie behind what a projector's depth says
   double feather_px = 32;
 };
 

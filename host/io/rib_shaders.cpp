@@ -2,7 +2,8 @@
 
 namespace hybrid::io {
 
-const char* const kProjectorShader = R"SL(/* One photograph as a slide projector with its lens. Shader space is the camera's own: x right, y down, z
+const char* const kProjectorShader =
+    R"SL(/* One photograph as a slide projector with its lens. Shader space is the camera's own: x right, y down, z
    forward, in metres. What the photograph does not see gets no light: points behind it, outside its picture,
    or farther than its depth picture says (by more than `bias` metres, more at grazing angles).
 
@@ -78,7 +79,8 @@ light hybrid_projector(string slide = ""; string depth = "";
 }
 )SL";
 
-const char* const kBlendShader = R"SL(/* View-dependent blending of the photographs that see a point (Debevec et al. 1996): each weighs
+const char* const kBlendShader =
+    R"SL(/* View-dependent blending of the photographs that see a point (Debevec et al. 1996): each weighs
    1 / (angle between its ray and the viewer's + one pixel), feathered to 0 at its border. Seen by none: red. */
 surface hybrid_blend(float pixel_rad = 0.001;)
 {

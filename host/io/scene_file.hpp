@@ -49,8 +49,8 @@ struct SceneView {
   std::vector<std::string> leave_out;
 };
 
-// The value of an option key of [planes], [register], [edit], [render] or [export]: the stage that owns the key checks
-// it against its option table.
+// The value of an option key of [planes], [register], [edit], [render] or [export]: the stage that owns the
+// key checks it against its option table.
 struct SceneOption {
   int line = 0;
   OptionValue value;

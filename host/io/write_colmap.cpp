@@ -11,8 +11,21 @@ namespace hybrid::io {
 namespace {
 
 std::array<double, 15> numbers(const Camera& c) {
-  return {static_cast<double>(c.width), static_cast<double>(c.height), c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1,
-          c.p2, c.k3, c.k4, c.k5, c.k6, static_cast<double>(c.lens)};
+  return {static_cast<double>(c.width),
+          static_cast<double>(c.height),
+          c.fx,
+          c.fy,
+          c.cx,
+          c.cy,
+          c.k1,
+          c.k2,
+          c.p1,
+          c.p2,
+          c.k3,
+          c.k4,
+          c.k5,
+          c.k6,
+          static_cast<double>(c.lens)};
 }
 
 std::string camera_line(std::size_t id, const Camera& c) {
@@ -43,7 +56,7 @@ void write_points(const std::filesystem::path& file, const std::vector<ColmapPoi
         points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto& p = points[i];
-      fmt::format_to(std::back_inserter(text), "{} {} {} {} {} {} {} 0\n", i + 1, p.position.x(),
+      fmt::format_to(std::back_inserter(text), "{} {:.5f} {:.5f} {:.5f} {} {} {} 0\n", i + 1, p.position.x(),
                      p.position.y(), p.position.z(), p.rgb[0], p.rgb[1], p.rgb[2]);
       if (text.size() < (1u << 20)) continue;
       out.write(text.data(), text.size());
@@ -87,8 +100,8 @@ std::vector<std::string> write_colmap(const std::filesystem::path& folder,
     written[camera_of[i]] = true;
     const auto& q = photograph.cam_from_world.rotation;
     const Vec3& t = photograph.cam_from_world.translation;
-    images += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(),
-                          t.z(), camera_of[i] + 1, photograph.name);
+    images += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q.w(), q.x(), q.y(), q.z(), t.x(),
+                          t.y(), t.z(), camera_of[i] + 1, photograph.name);
   }
   write_text(folder / "cameras.txt", cameras);
   write_text(folder / "images.txt", images);

@@ -14,7 +14,8 @@ struct ColmapPoint {
 
 // A COLMAP model in text: cameras.txt (PINHOLE, OPENCV, FULL_OPENCV or OPENCV_FISHEYE, one per different
 // camera), images.txt (without 2D points) and points3D.txt (without tracks). Numbers read back as the same
-// doubles. Panoramas, which COLMAP has no model for, are left out; their names are returned.
+// doubles, points have five decimals. Panoramas, which COLMAP has no model for, are left out; their names are
+// returned.
 std::vector<std::string> write_colmap(const std::filesystem::path& folder,
                                       const std::vector<Photograph>& photographs,
                                       const std::vector<ColmapPoint>& points);

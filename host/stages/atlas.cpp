@@ -70,7 +70,8 @@ AtlasChart make_chart(const PolygonModel& model, std::uint32_t face, bool contou
 
 void size_chart(AtlasChart& chart, double texel_m, int most) {
   // Half a texel is left on either side of the outline.
-  const Vec3 corner = chart.origin + (chart.texel_m > 0 ? 0.5 * chart.texel_m : 0) * (chart.across + chart.down);
+  const Vec3 corner =
+      chart.origin + (chart.texel_m > 0 ? 0.5 * chart.texel_m : 0) * (chart.across + chart.down);
   const double longest_m = std::max(chart.width_m, chart.height_m);
   chart.texel_m = std::max(texel_m, longest_m / std::max(1, most - 2));
   const auto texels = [&](double length_m) {
@@ -93,8 +94,8 @@ std::vector<std::uint8_t> chart_mask(const AtlasChart& chart, const PolygonModel
       const double low = std::min(a.y(), b.y()), high = std::max(a.y(), b.y());
       const auto first = static_cast<std::ptrdiff_t>(std::max(0.0, std::ceil(low - 0.5)));
       for (auto row = first; row < chart.rows && static_cast<double>(row) + 0.5 < high; ++row)
-        crossings[static_cast<std::size_t>(row)].push_back(
-            a.x() + (static_cast<double>(row) + 0.5 - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+        crossings[static_cast<std::size_t>(row)].push_back(a.x() + (static_cast<double>(row) + 0.5 - a.y()) /
+                                                                       (b.y() - a.y()) * (b.x() - a.x()));
     }
   };
   cross_rows(face.outer);
@@ -104,8 +105,8 @@ std::vector<std::uint8_t> chart_mask(const AtlasChart& chart, const PolygonModel
     std::sort(at.begin(), at.end());
     for (std::size_t k = 0; k + 1 < at.size(); k += 2) {
       const double first = std::max(0.0, std::ceil(at[k] - 0.5));
-      for (auto col = static_cast<std::size_t>(first); col < cols && static_cast<double>(col) + 0.5 < at[k + 1];
-           ++col)
+      for (auto col = static_cast<std::size_t>(first);
+           col < cols && static_cast<double>(col) + 0.5 < at[k + 1]; ++col)
         mask[row * cols + col] = 1;
     }
   }

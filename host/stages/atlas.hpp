@@ -19,7 +19,7 @@ struct AtlasChart {
   Vec3 across = Vec3::UnitX(), down = Vec3::UnitY(), normal = Vec3::UnitZ();  // unit, world
   double width_m = 0, height_m = 0;                                           // of the face's rectangle
   double texel_m = 0;
-  int cols = 0, rows = 0;  // without padding
+  int cols = 0, rows = 0;      // without padding
   int page = 0, x = 0, y = 0;  // where texel (0, 0) lies
 
   Vec3 point(double col, double row) const { return origin + texel_m * (col * across + row * down); }
@@ -41,7 +41,7 @@ std::vector<std::uint8_t> chart_mask(const AtlasChart& chart, const PolygonModel
 
 struct AtlasLayout {
   std::vector<std::array<int, 2>> pages;  // width, height
-  double enlarged = 1;  // by which all texels grew so that the pages suffice
+  double enlarged = 1;                    // by which all texels grew so that the pages suffice
 };
 
 // Places the charts, which size_chart must have sized, with `padding` texels around each, on as few pages of

@@ -112,7 +112,8 @@ AtlasLayout place_charts(std::vector<AtlasChart>& charts, int page, int pages, i
                                       [](const AtlasChart& c) { return c.cols <= 2 && c.rows <= 2; });
     if (smallest)
       fail_input(
-          "[export] atlas: expected the charts of {} faces to fit {} pages of {} x {} texels, but they do not "
+          "[export] atlas: expected the charts of {} faces to fit {} pages of {} x {} texels, but they do "
+          "not "
           "even with a texel each; raise atlas_pages or atlas_page, or lower atlas_padding",
           charts.size(), pages, page, page);
     layout.enlarged *= kStep;

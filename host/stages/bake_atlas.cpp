@@ -13,17 +13,19 @@ struct Patch {
   int cols = 0, rows = 0;
   std::vector<float> colour;        // RGB
   std::vector<std::uint8_t> known;  // 1: has a colour
+  std::vector<std::uint8_t> seen;   // 1: of a photograph
   std::size_t index(int col, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(col);
   }
 };
 
-Patch padded(const AtlasChart& chart, const Renderer::BakedChart& baked, const std::vector<std::uint8_t>& mask,
-             int padding) {
-  Patch patch{chart.cols + 2 * padding, chart.rows + 2 * padding, {}, {}};
+Patch padded(const AtlasChart& chart, const Renderer::BakedChart& baked,
+             const std::vector<std::uint8_t>& mask, int padding) {
+  Patch patch{chart.cols + 2 * padding, chart.rows + 2 * padding, {}, {}, {}};
   const std::size_t count = static_cast<std::size_t>(patch.cols) * static_cast<std::size_t>(patch.rows);
   patch.colour.assign(3 * count, 0.0f);
   patch.known.assign(count, 0);
+  patch.seen.assign(count, 0);
   parallel_for(static_cast<std::size_t>(chart.rows), [&](std::size_t row) {
     const std::size_t from = row * static_cast<std::size_t>(chart.cols);
     const std::size_t to = patch.index(padding, static_cast<int>(row) + padding);
@@ -31,22 +33,27 @@ Patch padded(const AtlasChart& chart, const Renderer::BakedChart& baked, const s
                 patch.colour.begin() + static_cast<std::ptrdiff_t>(3 * to));
     std::copy_n(mask.begin() + static_cast<std::ptrdiff_t>(from), chart.cols,
                 patch.known.begin() + static_cast<std::ptrdiff_t>(to));
+    std::transform(baked.coverage.begin() + static_cast<std::ptrdiff_t>(from),
+                   baked.coverage.begin() + static_cast<std::ptrdiff_t>(from) + chart.cols,
+                   patch.seen.begin() + static_cast<std::ptrdiff_t>(to),
+                   [](std::uint32_t photographs) { return static_cast<std::uint8_t>(photographs > 0); });
   });
   return patch;
 }
 
 // Every texel beside known ones takes their mean, ring by ring, so that lookups and mip levels at the face's
-// border find the face's colours; what is farther away takes the mean of all.
+// border find the face's colours; what is farther away takes the mean of all that is seen.
 void run_on(Patch& patch, int rings) {
   std::array<double, 3> sum{};
   double weight = 0;
   for (std::size_t i = 0; i < patch.known.size(); ++i) {
-    if (!patch.known[i]) continue;
+    if (!patch.seen[i]) continue;
     for (std::size_t k = 0; k < 3; ++k) sum[k] += static_cast<double>(patch.colour[3 * i + k]);
     weight += 1;
   }
   for (int ring = 0; ring < rings; ++ring) {
-    const std::vector<std::uint8_t> known = patch.known;  // texels that become known now wait for the next ring
+    const std::vector<std::uint8_t> known =
+        patch.known;  // texels that become known now wait for the next ring
     parallel_for(static_cast<std::size_t>(patch.rows), [&](std::size_t at) {
       const int row = static_cast<int>(at);
       for (int col = 0; col < patch.cols; ++col) {
@@ -67,7 +74,10 @@ void run_on(Patch& patch, int rings) {
       }
     });
   }
-  if (weight == 0) return;
+  if (weight == 0) {  // all is red
+    sum = {1, 0, 0};
+    weight = 1;
+  }
   for (std::size_t i = 0; i < patch.known.size(); ++i)
     for (std::size_t k = 0; k < 3 && !patch.known[i]; ++k)
       patch.colour[3 * i + k] = static_cast<float>(sum[k] / weight);

@@ -27,8 +27,7 @@ std::optional<double> footprint_m(const AtlasChart& chart, const Renderer::Baked
     if (look.best[i] < 0) continue;
     const Photograph& photograph = photographs[static_cast<std::size_t>(look.best[i])];
     const auto cols = static_cast<std::size_t>(chart.cols);
-    const Vec3 point =
-        chart.point(static_cast<double>(i % cols) + 0.5, static_cast<double>(i / cols) + 0.5);
+    const Vec3 point = chart.point(static_cast<double>(i % cols) + 0.5, static_cast<double>(i / cols) + 0.5);
     footprints.push_back((point - photograph.centre()).norm() *
                          static_cast<double>(pixel_angle_rad(photograph.camera)));
   }
