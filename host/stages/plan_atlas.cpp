@@ -18,6 +18,50 @@ int look_side(std::size_t sides) {
   return std::clamp(static_cast<int>(side), kLeastLook, kMostLook);
 }
 
+// Shadow rays ignore what they meet this near to a face at grazing angles (lib/photo_packet.h), so that
+// within it of a face's outline a side may seem to be seen past the edge.
+double seen_past_edges_m(const AtlasChart& chart, const RenderOptions& options) {
+  constexpr double kGrazing = 5, kFaceTolerance_m = 1e-3;
+  return kGrazing * (chart.contour ? options.surface_tolerance_m : kFaceTolerance_m);
+}
+
+// The mask without what lies within `rings` texels of its border, corners counted as neighbours.
+std::vector<std::uint8_t> inner_mask(const AtlasChart& chart, const std::vector<std::uint8_t>& mask,
+                                     int rings) {
+  const auto cols = static_cast<std::size_t>(chart.cols), rows = static_cast<std::size_t>(chart.rows);
+  const auto reach = static_cast<std::size_t>(rings), side = 2 * reach + 1;
+  std::vector<std::uint32_t> sum((cols + 1) * (rows + 1), 0);  // of all texels above and to the left
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::size_t col = 0; col < cols; ++col)
+      sum[(row + 1) * (cols + 1) + col + 1] = mask[row * cols + col] + sum[row * (cols + 1) + col + 1] +
+                                              sum[(row + 1) * (cols + 1) + col] - sum[row * (cols + 1) + col];
+  std::vector<std::uint8_t> inner(mask.size(), 0);
+  for (std::size_t row = reach; row + reach < rows; ++row)
+    for (std::size_t col = reach; col + reach < cols; ++col) {
+      const auto at = [&](std::size_t y, std::size_t x) { return sum[y * (cols + 1) + x]; };
+      const std::size_t top = row - reach, left = col - reach;
+      inner[row * cols + col] =
+          at(top + side, left + side) - at(top, left + side) - at(top + side, left) + at(top, left) ==
+          side * side;
+    }
+  return inner;
+}
+
+// Whether a back is seen, past its edges not counted: by more than a hundredth of what is left of it.
+bool back_is_seen(const AtlasChart& chart, const std::vector<std::uint8_t>& mask,
+                  const Renderer::BakedChart& look, const RenderOptions& options) {
+  const int rings = static_cast<int>(std::ceil(seen_past_edges_m(chart, options) / chart.texel_m));
+  if (2 * rings >= std::min(chart.cols, chart.rows)) return false;
+  const auto inner = inner_mask(chart, mask, rings);
+  std::size_t texels = 0, seen = 0;
+  for (std::size_t i = 0; i < inner.size(); ++i)
+    if (inner[i]) {
+      ++texels;
+      seen += look.coverage[i] > 0;
+    }
+  return 100 * seen > texels;
+}
+
 // What a pixel of the heaviest photograph covers at the texels that one sees, its finest quarter; nothing
 // when none is seen.
 std::optional<double> footprint_m(const AtlasChart& chart, const Renderer::BakedChart& look,
@@ -66,9 +110,10 @@ Atlas plan_atlas(Renderer& renderer, const RenderScene& scene, const AtlasOption
       for (const bool back : {false, true}) {
         AtlasChart chart = make_chart(model, face, contour, back);
         size_chart(chart, std::max(chart.width_m, chart.height_m) / (side - 2), std::min(side, most));
-        const auto look = renderer.bake(chart, chart_mask(chart, model));
+        const auto mask = chart_mask(chart, model);
+        const auto look = renderer.bake(chart, mask);
         const auto footprint = footprint_m(chart, look, scene.photographs);
-        if (!footprint) {
+        if (!footprint || (back && !back_is_seen(chart, mask, look, renderer.options()))) {
           if (!unseen) unseen = chart;
           continue;
         }

@@ -82,6 +82,7 @@ class Renderer {
  public:
   Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options = {});
   ~Renderer();
+  const RenderOptions& options() const;
   // METHOD 10. Kernels: ray_cast, blend_photos, blur_photo. Throws ErrorKind::input: a leave_out that names
   // no photograph, an unknown `show`, a camera without pixels.
   RenderedView render(const ViewRequest& request);

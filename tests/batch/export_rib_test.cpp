@@ -122,7 +122,7 @@ TEST(ExportRib, projectors_stand_where_the_photographs_were_taken_and_see_what_t
         OIIO::ImageInput::open((folder.path() / "depth" / ("000" + std::to_string(i) + ".tif")).string());
     ASSERT_TRUE(picture);
     std::vector<float> depth(60 * 45);
-    ASSERT_TRUE(picture->read_image(OIIO::TypeFloat, depth.data()));
+    ASSERT_TRUE(picture->read_image(0, 0, 0, 1, OIIO::TypeFloat, depth.data()));
     std::size_t right = 0, hidden = 0;
     for (int row = 0; row < 45; ++row)
       for (int col = 0; col < 60; ++col) {

@@ -30,7 +30,7 @@ inline RoomScene holed_room(int photographs, int width, int height) {
     room.scene.splats.push_back(
         {{1.0f + 0.1f * along, 3.6f + 0.5f * std::sin(along), 1.0f + 0.3f * std::cos(2 * along)},
          0.03f + 0.001f * along,
-         {0, 0, 1},
+         {0, 0, 0},  // spheres: with a normal they would be flat patches to the ray caster
          0});
   }
   return room;
