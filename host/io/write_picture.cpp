@@ -27,6 +27,9 @@ void write_encoded(const fs::path& file, const char* format, const OIIO::ImageSp
   });
 }
 
+// The library would write the time of day.
+constexpr const char* kNoDate = "1970:01:01 00:00:00";
+
 OIIO::ImageSpec colour_spec(const fs::path& file, const Image8& image) {
   if (image.width < 1 || image.height < 1 || image.channels != 3)
     fail(ErrorKind::failed, "{}: expected a picture of 3 channels, found {} x {} with {}", file.string(),
@@ -48,12 +51,14 @@ void write_jpeg(const fs::path& file, const Image8& image) {
 void write_tiff(const fs::path& file, const Image8& image) {
   OIIO::ImageSpec spec = colour_spec(file, image);
   spec["compression"] = "zip";
+  spec["DateTime"] = kNoDate;
   write_encoded(file, "tif", spec, image.pixels.data());
 }
 
 void write_tiff(const fs::path& file, int width, int height, const std::vector<float>& values) {
   OIIO::ImageSpec spec(width, height, 1, OIIO::TypeFloat);
   spec["compression"] = "zip";
+  spec["DateTime"] = kNoDate;
   write_encoded(file, "tif", spec, values.data());
 }
 

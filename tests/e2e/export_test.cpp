@@ -150,8 +150,8 @@ TEST(Export, says_what_cannot_be_exported_and_exports_the_rest) {
                                           "scene.obj", "scene.rib", "world.rib"}));
   EXPECT_NE(io::read_text(scratch / "out/export/index.json").find("no photographs: no COLMAP model"),
             std::string::npos);
-  // Photographs alone: cameras and maps.
-  std::string cameras = scene.substr(from, to - from);
+  // No model, so no registered scan: cameras and maps alone.
+  const std::string cameras = "[[scan]]\nfile = \"scans/west.ply\"\n" + scene.substr(from, to - from);
   io::write_text(scratch / "scene/cameras.toml", cameras);
   outcome = run("hybrid run " + (scratch / "scene/cameras.toml").string() + " --only export --quiet --out " +
                 (scratch / "cameras").string());
