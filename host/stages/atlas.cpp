@@ -69,17 +69,22 @@ AtlasChart make_chart(const PolygonModel& model, std::uint32_t face, bool contou
 }
 
 void size_chart(AtlasChart& chart, double texel_m, int most) {
-  // Half a texel is left on either side of the outline.
-  const Vec3 corner =
-      chart.origin + (chart.texel_m > 0 ? 0.5 * chart.texel_m : 0) * (chart.across + chart.down);
+  const auto middle = [&] {
+    return (chart.texel_m > 0 ? 0.5 * chart.cols * chart.texel_m : 0.5 * chart.width_m) * chart.across +
+           (chart.texel_m > 0 ? 0.5 * chart.rows * chart.texel_m : 0.5 * chart.height_m) * chart.down;
+  };
+  const Vec3 centre = chart.origin + middle();
   const double longest_m = std::max(chart.width_m, chart.height_m);
   chart.texel_m = std::max(texel_m, longest_m / std::max(1, most - 2));
+  // At least half a texel is left on either side of the outline; a face narrower than a texel has the middle
+  // one of three.
   const auto texels = [&](double length_m) {
-    return std::clamp(static_cast<int>(std::ceil(length_m / chart.texel_m)) + 1, 1, most);
+    const double count = std::max(std::ceil(length_m / chart.texel_m - 1e-9), 1.0);
+    return count > 1 ? std::min(static_cast<int>(count) + 1, most) : 3;
   };
   chart.cols = texels(chart.width_m);
   chart.rows = texels(chart.height_m);
-  chart.origin = corner - 0.5 * chart.texel_m * (chart.across + chart.down);
+  chart.origin = centre - middle();
 }
 
 std::vector<std::uint8_t> chart_mask(const AtlasChart& chart, const PolygonModel& model) {

@@ -109,7 +109,7 @@ AtlasLayout place_charts(std::vector<AtlasChart>& charts, int page, int pages, i
       return layout;
     }
     const bool smallest = std::all_of(charts.begin(), charts.end(),
-                                      [](const AtlasChart& c) { return c.cols <= 2 && c.rows <= 2; });
+                                      [](const AtlasChart& c) { return c.cols <= 3 && c.rows <= 3; });
     if (smallest)
       fail_input(
           "[export] atlas: expected the charts of {} faces to fit {} pages of {} x {} texels, but they do "

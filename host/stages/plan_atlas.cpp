@@ -9,9 +9,9 @@ namespace hybrid::stages {
 namespace {
 
 // The first look: about this many texels over all sides of all faces, none with fewer or more on its longer
-// side.
+// side; but narrow faces have some across, too.
 constexpr double kLook_texels = 4e6;
-constexpr int kLeastLook = 16, kMostLook = 192;
+constexpr int kLeastLook = 16, kMostLook = 192, kAcross = 6;
 
 int look_side(std::size_t sides) {
   const double side = std::sqrt(kLook_texels / static_cast<double>(std::max<std::size_t>(1, sides)));
@@ -109,7 +109,10 @@ Atlas plan_atlas(Renderer& renderer, const RenderScene& scene, const AtlasOption
       bool seen = false;
       for (const bool back : {false, true}) {
         AtlasChart chart = make_chart(model, face, contour, back);
-        size_chart(chart, std::max(chart.width_m, chart.height_m) / (side - 2), std::min(side, most));
+        size_chart(chart,
+                   std::min(std::max(chart.width_m, chart.height_m) / (side - 2),
+                            std::min(chart.width_m, chart.height_m) / kAcross),
+                   most);
         const auto mask = chart_mask(chart, model);
         const auto look = renderer.bake(chart, mask);
         const auto footprint = footprint_m(chart, look, scene.photographs);

@@ -134,6 +134,29 @@ TEST(BakeAtlas, texels_are_as_fine_as_the_photographs) {
   EXPECT_EQ(unseen, atlas.unseen_faces);
 }
 
+TEST(BakeAtlas, narrow_faces_are_seen) {
+  // Bars 10 m long and from 20 cm down to 0.1 mm wide.
+  stages::RenderScene scene;
+  for (const double width : {0.2, 0.02, 0.002, 0.0001}) {
+    const auto first = static_cast<std::uint32_t>(scene.proxy.vertices.size());
+    const double z = static_cast<double>(first) / 8;
+    for (const Vec3& corner : {Vec3(-5, 0, z), Vec3(5, 0, z), Vec3(5, 0, z + width), Vec3(-5, 0, z + width)})
+      scene.proxy.vertices.push_back(corner);
+    scene.proxy.faces.push_back({"bar", {first, first + 1, first + 2, first + 3}, {}});
+  }
+  scene.photographs.push_back(look_at({0, -8, 1}, {0, 0, 1}, {0, 0, 1}, 70, 200, 100));
+  scene.photograph_pixels.emplace_back(200, 100, 3, std::uint8_t{99});
+  Atlas atlas;
+  const auto pages = bake(scene, {}, atlas);
+  EXPECT_EQ(atlas.unseen_faces, 0u);
+  ASSERT_EQ(atlas.charts.size(), 4u);
+  for (const auto& chart : atlas.charts) {
+    const std::uint8_t* colour =
+        pages[0].colour.at(chart.x + chart.cols / 2, chart.y + chart.rows / 2);
+    EXPECT_NEAR(colour[1], 99, 1) << chart.face;
+  }
+}
+
 TEST(BakeAtlas, a_wall_seen_from_both_sides_has_two_charts) {
   stages::RenderScene scene;
   scene.proxy.vertices = {{0, 0, 0}, {2, 0, 0}, {2, 0, 2}, {0, 0, 2}, {5, 5, 5}, {6, 5, 5}, {6, 6, 5}};
