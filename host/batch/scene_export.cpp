@@ -206,6 +206,33 @@ struct SceneExport::State {
                        fmt::join(left_out, ", ")));
   }
 
+  // A format that failed leaves nothing, of an earlier export neither; an atlas that is whole stays for the
+  // others.
+  void take_back(std::size_t first) {
+    for (std::size_t i = files.size(); i > first; --i) {
+      const std::string& name = files[i - 1];
+      const bool of_atlas = name.rfind("atlas-", 0) == 0 || name.rfind("coverage-", 0) == 0;
+      if (textured && of_atlas) continue;
+      std::error_code ignored;
+      fs::remove(folder / name, ignored);
+      files.erase(files.begin() + static_cast<std::ptrdiff_t>(i) - 1);
+    }
+  }
+
+  void write(const std::string& format) {
+    const auto put = [&](const std::string& name) { return made(name); };
+    const auto say = [&](const std::string& text) { note(text); };
+    if (format == "glb") write_glb();
+    if (format == "obj") write_obj();
+    if (format == "ply" || format == "las") write_cloud(format);
+    if (format == "e57") write_scans();
+    if (format == "colmap") write_colmap();
+    if (format == "st") write_st_maps(scene.photographs, put, say);
+    if (format == "rib")
+      write_rib_export(renderer, scene, inputs.scene.views, inputs.photographs, inputs.options, folder, put,
+                       say);
+  }
+
   void remove_earlier() {
     const std::set<std::string> now(files.begin(), files.end());
     for (const auto& name : earlier) {
@@ -225,18 +252,13 @@ std::vector<std::string> SceneExport::formats() const {
 }
 
 void SceneExport::write(const std::string& format) {
-  State& s = *state_;
-  const auto made = [&](const std::string& name) { return s.made(name); };
-  const auto note = [&](const std::string& text) { s.note(text); };
-  if (format == "glb") s.write_glb();
-  if (format == "obj") s.write_obj();
-  if (format == "ply" || format == "las") s.write_cloud(format);
-  if (format == "e57") s.write_scans();
-  if (format == "colmap") s.write_colmap();
-  if (format == "st") write_st_maps(s.scene.photographs, made, note);
-  if (format == "rib")
-    write_rib_export(s.renderer, s.scene, s.inputs.scene.views, s.inputs.photographs, s.inputs.options,
-                     s.folder, made, note);
+  const std::size_t first = state_->files.size();
+  try {
+    state_->write(format);
+  } catch (...) {
+    state_->take_back(first);
+    throw;
+  }
 }
 
 Json SceneExport::finish() {

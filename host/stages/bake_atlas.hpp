@@ -14,8 +14,9 @@ struct AtlasOptions {
 const std::vector<OptionRow<AtlasOptions>>& atlas_option_table();
 
 // Which faces get which charts. Fronts and backs are looked at coarsely first: a side that no photograph sees
-// (a back: but for a hundredth, past its edges not counted) has no chart, and a face of which both are unseen has its front's, as coarse as it was looked at. Charts
-// stand in the order of the faces, proxy first, fronts before backs.
+// (a back: but for a hundredth, past its edges not counted) has no chart, and a face of which both are unseen
+// has its front's, as coarse as it was looked at. Charts stand in the order of the faces, proxy first, fronts
+// before backs.
 struct Atlas {
   std::vector<AtlasChart> charts;
   AtlasLayout layout;

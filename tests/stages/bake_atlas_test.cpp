@@ -151,8 +151,7 @@ TEST(BakeAtlas, narrow_faces_are_seen) {
   EXPECT_EQ(atlas.unseen_faces, 0u);
   ASSERT_EQ(atlas.charts.size(), 4u);
   for (const auto& chart : atlas.charts) {
-    const std::uint8_t* colour =
-        pages[0].colour.at(chart.x + chart.cols / 2, chart.y + chart.rows / 2);
+    const std::uint8_t* colour = pages[0].colour.at(chart.x + chart.cols / 2, chart.y + chart.rows / 2);
     EXPECT_NEAR(colour[1], 99, 1) << chart.face;
   }
 }
