@@ -8,7 +8,7 @@ packages=(
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpugixml-dev
   libopenexr-dev libopenimageio-dev openimageio-tools libopencv-core-dev # OIIO's CMake files ask for the last two
   libembree-dev                                                          # hybrid-synth's independent ray tracer
-  libgtest-dev oclgrind                                                  # tests
+  libgtest-dev oclgrind libtinygltf-dev libtinyobjloader-dev              # tests
 )
 missing=()
 for package in "${packages[@]}"; do

@@ -8,11 +8,12 @@ namespace {
 std::set<std::string> parse_stages(const std::vector<std::string>& names) {
   if (names.empty()) return batch::kAllStages;
   for (const auto& name : names) {
-    if (name == "edit" || name == "export")
-      fail(ErrorKind::usage, "--only {}: this version has no stage {} yet; it has {}", name, name,
+    if (name == "edit")
+      fail(ErrorKind::usage, "--only {}: this version has no stage {} yet; it has {}, export", name, name,
            fmt::join(batch::kAllStages, ", "));
-    if (batch::kAllStages.count(name) == 0)
-      fail(ErrorKind::usage, "--only {}: expected stages among {}", name, fmt::join(batch::kAllStages, ", "));
+    if (batch::kAllStages.count(name) == 0 && name != "export")
+      fail(ErrorKind::usage, "--only {}: expected stages among {}, export", name,
+           fmt::join(batch::kAllStages, ", "));
   }
   return {names.begin(), names.end()};
 }
@@ -25,14 +26,16 @@ void add_run(CLI::App& program, int& exit_code) {
   scene.command
       ->add_option(
           "--only", *only,
-          "stages whose outputs are written, among planes,register,render,report; what they need is computed "
+          "stages whose outputs are written, among planes,register,render,report,export; what they need is "
+          "computed "
           "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
-          "them")
+          "them; without --only all but export, which runs where the scene file has [export]")
       ->delimiter(',');
   scene.command->add_flag("--leave-one-out", scene.request->leave_one_out,
                           "after the scene's views, every photograph's made from all the others, scored");
   scene.command->callback([=, &exit_code] {
     scene.request->stages = parse_stages(*only);
+    scene.request->export_if_asked = only->empty();
     exit_code = run_scene_command(scene);
   });
 }

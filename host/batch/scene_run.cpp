@@ -9,6 +9,7 @@
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/residual_figures.hpp"
+#include "batch/scene_export.hpp"
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
@@ -30,6 +31,7 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
   options.set_tile(request.tile);
   if (request.seed) options.set_seed(*request.seed);
   if (request.square) options.set_square(*request.square);
+  if (request.export_if_asked && scene.has_export) stages.insert("export");
   if (stages.count("report")) {  // its page shows the others' files
     stages.insert("planes");
     if (scene.model) stages.insert({"register", "render"});
@@ -80,9 +82,10 @@ class Run {
     read_inputs();
     begin_output(request_.out, run_.scene.name);
     for (const auto& entry : run_.scene.scans) process_file(entry);
-    if (wants("register") || wants("render")) register_all();
+    if (wants("register") || wants("render") || (wants("export") && run_.model)) register_all();
     if (wants("planes")) write_scans();
     if (wants("render")) render_all();
+    if (wants("export")) export_all();
     if (wants("report")) report();
     progress_.finish();
     write_summary();
@@ -290,6 +293,40 @@ class Run {
     }
   }
 
+  void export_all() {
+    const PolygonModel no_model;
+    const ExportInputs inputs{run_.scene,
+                              run_.model ? *run_.model : no_model,
+                              run_.photographs,
+                              run_.products,
+                              run_.registrations,
+                              remains_,
+                              [&](std::size_t i) { return std::optional(read_again(i)); },
+                              options_};
+    std::optional<SceneExport> scene_export;
+    unit("export", [&] {
+      progress_.step("export", "scene " + run_.scene.name);
+      scene_export.emplace(queue_, inputs, request_.out);
+    });
+    if (!scene_export) return;
+    progress_.expect(static_cast<int>(scene_export->formats().size()));
+    for (const auto& format : scene_export->formats())
+      unit("export " + format, [&] {
+        progress_.step("export", format);
+        scene_export->write(format);
+      });
+    unit("export", [&] { export_ = scene_export->finish(); });
+  }
+
+  // A product's input as process() had it.
+  Scan read_again(std::size_t i) const {
+    const fs::path& file = entries_[i].file;
+    const auto listed = io::list_scans(file, {.salvage = request_.salvage});
+    Scan scan = io::read_scan(file, io::scan_at(file, listed, indices_[i]));
+    if (entries_[i].scanner) io::place_scanner(scan, *entries_[i].scanner);
+    return scan;
+  }
+
   Json scan_summary(std::size_t i) const {
     Json json = scan_figures(run_.products[i]);
     const auto& registration = run_.registrations[i];
@@ -327,6 +364,7 @@ class Run {
                     {"scans", scans},
                     {"views", views_},
                     {"failures", Json::array()}};
+    if (!export_.is_null()) run_.summary["export"] = export_;
     Json placed = Json::array();  // photographs out of E57 files
     for (std::size_t i = 0; i < run_.photographs.placed_with.size(); ++i)
       placed.push_back(
@@ -363,7 +401,7 @@ class Run {
   std::vector<std::size_t> indices_;    // one per product: which scan of its file
   std::optional<ScanNames> names_;
   std::optional<io::SceneTruth> truth_;
-  Json inputs_ = Json::array(), views_ = Json::array();
+  Json inputs_ = Json::array(), views_ = Json::array(), export_;
   SceneRun run_;
 };
 

@@ -14,7 +14,7 @@
 
 namespace hybrid::batch {
 
-// Stages of the contract that this version has.
+// Stages of the contract that this version has and that a run without --only has; "export" beside them.
 inline const std::set<std::string> kAllStages = {"planes", "register", "render", "report"};
 
 struct RunRequest {
@@ -23,6 +23,7 @@ struct RunRequest {
   // Whose outputs are written. What they need is computed again from the inputs, never taken from `out`;
   // "report" brings the others with it, since its page shows their files.
   std::set<std::string> stages = kAllStages;
+  bool export_if_asked = false;          // add "export" where the scene file has [export]
   std::string only_view;                 // render: this view alone
   bool scene_views = true;               // render: the scene file's views
   bool leave_one_out = false;            // render: then every photograph from the others

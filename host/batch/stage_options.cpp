@@ -79,6 +79,10 @@ bool apply_render(StageOptions& options, const std::string& key, const OptionVal
   return apply(key, value, options.render, stages::render_option_table());
 }
 
+bool apply_export(StageOptions& options, const std::string& key, const OptionValue& value) {
+  return set_export_option(options.exporting, key, value);
+}
+
 // A section of options in the scene file and on the command line.
 struct Section {
   std::string name;
@@ -111,6 +115,7 @@ const std::vector<Section>& sections() {
                  option_names(stages::icp_option_table()),
                  option_names(stages::automatic_option_table())})},
       {"render", &io::SceneFile::render, apply_render, option_names(stages::render_option_table())},
+      {"export", &io::SceneFile::exporting, apply_export, export_option_names()},
   };
   return all;
 }
@@ -174,7 +179,7 @@ void StageOptions::set(const std::string& assignment) {
       std::find_if(sections().begin(), sections().end(), [&](const auto& s) { return s.name == name; });
   try {
     if (section == sections().end())
-      fail_input("unknown section '{}'; expected planes, register or render", name);
+      fail_input("unknown section '{}'; expected planes, register, render or export", name);
     apply_key(*this, *section, key, parse_value(assignment.substr(equals + 1)));
   } catch (const Error& error) {
     fail(ErrorKind::usage, "--set {}: {}", assignment, error.what());
@@ -203,9 +208,12 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   registration.update(describe_table(options, register_rows()));
   registration.update(describe_table(options.alignment, stages::automatic_option_table()));
   registration["scale"] = options.icp.free_scale ? "free" : "fixed";
+  Json exporting = describe_table(options.exporting, export_option_table());
+  exporting.update(describe_table(options.exporting.atlas, stages::atlas_option_table()));
   return {{"planes", planes},
           {"register", registration},
-          {"render", describe_table(options.render, stages::render_option_table())}};
+          {"render", describe_table(options.render, stages::render_option_table())},
+          {"export", exporting}};
 }
 
 }  // namespace hybrid::batch

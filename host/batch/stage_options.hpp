@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/export_options.hpp"
 #include "io/scene_file.hpp"
 #include "stages/automatic.hpp"
 #include "stages/contour_faces.hpp"
@@ -38,18 +39,21 @@ struct StageOptions {
   std::string automatic = "missing";  // "missing" | "first" | "never"
   double explain_m = 0.05;            // a planar sample within this of a compatible face is explained by it
   stages::RenderOptions render;
+  ExportOptions exporting;  // [export]
 
   void set_tile(int tile);
   void set_seed(int seed);
   // "auto" or 3..16. Throws ErrorKind::input.
   void set_square(const OptionValue& value);
-  // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register or render, KEY and VALUE as in the
-  // scene file. Throws ErrorKind::usage naming the assignment, the key, what was expected and what was found.
+  // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register, render or export, KEY and VALUE as in
+  // the scene file. Throws ErrorKind::usage naming the assignment, the key, what was expected and what was
+  // found.
   void set(const std::string& assignment);
 };
 
-// Applies [planes], [register] and [render], then the assignments of --set. Unknown keys, wrong types and
-// values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for --set).
+// Applies [planes], [register], [render] and [export], then the assignments of --set. Unknown keys, wrong
+// types and values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for
+// --set).
 StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<std::string>& assignments = {});
 
 // All options as they were used, for summary.json.

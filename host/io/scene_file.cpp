@@ -190,7 +190,7 @@ void read_model(const SceneTable& root, SceneFile& scene) {
 SceneFile read_scene(const fs::path& file, const toml::table& document) {
   const SceneTable root(
       file, "", document,
-      {"scene", "scan", "model", "photographs", "planes", "register", "edit", "render", "view"});
+      {"scene", "scan", "model", "photographs", "planes", "register", "edit", "render", "export", "view"});
   SceneFile scene;
   scene.path = file;
   read_scene_table(root, scene);
@@ -204,6 +204,8 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.registration = read_options(root, "register");
   scene.edit = read_options(root, "edit");
   scene.render = read_options(root, "render");
+  scene.exporting = read_options(root, "export");
+  scene.has_export = root.has("export");
   read_model(root, scene);
   if (const auto table = root.table("photographs", {"colmap", "strecha", "bundler", "nerfstudio", "e57",
                                                     "images", "world_from_photographs"}))

@@ -49,8 +49,8 @@ struct SceneView {
   std::vector<std::string> leave_out;
 };
 
-// The value of an option key of [planes], [register], [edit] or [render]: the stage that owns the key checks
-// it against its option table.
+// The value of an option key of [planes], [register], [edit], [render] or [export]: the stage that owns the
+// key checks it against its option table.
 struct SceneOption {
   int line = 0;
   OptionValue value;
@@ -80,7 +80,8 @@ struct SceneFile {
     std::optional<std::array<double, 16>> world_from_photographs;
   };
   std::optional<Photographs> photographs;
-  SceneOptions planes, registration, edit, render;
+  SceneOptions planes, registration, edit, render, exporting;
+  bool has_export = false;  // an [export] is there: a run without --only exports, too
   std::vector<SceneView> views;
 };
 

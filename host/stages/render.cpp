@@ -288,6 +288,10 @@ Renderer::Renderer(device::Queue& queue, const RenderScene& scene, const RenderO
     : state_(std::make_unique<State>(queue, scene, options)) {}
 Renderer::~Renderer() = default;
 
+const RenderOptions& Renderer::options() const {
+  return state_->options;
+}
+
 RenderedView Renderer::render(const ViewRequest& request) {
   check_request(request);
   const Camera& camera = request.camera.camera;

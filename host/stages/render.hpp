@@ -12,6 +12,7 @@
 #include "geometry/polygon_model.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
+#include "stages/atlas.hpp"
 
 namespace hybrid::stages {
 
@@ -81,6 +82,7 @@ class Renderer {
  public:
   Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options = {});
   ~Renderer();
+  const RenderOptions& options() const;
   // METHOD 10. Kernels: ray_cast, blend_photos, blur_photo. Throws ErrorKind::input: a leave_out that names
   // no photograph, an unknown `show`, a camera without pixels.
   RenderedView render(const ViewRequest& request);
@@ -92,6 +94,14 @@ class Renderer {
   };
   ColouredRange colour_range_image(const RangeImage& image, const PlaneSegmentation& segmentation,
                                    const Pose& world_from_scan, int tile = 1024);
+  // The face of a chart as the photographs show it, seen along its normal from far away: a texture that needs
+  // no photographs any more. Of every texel that `mask` (chart_mask) has.
+  struct BakedChart {
+    std::vector<float> colour;            // linear RGB, interleaved; red where unseen, 0 outside the mask
+    std::vector<std::uint32_t> coverage;  // photographs that see the texel
+    std::vector<std::int32_t> best;       // the heaviest, -1 none
+  };
+  BakedChart bake(const AtlasChart& chart, const std::vector<std::uint8_t>& mask);
 
  private:
   struct State;

@@ -17,10 +17,6 @@ Vec3 centre_of(const Splat& splat) {
   return {splat.centre_m[0], splat.centre_m[1], splat.centre_m[2]};
 }
 
-// What ray_cast reports as the radius of a contour polygon: too small for any distance, but not the 0 of a
-// proxy face. Two scans' contours of one surface lie within their noise, so they must not shadow each other.
-constexpr float kContourRadius_m = 1e-6f;
-
 TriangleRecord triangle_record(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t id,
                                float radius_m = 0) {
   TriangleRecord record{};
