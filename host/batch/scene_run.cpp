@@ -17,6 +17,7 @@
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
 #include "io/read_scan.hpp"
+#include "io/scanner_position.hpp"
 
 namespace hybrid::batch {
 namespace {
