@@ -8,7 +8,7 @@ namespace {
 std::set<std::string> parse_stages(const std::vector<std::string>& names) {
   if (names.empty()) return batch::kAllStages;
   for (const auto& name : names) {
-    if (name == "edit" || name == "export")
+    if (name == "export")
       fail(ErrorKind::usage, "--only {}: this version has no stage {} yet; it has {}", name, name,
            fmt::join(batch::kAllStages, ", "));
     if (batch::kAllStages.count(name) == 0)
@@ -25,7 +25,7 @@ void add_run(CLI::App& program, int& exit_code) {
   scene.command
       ->add_option(
           "--only", *only,
-          "stages whose outputs are written, among planes,register,render,report; what they need is computed "
+          "stages whose outputs are written, among planes,register,edit,render,report; what they need is computed "
           "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
           "them")
       ->delimiter(',');

@@ -88,7 +88,7 @@ void write_extra(const std::filesystem::path& folder, const ScanRemains& scan) {
 }  // namespace
 
 ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
-                         const StageOptions& options, Progress& progress) {
+                         const StageOptions& options, Progress& progress, const EditImage& edit) {
   ScanProduct product;
   product.id = id;
   product.input_samples = static_cast<std::int64_t>(scan.points.size());
@@ -99,6 +99,7 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
 
   progress.step("resample", unit);
   product.image = stages::resample_scan(queue, scan, options.resample);
+  if (edit) edit(product.image);
   progress.step("square planes", unit);
   const auto squares = fit_squares(queue, product.image, options);
   product.sigma_m = squares.sigma_m;
@@ -167,7 +168,9 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
     points.push_back(point);
   }
   // Samples that no grid node took are data too: they stay, without a colour from photographs (black).
-  for (io::PlyPoint point : scan.extra) {
+  for (std::size_t i = 0; i < scan.extra.size(); ++i) {
+    if (!scan.extra_clipped.empty() && scan.extra_clipped[i]) continue;
+    io::PlyPoint point = scan.extra[i];
     if (colours) point.rgb = {};
     points.push_back(point);
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,21 +30,24 @@ struct ScanProduct {
   std::vector<std::uint8_t> stray;     // per node: stages::Stray
   stages::ContourFaces contour_faces;  // after registration: what no proxy face explains
   std::vector<std::uint8_t> drawn;     // per node: stages::Drawn; after registration
+  std::vector<std::uint8_t> clipped{};  // per node, 1: dropped by [edit] clip; or empty
   double sigma_m = 0;                  // range noise used
   std::optional<Pose> recorded_pose;   // as the file gave it
   std::vector<std::string> notes;
 };
 
 // METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
-// for no surface.
+// for no surface. `edit`, where given, changes the range image before planes are looked for.
+using EditImage = std::function<void(RangeImage&)>;
 ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
-                         const StageOptions& options, Progress& progress);
+                         const StageOptions& options, Progress& progress, const EditImage& edit = {});
 
 // What detail.ply needs of a scan and its range image does not hold. A georeferenced scan stays whole: the
 // image's floats are too coarse for its coordinates.
 struct ScanRemains {
   bool intensity = false, colour = false;
   std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
+  std::vector<std::uint8_t> extra_clipped{};  // per extra sample, 1: dropped by [edit] clip; or empty
   std::optional<Scan> georeferenced{};
 };
 ScanRemains keep_remains(Scan scan, const RangeImage& image);
