@@ -25,7 +25,8 @@ void add_run(CLI::App& program, int& exit_code) {
   scene.command
       ->add_option(
           "--only", *only,
-          "stages whose outputs are written, among planes,register,edit,render,report; what they need is computed "
+          "stages whose outputs are written, among planes,register,edit,render,report; what they need is "
+          "computed "
           "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
           "them")
       ->delimiter(',');

@@ -112,7 +112,8 @@ Image8 relief_picture(const RangeImage& before, const RangeImage& after) {
 Image8 openings_picture(const PolygonModel& model, const stages::FaceEvidence& face,
                         const std::vector<stages::Opening>& openings) {
   constexpr int kLongest_px = 1600;
-  const double scale = std::clamp(kLongest_px / static_cast<double>(std::max(face.cols, face.rows)), 0.05, 8.0);
+  const double scale =
+      std::clamp(kLongest_px / static_cast<double>(std::max(face.cols, face.rows)), 0.05, 8.0);
   const int width = std::max(1, static_cast<int>(face.cols * scale));
   const int height = std::max(1, static_cast<int>(face.rows * scale));
   Image8 picture(width, height, 3);
@@ -135,8 +136,7 @@ Image8 openings_picture(const PolygonModel& model, const stages::FaceEvidence& f
   const Face& own = model.faces[face.face];
   for (const Ring2& ring : flat_rings(face_frame(model, own), model, own)) draw(ring, {255, 255, 255}, 1);
   for (const auto& opening : openings)
-    if (opening.face == face.face)
-      draw(opening.ring, opening.cut ? Ink{230, 20, 20} : Ink{255, 160, 0}, 2);
+    if (opening.face == face.face) draw(opening.ring, opening.cut ? Ink{230, 20, 20} : Ink{255, 160, 0}, 2);
   return picture;
 }
 

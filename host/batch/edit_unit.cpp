@@ -51,8 +51,7 @@ std::size_t find_face(const NamedModel& named, const io::SceneFaces& faces) {
   if (found.size() > 1)
     fail_input("expected one face, found {} of the name \"{}\": {}, {}{}; name one of them", found.size(),
                std::get<std::string>(faces.which), named.model.faces[found[0]].name,
-               named.model.faces[found[1]].name,
-               found.size() > 2 ? ", ..." : "");
+               named.model.faces[found[1]].name, found.size() > 2 ? ", ..." : "");
   return found[0];
 }
 
@@ -65,7 +64,8 @@ void cut_scene_hole(const io::SceneHole& hole, const NamedModel& named, PolygonM
 }
 
 stages::ClipShape shape_of(const io::SceneClip& clip) {
-  if (const auto* box = std::get_if<io::SceneClip::Box>(&clip.shape)) return stages::ClipBox{box->low, box->high};
+  if (const auto* box = std::get_if<io::SceneClip::Box>(&clip.shape))
+    return stages::ClipBox{box->low, box->high};
   if (const auto* half = std::get_if<io::SceneClip::HalfSpace>(&clip.shape))
     return stages::ClipHalfSpace{half->normal, half->offset_m};
   const auto& prism = std::get<io::SceneClip::Prism>(clip.shape);
@@ -239,7 +239,8 @@ std::vector<std::uint8_t> clip_extra(const io::SceneFile& scene, const ScanRegis
       const auto& p = remains.extra[i].position;
       const Vec3 own(p[0], p[1], p[2]);
       const Vec3 point = clip.in_scan_frame ? own : registration.world_from_scan() * own;
-      if (std::visit([&](const auto& s) { return s.holds(point); }, shape) != clip.keep_inside) clipped[i] = 1;
+      if (std::visit([&](const auto& s) { return s.holds(point); }, shape) != clip.keep_inside)
+        clipped[i] = 1;
     }
   }
   return clipped;

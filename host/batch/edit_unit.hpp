@@ -13,8 +13,8 @@ namespace hybrid::batch {
 // rendering and export all see the edited proxy; range images' depth edits before planes are looked for;
 // clips once the scan is registered; openings found from evidence last.
 
-// The model with faces removed and holes cut; `names` as read_obj gives them; `figures` gets what was done. Throws ErrorKind::input naming
-// the scene file's line.
+// The model with faces removed and holes cut; `names` as read_obj gives them; `figures` gets what was done.
+// Throws ErrorKind::input naming the scene file's line.
 PolygonModel edit_model(const io::SceneFile& scene, const PolygonModel& model,
                         const std::vector<io::ObjFaceNames>& names, nlohmann::ordered_json& figures);
 

@@ -27,12 +27,12 @@ struct ScanProduct {
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
   std::vector<stages::Intersection> intersections;
   stages::Decimation decimation;
-  std::vector<std::uint8_t> stray;     // per node: stages::Stray
-  stages::ContourFaces contour_faces;  // after registration: what no proxy face explains
-  std::vector<std::uint8_t> drawn;     // per node: stages::Drawn; after registration
+  std::vector<std::uint8_t> stray;      // per node: stages::Stray
+  stages::ContourFaces contour_faces;   // after registration: what no proxy face explains
+  std::vector<std::uint8_t> drawn;      // per node: stages::Drawn; after registration
   std::vector<std::uint8_t> clipped{};  // per node, 1: dropped by [edit] clip; or empty
-  double sigma_m = 0;                  // range noise used
-  std::optional<Pose> recorded_pose;   // as the file gave it
+  double sigma_m = 0;                   // range noise used
+  std::optional<Pose> recorded_pose;    // as the file gave it
   std::vector<std::string> notes;
 };
 
@@ -46,7 +46,7 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
 // image's floats are too coarse for its coordinates.
 struct ScanRemains {
   bool intensity = false, colour = false;
-  std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
+  std::vector<io::PlyPoint> extra{};          // the image's extra samples, in their order
   std::vector<std::uint8_t> extra_clipped{};  // per extra sample, 1: dropped by [edit] clip; or empty
   std::optional<Scan> georeferenced{};
 };

@@ -43,7 +43,8 @@ PolygonModel SceneEditing::edit(const io::SceneFile& scene, const PolygonModel& 
   return uncut_;
 }
 
-void SceneEditing::edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image, Scan& scan) {
+void SceneEditing::edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image,
+                               Scan& scan) {
   if (std::none_of(scene.edits.depths.begin(), scene.edits.depths.end(),
                    [&](const auto& edit) { return edit.scan == id; }))
     return;
@@ -57,15 +58,16 @@ void SceneEditing::edit_depths(const io::SceneFile& scene, const std::string& id
   scans_[id]["depth_edited_samples"] = moved;
 }
 
-void SceneEditing::clip(const io::SceneFile& scene, const ScanRegistration& registration, ScanProduct& product,
-                        ScanRemains& remains) {
+void SceneEditing::clip(const io::SceneFile& scene, const ScanRegistration& registration,
+                        ScanProduct& product, ScanRemains& remains) {
   const Json clips = clip_scan(scene, registration, product);
   if (clips.is_null()) return;
   scans_[product.id]["clips"] = clips;
   remains.extra_clipped = clip_extra(scene, registration, product.id, remains);
 }
 
-void SceneEditing::openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement,
+void SceneEditing::openings(const stages::OpeningOptions& options,
+                            const stages::DisplacementOptions& displacement,
                             const std::vector<ScanProduct>& products,
                             const std::vector<std::optional<ScanRegistration>>& registrations,
                             PolygonModel& model) {
@@ -113,8 +115,9 @@ void SceneEditing::write_openings(const fs::path& out) const {
     if (std::any_of(found_.openings.begin(), found_.openings.end(),
                     [&](const auto& opening) { return opening.face == face.face; }) ||
         face.status == "displaced")
-      io::write_png(out / "model" / "openings" / (file_name(uncut_.faces[face.face].name, face.face) + ".png"),
-                    openings_picture(uncut_, face, found_.openings));
+      io::write_png(
+          out / "model" / "openings" / (file_name(uncut_.faces[face.face].name, face.face) + ".png"),
+          openings_picture(uncut_, face, found_.openings));
   io::write_text(out / "model" / "openings.json", openings_json(uncut_, found_, options_).dump(1) + "\n");
 }
 

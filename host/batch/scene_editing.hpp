@@ -18,12 +18,13 @@ class SceneEditing {
             ScanRemains& remains);
   // Looks for openings, where the options say so, and cuts them into the model; displacement maps of what is
   // left of its faces.
-  void openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement, const std::vector<ScanProduct>& products,
+  void openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement,
+                const std::vector<ScanProduct>& products,
                 const std::vector<std::optional<ScanRegistration>>& registrations, PolygonModel& model);
 
   // model/edited.obj and edited.png where the model was changed, model/openings.json and
-  // model/openings/<face>.png where openings were looked for, model/displacement/<face>.exr, scans/<id>/clipped.png and depth-edits.png;
-  // removes those of an earlier run.
+  // model/openings/<face>.png where openings were looked for, model/displacement/<face>.exr,
+  // scans/<id>/clipped.png and depth-edits.png; removes those of an earlier run.
   void write(device::Queue& queue, const std::filesystem::path& out, const std::vector<ScanProduct>& products,
              const PolygonModel& model) const;
   // For summary.json; null where nothing was edited.

@@ -37,8 +37,9 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     if (scene.model) stages.insert({"register", "edit", "render"});
   }
   if ((stages.count("register") || stages.count("edit") || stages.count("render")) && !scene.model)
-    fail_input("{}: no [model]: registration, editing and rendering need one; add it, or use --only planes,report",
-               scene.path.string());
+    fail_input(
+        "{}: no [model]: registration, editing and rendering need one; add it, or use --only planes,report",
+        scene.path.string());
   const auto named = [&](const auto& view) { return view.name == request.only_view; };
   if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
     fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
@@ -129,8 +130,7 @@ class Run {
   }
 
   void expect_steps() {
-    const int steps_per_scan =
-        6 + (needs_poses() ? 3 : 0) + wants("planes") + colours_scans();
+    const int steps_per_scan = 6 + (needs_poses() ? 3 : 0) + wants("planes") + colours_scans();
     progress_.expect(1 + static_cast<int>(run_.scene.scans.size()) * steps_per_scan +
                      (wants("render") ? view_count() : 0) + wants("report"));
   }
@@ -230,9 +230,12 @@ class Run {
         if (run_.abstentions[i]) abstain(i);
         if (wants("register")) remove_landmark_sheet(scan_folder(run_.products[i].id));
       });
-    unit("edit", [&] { editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations, *run_.model); });
+    unit("edit", [&] {
+      editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations, *run_.model);
+    });
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
-    if (wants("edit")) unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
+    if (wants("edit"))
+      unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
     if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
     const auto contours = world_contours(run_.products, run_.registrations);

@@ -110,10 +110,11 @@ const std::vector<Section>& sections() {
                  option_names(stages::icp_option_table()),
                  option_names(stages::automatic_option_table())})},
       {"edit", &io::SceneFile::edit, apply_edit,
-       names_of({option_names(stages::opening_option_table()), option_names(stages::displacement_option_table()),
-                 io::scene_edit_keys()})},
+       names_of({option_names(stages::opening_option_table()),
+                 option_names(stages::displacement_option_table()), io::scene_edit_keys()})},
       {"render", &io::SceneFile::render, apply_render,
-       names_of({option_names(stages::render_option_table()), option_names(stages::coverage_option_table())})},
+       names_of(
+           {option_names(stages::render_option_table()), option_names(stages::coverage_option_table())})},
   };
   return all;
 }
@@ -209,10 +210,7 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   Json render = describe_table(options.render, stages::render_option_table());
   render.update(describe_table(options.coverage, stages::coverage_option_table()));
   registration["scale"] = options.icp.free_scale ? "free" : "fixed";
-  return {{"planes", planes},
-          {"register", registration},
-          {"edit", edit},
-          {"render", render}};
+  return {{"planes", planes}, {"register", registration}, {"edit", edit}, {"render", render}};
 }
 
 }  // namespace hybrid::batch

@@ -48,13 +48,14 @@ struct StageOptions {
   void set_seed(int seed);
   // "auto" or 3..16. Throws ErrorKind::input.
   void set_square(const OptionValue& value);
-  // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register, edit or render, KEY and VALUE as in the
-  // scene file. Throws ErrorKind::usage naming the assignment, the key, what was expected and what was found.
+  // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register, edit or render, KEY and VALUE as in
+  // the scene file. Throws ErrorKind::usage naming the assignment, the key, what was expected and what was
+  // found.
   void set(const std::string& assignment);
 };
 
-// Applies [planes], [register], [edit] and [render], then the assignments of --set. Unknown keys, wrong types and
-// values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for --set).
+// Applies [planes], [register], [edit] and [render], then the assignments of --set. Unknown keys, wrong types
+// and values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for --set).
 StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<std::string>& assignments = {});
 
 // All options as they were used, for summary.json.

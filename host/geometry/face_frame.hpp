@@ -6,8 +6,8 @@ namespace hybrid {
 
 // Coordinates on a proxy face, metres, as seen from its front: u to the right, v up. u is horizontal, so v is
 // as near to the vertical as the face allows; on a horizontal face u is the world's x. (0, 0) is the
-// lower left corner of the outline's bounding box: no coordinate of the face is negative. Third axis: height over the
-// face, towards its front.
+// lower left corner of the outline's bounding box: no coordinate of the face is negative. Third axis: height
+// over the face, towards its front.
 struct FaceFrame {
   Plane plane;
   Vec3 origin = Vec3::Zero(), u = Vec3::UnitX(), v = Vec3::UnitY();

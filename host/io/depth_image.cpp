@@ -28,7 +28,8 @@ Scan read_depth_image(const std::filesystem::path& file, const DepthCamera& came
   constexpr int kLargest_px = 32768;
   if (std::string(input->format_name()) != "png" || spec.nchannels != 1 || spec.format != OIIO::TypeUInt16)
     fail_input(
-        "{}: expected a depth image, a PNG of one channel with 16 bits, found {} of {} channels with {} bits; "
+        "{}: expected a depth image, a PNG of one channel with 16 bits, found {} of {} channels with {} "
+        "bits; "
         "export depths, not colours",
         file.string(), input->format_name(), spec.nchannels, 8 * spec.format.size());
   if (spec.width > kLargest_px || spec.height > kLargest_px)

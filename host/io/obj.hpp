@@ -10,8 +10,8 @@ namespace hybrid::io {
 // Wavefront OBJ polygons of any size; negative indices, groups/objects/materials name faces (the last of g,
 // o, usemtl; repeated names get -2, -3 ...), CR/LF. `scale` multiplies coordinates (unit = "mm": 0.001); y_up
 // turns the model so that Z is up. Throws ErrorKind::input naming file and line: a face index out of range,
-// fewer than 3 vertices, a non-finite vertex, no face at all. `names`, where given, gets what was said of each
-// face.
+// fewer than 3 vertices, a non-finite vertex, no face at all. `names`, where given, gets what was said of
+// each face.
 struct ObjFaceNames {
   std::string group, object, material;
 };

@@ -127,8 +127,7 @@ SceneEdits read_scene_edits(const SceneTable& edit) {
   if (edit.has("remove_faces")) edits.remove_faces = read_removed(edit);
   for (const auto& table : edit.tables("holes", {"face", "polygon", "world"}))
     edits.holes.push_back(read_hole(table));
-  for (const auto& table :
-       edit.tables("clip", {"scan", "keep", "frame", "box", "plane", "prism", "z"}))
+  for (const auto& table : edit.tables("clip", {"scan", "keep", "frame", "box", "plane", "prism", "z"}))
     edits.clips.push_back(read_clip(table));
   for (const auto& table : edit.tables("depth", {"scan", "polygon", "by_m"}))
     edits.depths.push_back(read_depth(table));

@@ -59,9 +59,7 @@ struct SceneEdits {
   std::vector<SceneHole> holes;
   std::vector<SceneClip> clips;
   std::vector<SceneDepthEdit> depths;
-  bool any() const {
-    return !remove_faces.empty() || !holes.empty() || !clips.empty() || !depths.empty();
-  }
+  bool any() const { return !remove_faces.empty() || !holes.empty() || !clips.empty() || !depths.empty(); }
 };
 
 // The keys of [edit] that are read here; the others are options.

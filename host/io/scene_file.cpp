@@ -44,11 +44,12 @@ DepthCamera read_depth_camera(const SceneTable& table, const fs::path& file) {
   const auto k = table.numbers("intrinsics", 4);
   DepthCamera camera{k[0], k[1], k[2], k[3]};
   if (!(camera.fx > 0) || !(camera.fy > 0))
-    table.fail_key("intrinsics", "expected [fx, fy, cx, cy] with positive fx and fy, found {} and {}", camera.fx,
-                   camera.fy);
+    table.fail_key("intrinsics", "expected [fx, fy, cx, cy] with positive fx and fy, found {} and {}",
+                   camera.fx, camera.fy);
   camera.scale = table.number("depth_scale").value_or(camera.scale);
   if (!(camera.scale > 0) || camera.scale > 1)
-    table.fail_key("depth_scale", "expected metres per unit, above 0 and at most 1 (0.001: millimetres), found {}",
+    table.fail_key("depth_scale",
+                   "expected metres per unit, above 0 and at most 1 (0.001: millimetres), found {}",
                    camera.scale);
   return camera;
 }

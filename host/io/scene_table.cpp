@@ -274,8 +274,9 @@ std::vector<SceneTable> SceneTable::tables(std::string_view key, const Names& kn
   const auto* array = node->as_array();
   const bool nested = place_.starts_with("[[");
   // "[edit]" and "holes" make "[[edit.holes]]".
-  const std::string full =
-      place_.empty() || nested ? std::string(key) : fmt::format("{}.{}", place_.substr(1, place_.size() - 2), key);
+  const std::string full = place_.empty() || nested
+                               ? std::string(key)
+                               : fmt::format("{}.{}", place_.substr(1, place_.size() - 2), key);
   if (!array) fail_key(key, "expected tables [[{}]], found {}", full, describe(*node));
   for (const toml::node& element : *array) {
     if (!element.is_table()) fail_key(key, "expected an array of tables, found {} in it", describe(element));

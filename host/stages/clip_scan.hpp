@@ -13,7 +13,9 @@ namespace hybrid::stages {
 // METHOD 9: shapes that scans are clipped by, in a frame that the caller chooses.
 struct ClipBox {
   Vec3 low, high;
-  bool holds(const Vec3& p) const { return (p.array() >= low.array()).all() && (p.array() <= high.array()).all(); }
+  bool holds(const Vec3& p) const {
+    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+  }
 };
 struct ClipHalfSpace {  // normal . x <= offset
   Vec3 normal;

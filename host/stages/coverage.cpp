@@ -66,8 +66,8 @@ std::vector<Place> places_of(const std::vector<Texel>& targets, double cell_m) {
   std::map<std::tuple<std::size_t, int, int, int>, Place> groups;
   for (const Texel& t : targets) {
     const Vec3 cell = t.point.position / cell_m;
-    Place& place = groups[{t.face, static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())),
-                           static_cast<int>(std::floor(cell.z()))}];
+    Place& place = groups[{t.face, static_cast<int>(std::floor(cell.x())),
+                           static_cast<int>(std::floor(cell.y())), static_cast<int>(std::floor(cell.z()))}];
     place.centre += t.area_m2 * t.point.position;
     place.normal = t.point.normal;
     place.area_m2 += t.area_m2;
@@ -109,7 +109,8 @@ Photograph aimed(const Photograph& like, const Vec3& eye, const Vec3& target) {
   return camera;
 }
 
-std::vector<Photograph> candidates_before(const std::vector<Place>& places, const Photograph& like, double cell_m) {
+std::vector<Photograph> candidates_before(const std::vector<Place>& places, const Photograph& like,
+                                          double cell_m) {
   std::vector<Photograph> cameras;
   const double tilt = 35 * M_PI / 180;
   for (const Place& place : places) {
@@ -117,7 +118,8 @@ std::vector<Photograph> candidates_before(const std::vector<Place>& places, cons
     for (const double distance_m : {1.5 * cell_m, 3 * cell_m})
       for (int k = 0; k < 5; ++k) {
         const Vec3 side = k == 0 ? Vec3(Vec3::Zero()) : Vec3(k < 3 ? (k == 1 ? u : -u) : (k == 3 ? v : -v));
-        const Vec3 away = (k == 0 ? place.normal : std::cos(tilt) * place.normal + std::sin(tilt) * side).normalized();
+        const Vec3 away =
+            (k == 0 ? place.normal : std::cos(tilt) * place.normal + std::sin(tilt) * side).normalized();
         cameras.push_back(aimed(like, place.centre + distance_m * away, place.centre));
       }
   }
@@ -150,8 +152,8 @@ std::vector<NextCamera> choose(const std::vector<Photograph>& cameras, const std
   return chosen;
 }
 
-void suggest_cameras(Renderer& renderer, const RenderScene& scene, const std::vector<Texel>& unseen, int wanted,
-                     Coverage& coverage) {
+void suggest_cameras(Renderer& renderer, const RenderScene& scene, const std::vector<Texel>& unseen,
+                     int wanted, Coverage& coverage) {
   const Photograph& like = typical_photograph(scene.photographs);
   coverage.next_camera = like.name;
   const auto targets = thinned(unseen);
@@ -184,8 +186,9 @@ Coverage measure_coverage(Renderer& renderer, const RenderScene& scene, const Co
   Coverage coverage;
   double area = 0;
   for (const Face& face : scene.proxy.faces) area += face_area_m2(scene.proxy, face);
-  coverage.texel_m = options.coverage_texel_m > 0 ? std::max(options.coverage_texel_m, std::sqrt(area / (16 * kMostTexels)))
-                                                  : std::max(kFinest_m, std::sqrt(area / kMostTexels));
+  coverage.texel_m = options.coverage_texel_m > 0
+                         ? std::max(options.coverage_texel_m, std::sqrt(area / (16 * kMostTexels)))
+                         : std::max(kFinest_m, std::sqrt(area / kMostTexels));
   const auto texels = sample_faces(scene.proxy, coverage.texel_m);
   const auto seen = renderer.count_seen(points_of(texels));
   coverage.faces.resize(scene.proxy.faces.size());

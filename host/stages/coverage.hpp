@@ -32,10 +32,10 @@ struct Coverage {
   std::string next_camera;  // the photograph whose camera (size, focal length, lens) they are for
 };
 
-// "Red means unseen" (paper figure 6), in square metres: the front of every face is sampled in a grid and asked
-// of all photographs, with proxy and scans in the way. Then cameras like the scene's, chosen one by one for
-// the area that they add (greedy): candidates stand before the unseen places at several distances and angles;
-// places that they see under more than 75 degrees do not count. The same for any number of threads.
+// "Red means unseen" (paper figure 6), in square metres: the front of every face is sampled in a grid and
+// asked of all photographs, with proxy and scans in the way. Then cameras like the scene's, chosen one by one
+// for the area that they add (greedy): candidates stand before the unseen places at several distances and
+// angles; places that they see under more than 75 degrees do not count. The same for any number of threads.
 Coverage measure_coverage(Renderer& renderer, const RenderScene& scene, const CoverageOptions& options);
 
 }  // namespace hybrid::stages

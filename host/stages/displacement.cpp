@@ -39,8 +39,9 @@ DisplacementMap empty_map(const FaceFrame& frame, std::size_t face, double texel
 }
 
 // (texel, height) of the samples on the face's relief, by texel and height.
-std::vector<std::pair<std::uint32_t, float>> texel_heights(const FaceSamples& samples, const std::vector<Ring2>& rings,
-                                                           double reach_m, const DisplacementMap& map) {
+std::vector<std::pair<std::uint32_t, float>> texel_heights(const FaceSamples& samples,
+                                                           const std::vector<Ring2>& rings, double reach_m,
+                                                           const DisplacementMap& map) {
   std::vector<std::pair<std::uint32_t, float>> found;
   for (const FaceSample& s : samples.samples) {
     if (samples.scanner_height_m[s.scan] <= 0 || std::abs(s.height_m) > reach_m) continue;
@@ -69,7 +70,8 @@ const std::vector<OptionRow<DisplacementOptions>>& displacement_option_table() {
   return table;
 }
 
-std::vector<DisplacementMap> displacement_maps(const PolygonModel& model, const std::vector<OpeningScan>& scans,
+std::vector<DisplacementMap> displacement_maps(const PolygonModel& model,
+                                               const std::vector<OpeningScan>& scans,
                                                const DisplacementOptions& options) {
   std::vector<DisplacementMap> maps;
   const EvidenceCloud cloud = gather_points(model, scans);
@@ -81,10 +83,11 @@ std::vector<DisplacementMap> displacement_maps(const PolygonModel& model, const 
     if (texel_m == 0)
       texel_m = std::max({kFinest_m, spacing_of(samples), std::sqrt(frame.size.prod() / kMostTexels)});
     if (frame.size.prod() / (texel_m * texel_m) > kMostTexels)
-      fail_input("displacement_texel_m: face {} of {:.1f} x {:.1f} m needs {:.1e} texels of {} m, expected at most "
-                 "{:.1e}; make them larger",
-                 model.faces[f].name, frame.size.x(), frame.size.y(), frame.size.prod() / (texel_m * texel_m),
-                 texel_m, kMostTexels);
+      fail_input(
+          "displacement_texel_m: face {} of {:.1f} x {:.1f} m needs {:.1e} texels of {} m, expected at most "
+          "{:.1e}; make them larger",
+          model.faces[f].name, frame.size.x(), frame.size.y(), frame.size.prod() / (texel_m * texel_m),
+          texel_m, kMostTexels);
     DisplacementMap map = empty_map(frame, f, texel_m);
     const auto heights =
         texel_heights(samples, flat_rings(frame, model, model.faces[f]), options.displacement_reach_m, map);

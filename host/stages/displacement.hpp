@@ -16,7 +16,7 @@ struct DisplacementMap {
   std::size_t face = 0;
   int cols = 0, rows = 0;
   double texel_m = 0;
-  std::vector<float> height_m;         // over the face, towards its front; median of the texel's samples; NaN: none
+  std::vector<float> height_m;  // over the face, towards its front; median of the texel's samples; NaN: none
   std::vector<std::uint32_t> samples;  // per texel
   // World point of (column, row, height), of pixel centres: 4 x 4, row-major.
   std::array<double, 16> world_from_texel{};
@@ -24,7 +24,8 @@ struct DisplacementMap {
 };
 
 // One per face on which samples lie, from scanners before it.
-std::vector<DisplacementMap> displacement_maps(const PolygonModel& model, const std::vector<OpeningScan>& scans,
+std::vector<DisplacementMap> displacement_maps(const PolygonModel& model,
+                                               const std::vector<OpeningScan>& scans,
                                                const DisplacementOptions& options);
 
 }  // namespace hybrid::stages

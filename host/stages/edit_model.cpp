@@ -52,8 +52,9 @@ void check_place(const FaceFrame& frame, const std::vector<Ring2>& rings, const 
           "(0, 0) to ({:.3f}, {:.3f})",
           i, at(ring[i]), face.name, distance_to_border(rings[0], ring[i]), frame.size.x(), frame.size.y());
   if (borders_meet(rings[0], ring))
-    fail_input("the hole leaves the outline of face {} between its vertices; give it more vertices or move it",
-               face.name);
+    fail_input(
+        "the hole leaves the outline of face {} between its vertices; give it more vertices or move it",
+        face.name);
   for (std::size_t h = 1; h < rings.size(); ++h)
     if (borders_meet(rings[h], ring) || inside(rings[h], ring[0]) || inside(ring, rings[h][0]))
       fail_input("the hole overlaps hole {} of face {}; make one hole of the two", h, face.name);
@@ -66,8 +67,7 @@ PolygonModel without_faces(const PolygonModel& model, const std::vector<bool>& r
   edited.vertices = model.vertices;
   for (std::size_t i = 0; i < model.faces.size(); ++i)
     if (!removed[i]) edited.faces.push_back(model.faces[i]);
-  if (edited.faces.empty())
-    fail_input("expected a face to remain, found all {} removed", model.faces.size());
+  if (edited.faces.empty()) fail_input("expected a face to remain, found all {} removed", model.faces.size());
   return edited;
 }
 
@@ -92,8 +92,9 @@ Ring2 ring_on_face(const FaceFrame& frame, const std::vector<Vec3>& points, doub
   Ring2 ring;
   for (const Vec3& p : points) {
     if (std::abs(frame.plane.distance(p)) > tolerance_m)
-      fail_input("vertex {} at ({:.3f}, {:.3f}, {:.3f}): expected within {} m of the face's plane, found {:.3f} m",
-                 ring.size(), p.x(), p.y(), p.z(), tolerance_m, std::abs(frame.plane.distance(p)));
+      fail_input(
+          "vertex {} at ({:.3f}, {:.3f}, {:.3f}): expected within {} m of the face's plane, found {:.3f} m",
+          ring.size(), p.x(), p.y(), p.z(), tolerance_m, std::abs(frame.plane.distance(p)));
     ring.push_back(frame.flat(p));
   }
   return ring;

@@ -11,8 +11,8 @@ namespace hybrid::stages {
 // ErrorKind::input when no face would remain.
 PolygonModel without_faces(const PolygonModel& model, const std::vector<bool>& removed);
 
-// Cuts a hole into a face; `ring` in the face's coordinates, either orientation. Vertices on the outline or up
-// to `slack_m` beyond it move inside, so that a door may stand on the floor's edge. Throws
+// Cuts a hole into a face; `ring` in the face's coordinates, either orientation. Vertices on the outline or
+// up to `slack_m` beyond it move inside, so that a door may stand on the floor's edge. Throws
 // ErrorKind::input telling what is wrong: fewer than three vertices, no area, a border that crosses itself,
 // leaves the face, or meets another hole.
 inline constexpr double kHoleSlack_m = 0.005, kHoleMargin_m = 0.001;

@@ -7,7 +7,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kCoarse = 1.5;         // cells that the border may be off an edge that is tried as straight
+constexpr double kCoarse = 1.5;  // cells that the border may be off an edge that is tried as straight
 constexpr double kStraight_m = 0.25, kStraightCells = 7;  // an edge from this length on may be straight
 constexpr double kBow = 0.5;            // cells that the border may bow over its length then
 constexpr double kFine = 0.4;           // cells that curved parts may move when vertices go
@@ -66,8 +66,7 @@ std::optional<Split> best_split(const std::vector<std::pair<double, bool>>& sort
   return Split{0.5 * (first + last), static_cast<double>(best) / static_cast<double>(sorted.size())};
 }
 
-Line fitted_line(const Vec2& a, const Vec2& b, const std::vector<EvidenceMark>& marks,
-                                double cell_m) {
+Line fitted_line(const Vec2& a, const Vec2& b, const std::vector<EvidenceMark>& marks, double cell_m) {
   const Vec2 edge = b - a;
   const Vec2 own = Vec2(edge.y(), -edge.x()).normalized();  // right of the edge
   const auto own_split = best_split(beside(a, b, own, marks, cell_m));
@@ -132,7 +131,8 @@ std::vector<Section> sections_of(const Ring2& ring, const std::vector<EvidenceMa
     if (is_straight(section.points, cell_m)) {
       // Sampling rounds corners off: the ends say little about the line.
       const std::size_t trim = std::min<std::size_t>(2, section.points.size() / 4);
-      section.line = fitted_line(section.points[trim], section.points[section.points.size() - 1 - trim], marks, cell_m);
+      section.line =
+          fitted_line(section.points[trim], section.points[section.points.size() - 1 - trim], marks, cell_m);
     }
     sections.push_back(std::move(section));
   }
@@ -184,7 +184,8 @@ void drop_remnants(std::vector<Section>& sections, const std::vector<EvidenceMar
   for (std::size_t i = 0; sections.size() > 3 && i < sections.size();) {
     const std::size_t n = sections.size();
     const Section &before = sections[(i + n - 1) % n], &after = sections[(i + 1) % n];
-    if (!sections[i].line && before.line && after.line && is_remnant(before, sections[i], after, marks, cell_m))
+    if (!sections[i].line && before.line && after.line &&
+        is_remnant(before, sections[i], after, marks, cell_m))
       sections.erase(sections.begin() + static_cast<std::ptrdiff_t>(i));
     else
       ++i;

@@ -10,13 +10,13 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kMostPoints = 4'000'000;  // per scan
-constexpr double kNear_m = 0.5;         // samples this near may tell where a face's surface is
-constexpr double kParallelDeg = 15;     // of their planes
-constexpr double kGrazing = 0.17;       // cosine (80 degrees): flatter rays tell no place
-constexpr double kAttached_m = 0.15;    // mouldings and the like stand out of a face so far
-constexpr double kLeastTolerance_m = 0.02;  // about the surface, to be on it
-constexpr std::size_t kLeastSamples = 100;  // parallel ones that tell where a surface is
-constexpr double kLeastArea = 0.01;         // share of the face that they stand for
+constexpr double kNear_m = 0.5;                 // samples this near may tell where a face's surface is
+constexpr double kParallelDeg = 15;             // of their planes
+constexpr double kGrazing = 0.17;               // cosine (80 degrees): flatter rays tell no place
+constexpr double kAttached_m = 0.15;            // mouldings and the like stand out of a face so far
+constexpr double kLeastTolerance_m = 0.02;      // about the surface, to be on it
+constexpr std::size_t kLeastSamples = 100;      // parallel ones that tell where a surface is
+constexpr double kLeastArea = 0.01;             // share of the face that they stand for
 
 // Every n-th row and column.
 int stride_of(const RangeImage& image) {
@@ -45,8 +45,8 @@ void append_scan(const OpeningScan& scan, std::uint16_t index, EvidenceCloud& cl
         const Vec3& normal = scan.segmentation->superclusters[label - 1].plane.normal;
         const double range = own.norm(), cosine = std::max(0.05, std::abs(normal.dot(own)) / range);
         point.normal = scan.world_from_scan.rotate(normal).cast<float>();
-        point.area_m2 = static_cast<float>(cell_sr * std::cos(image.elevation_rad[static_cast<std::size_t>(row)]) *
-                                           range * range / cosine);
+        point.area_m2 = static_cast<float>(
+            cell_sr * std::cos(image.elevation_rad[static_cast<std::size_t>(row)]) * range * range / cosine);
       }
       cloud.points.push_back(point);
     }
@@ -82,8 +82,7 @@ double busiest_height(const std::vector<std::pair<double, double>>& sorted, doub
 EvidenceCloud gather_points(const PolygonModel& model, const std::vector<OpeningScan>& scans) {
   EvidenceCloud cloud;
   cloud.origin = model.vertices.empty() ? Vec3(Vec3::Zero()) : model.vertices[0];
-  for (std::size_t s = 0; s < scans.size(); ++s)
-    append_scan(scans[s], static_cast<std::uint16_t>(s), cloud);
+  for (std::size_t s = 0; s < scans.size(); ++s) append_scan(scans[s], static_cast<std::uint16_t>(s), cloud);
   return cloud;
 }
 
@@ -111,7 +110,8 @@ FaceSamples samples_of_face(const EvidenceCloud& cloud, const FaceFrame& frame) 
       const float t = passed ? scanner / (scanner - height) : 1.0f;
       const Vec2f at = from + t * (foot - from);
       const Vec2f& judged = std::abs(height) <= kNear_m && !passed ? foot : at;
-      if (judged.x() < 0 || judged.y() < 0 || judged.x() > frame.size.x() || judged.y() > frame.size.y()) continue;
+      if (judged.x() < 0 || judged.y() < 0 || judged.x() > frame.size.x() || judged.y() > frame.size.y())
+        continue;
       const float length = std::hypot((foot - from).norm(), height - scanner);
       const float cosine = std::abs(scanner - height) / length;
       if (cosine < kGrazing) continue;
@@ -131,7 +131,8 @@ void measure_surface(const FaceSamples& samples, const std::vector<Ring2>& rings
   std::vector<std::pair<double, double>> heights;
   double area = 0;
   for (const FaceSample& s : samples.samples)
-    if (s.parallel && samples.scanner_height_m[s.scan] > 0 && std::abs(s.height_m) < kNear_m && on_face(rings, Vec2(s.u, s.v))) {
+    if (s.parallel && samples.scanner_height_m[s.scan] > 0 && std::abs(s.height_m) < kNear_m &&
+        on_face(rings, Vec2(s.u, s.v))) {
       heights.emplace_back(s.height_m, s.area_m2);
       area += s.area_m2;
     }

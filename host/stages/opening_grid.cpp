@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFinest_m = 0.01, kCoarsest_m = 0.1;
 constexpr double kMostCells = 4e6;
-constexpr float kReach = 4;         // cells without evidence that an open area may span
+constexpr float kReach = 4;              // cells without evidence that an open area may span
 constexpr double kInnerRadius_m = 0.05;  // of a circle that fits into an opening
 constexpr float kFar = 1e18f;
 
@@ -136,7 +136,8 @@ std::vector<Component> components_of(const Mask& inside, int cols, int rows) {
     Component component{{start}};
     seen[start] = 1;
     for (std::size_t k = 0; k < component.cells.size(); ++k) {
-      const int row = static_cast<int>(component.cells[k]) / cols, col = static_cast<int>(component.cells[k]) % cols;
+      const int row = static_cast<int>(component.cells[k]) / cols,
+                col = static_cast<int>(component.cells[k]) % cols;
       const int steps[4][2] = {{0, 1}, {0, -1}, {1, 0}, {-1, 0}};
       for (const auto& step : steps) {
         const int r = row + step[0], c = col + step[1];
@@ -234,8 +235,8 @@ std::vector<float> distance_to_set(const std::vector<std::uint8_t>& set, int col
   return squared;
 }
 
-void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>& rings, const FaceFrame& frame,
-               double spacing_m, FaceEvidence& face) {
+void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>& rings,
+               const FaceFrame& frame, double spacing_m, FaceEvidence& face) {
   face.cell_m = std::clamp(spacing_m, kFinest_m, kCoarsest_m);
   face.cell_m = std::max(face.cell_m, std::sqrt(frame.size.x() * frame.size.y() / kMostCells));
   face.cols = std::max(1, static_cast<int>(std::ceil(frame.size.x() / face.cell_m)));
@@ -243,7 +244,8 @@ void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>&
   const std::size_t count = static_cast<std::size_t>(face.cols) * static_cast<std::size_t>(face.rows);
   std::vector<std::array<std::uint16_t, 4>> votes(count, {0, 0, 0, 0});
   for (const EvidenceMark& mark : marks) {
-    const int col = static_cast<int>(mark.at.x() / face.cell_m), row = static_cast<int>(mark.at.y() / face.cell_m);
+    const int col = static_cast<int>(mark.at.x() / face.cell_m),
+              row = static_cast<int>(mark.at.y() / face.cell_m);
     if (mark.at.x() < 0 || mark.at.y() < 0 || col >= face.cols || row >= face.rows) continue;
     auto& vote = votes[at(row, col, face.cols)][static_cast<std::size_t>(mark.kind) - 1];
     if (vote < 65535) ++vote;

@@ -4,8 +4,8 @@
 namespace hybrid::stages {
 
 // Evidence collected on a face's grid; sets face.cells, cols, rows, cell_m. `spacing_m`: of the samples.
-void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>& rings, const FaceFrame& frame,
-               double spacing_m, FaceEvidence& face);
+void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>& rings,
+               const FaceFrame& frame, double spacing_m, FaceEvidence& face);
 
 // Connected areas of a face's grid that lines of sight pass through, as rings in face coordinates along the
 // line half-way between what passes and what does not; largest first. Each holds a circle of 5 cm.

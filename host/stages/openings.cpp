@@ -10,12 +10,12 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kBorderStep = 1;         // cells between places on a border that are asked for samples
-constexpr double kBorderReach = 3;        // cells in which they are looked for
-constexpr double kAbsentShare = 0.5;      // of a face's area open: the face stands for nothing
-constexpr double kOnOutline = 0.4;        // of a border: the face ends, or part of it lies elsewhere
-constexpr double kPaneWindow_m = 0.06;    // returns from one plane behind the opening
-constexpr double kPaneDepth_m = 1.0;      // deeper planes are other rooms
+constexpr double kBorderStep = 1;       // cells between places on a border that are asked for samples
+constexpr double kBorderReach = 3;      // cells in which they are looked for
+constexpr double kAbsentShare = 0.5;    // of a face's area open: the face stands for nothing
+constexpr double kOnOutline = 0.4;      // of a border: the face ends, or part of it lies elsewhere
+constexpr double kPaneWindow_m = 0.06;  // returns from one plane behind the opening
+constexpr double kPaneDepth_m = 1.0;    // deeper planes are other rooms
 constexpr double kRecessShare = 0.7, kPaneShare = 0.05;
 
 // 3 sigma of pose and proxy: how far behind the face the surface may seem to be by their errors alone.
@@ -46,10 +46,12 @@ double median_spacing(const FaceSamples& samples) {
 double lower_bound(double good, double all) {
   if (all <= 0) return 0;
   const double z = 1.96, p = good / all, d = 1 + z * z / all;
-  return std::max(0.0, (p + z * z / (2 * all) - z * std::sqrt(p * (1 - p) / all + z * z / (4 * all * all))) / d);
+  return std::max(0.0,
+                  (p + z * z / (2 * all) - z * std::sqrt(p * (1 - p) / all + z * z / (4 * all * all))) / d);
 }
 
-std::vector<EvidenceMark> marks_near(const std::vector<EvidenceMark>& marks, const Ring2& ring, double margin_m) {
+std::vector<EvidenceMark> marks_near(const std::vector<EvidenceMark>& marks, const Ring2& ring,
+                                     double margin_m) {
   Vec2 low = ring[0], high = ring[0];
   for (const Vec2& p : ring) {
     low = low.cwiseMin(p);
@@ -81,8 +83,9 @@ void describe_depths(const std::vector<EvidenceMark>& marks, Opening& opening) {
     most = std::max(most, i + 1 - first);
   }
   const double pane = static_cast<double>(most) / static_cast<double>(depths.size());
-  const auto far = static_cast<double>(depths.end() - std::upper_bound(depths.begin(), depths.end(), kPaneDepth_m)) /
-                   static_cast<double>(depths.size());
+  const auto far =
+      static_cast<double>(depths.end() - std::upper_bound(depths.begin(), depths.end(), kPaneDepth_m)) /
+      static_cast<double>(depths.size());
   opening.kind = pane >= kRecessShare ? "recess" : pane >= kPaneShare && far >= kPaneShare ? "glass" : "open";
 }
 
@@ -136,8 +139,9 @@ std::string try_hole(const PolygonModel& model, std::size_t face, const Ring2& r
   }
 }
 
-std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& frame, const std::vector<Ring2>& rings,
-                                 const FaceSamples& samples, const OpeningOptions& options, FaceEvidence& face) {
+std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& frame,
+                                 const std::vector<Ring2>& rings, const FaceSamples& samples,
+                                 const OpeningOptions& options, FaceEvidence& face) {
   const auto marks = classify(samples, face);
   fill_grid(marks, rings, frame, median_spacing(samples), face);
   std::vector<std::uint8_t> closed(face.cells.size());
@@ -153,15 +157,16 @@ std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& fra
     opening.face = face.face;
     opening.cell_m = face.cell_m;
     opening.ring = straightened_border(area, near, face.cell_m);
-    if (!try_hole(model, face.face, opening.ring, face.cell_m).empty()) opening.ring = simplified(area, 0.5 * face.cell_m);
+    if (!try_hole(model, face.face, opening.ring, face.cell_m).empty())
+      opening.ring = simplified(area, 0.5 * face.cell_m);
     opening.area_m2 = signed_area(opening.ring);
     open_m2 += opening.area_m2;
     describe_depths(near, opening);
     if (opening.area_m2 < options.opening_area_m2 || opening.rays < options.opening_rays) continue;
     measure_border(face, to_closed, rings[0], opening);
-    opening.confidence = lower_bound(static_cast<double>(opening.rays),
-                                     static_cast<double>(opening.rays + opening.against)) *
-                         opening.border_seen;
+    opening.confidence =
+        lower_bound(static_cast<double>(opening.rays), static_cast<double>(opening.rays + opening.against)) *
+        opening.border_seen;
     found.push_back(std::move(opening));
   }
   if (open_m2 > kAbsentShare * std::abs(signed_area(rings[0]))) face.status = "absent";
@@ -189,7 +194,8 @@ const std::vector<OptionRow<OpeningOptions>>& opening_option_table() {
       {"opening_depth_m", "m", &O::opening_depth_m, 0.01, 10,
        "returns at least this far behind a face passed through it"},
       {"opening_area_m2", "m2", &O::opening_area_m2, 0.001, 1000, "smaller openings are not reported"},
-      {"opening_rays", "", &O::opening_rays, 10, 1e9, "openings that fewer lines of sight pass are not reported"},
+      {"opening_rays", "", &O::opening_rays, 10, 1e9,
+       "openings that fewer lines of sight pass are not reported"},
       {"opening_confidence", "", &O::opening_confidence, 0, 1, "less confident openings are not cut"},
       {"opening_displaced_m", "m", &O::opening_displaced_m, 0.01, 0.5,
        "a face this far off its surface is reported, never cut"},

@@ -11,7 +11,8 @@ namespace {
 constexpr float kFaceTolerance_m = 1e-3f;  // as for views (photo_blend.cpp)
 
 // The points on the device, in the layout of kernels/ray_cast.cl, as points of proxy faces.
-device::Array<float> upload(device::Queue& queue, const std::vector<SurfacePoint>& points, const Vec3& origin) {
+device::Array<float> upload(device::Queue& queue, const std::vector<SurfacePoint>& points,
+                            const Vec3& origin) {
   const std::size_t count = points.size();
   std::vector<float> planes(SURFACE_PLANES * count, 0.0f);
   for (std::size_t i = 0; i < count; ++i)
@@ -24,8 +25,9 @@ device::Array<float> upload(device::Queue& queue, const std::vector<SurfacePoint
 }
 
 // Adds 1 to `seen` where the camera sees the point.
-void add_seen(RenderState& s, const CameraRecord& camera, int index, const device::Array<std::uint8_t>& pixels,
-              const device::Array<float>& surface, std::size_t count, device::Array<std::uint32_t>& seen) {
+void add_seen(RenderState& s, const CameraRecord& camera, int index,
+              const device::Array<std::uint8_t>& pixels, const device::Array<float>& surface,
+              std::size_t count, device::Array<std::uint32_t>& seen) {
   const DeviceBvh& occluders = s.geometry("both");
   RankPhotosParams params{};
   params.camera = camera;
@@ -38,9 +40,9 @@ void add_seen(RenderState& s, const CameraRecord& camera, int index, const devic
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.root;
   const int width = s.queue.vector_width();
-  s.queue.launch("rank_photos", s.queue.kernel("rank_photos", {{"VW", width}}), packet_grid(width, count, 1), params,
-                 occluders.nodes, occluders.triangles, occluders.spheres, surface, pixels, s.queue.array<float>(0),
-                 s.queue.array<std::int32_t>(0), seen);
+  s.queue.launch("rank_photos", s.queue.kernel("rank_photos", {{"VW", width}}), packet_grid(width, count, 1),
+                 params, occluders.nodes, occluders.triangles, occluders.spheres, surface, pixels,
+                 s.queue.array<float>(0), s.queue.array<std::int32_t>(0), seen);
   s.queue.finish();  // the empty arrays live as long as this call
 }
 

@@ -60,7 +60,8 @@ TEST(Edit, clips_drop_samples_from_what_is_kept_but_not_from_the_range_image) {
   ASSERT_EQ(run_edited(scratch, "", "--only planes,register").exit_code, 0);
   const auto plain = io::read_scan(scratch / "out/scans/s/detail.ply", 0);
   // The half of the room with x above 2 m, in the world; the scan's axes are the world's.
-  const auto clipped = run_edited(scratch, "[[edit.clip]]\nplane = [-1, 0, 0, -2]\n", "--only planes,register,edit");
+  const auto clipped =
+      run_edited(scratch, "[[edit.clip]]\nplane = [-1, 0, 0, -2]\n", "--only planes,register,edit");
   ASSERT_EQ(clipped.exit_code, 0) << clipped.err;
   const auto left = io::read_scan(scratch / "out/scans/s/detail.ply", 0);
   EXPECT_LT(left.points.size(), plain.points.size());
@@ -76,7 +77,8 @@ TEST(Edit, a_depth_edit_moves_its_area_of_the_range_image) {
   ASSERT_EQ(run_edited(scratch, "", "--only planes").exit_code, 0);
   const auto before = io::read_scan(scratch / "out/scans/s/range.exr", 0);
   const auto moved = run_edited(
-      scratch, "[[edit.depth]]\nscan = \"s\"\npolygon = [[20, 30], [20, 50], [40, 50], [40, 30]]\nby_m = 0.07\n",
+      scratch,
+      "[[edit.depth]]\nscan = \"s\"\npolygon = [[20, 30], [20, 50], [40, 50], [40, 30]]\nby_m = 0.07\n",
       "--only planes,edit");
   ASSERT_EQ(moved.exit_code, 0) << moved.err;
   const auto after = io::read_scan(scratch / "out/scans/s/range.exr", 0);

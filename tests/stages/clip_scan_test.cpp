@@ -41,7 +41,8 @@ TEST(ClipScan, every_shape_keeps_inside_or_outside) {
     clip_nodes(image, Pose{}, shape, true, inside);
     for (std::size_t i = 0; i < image.count(); ++i) {
       EXPECT_EQ(outside[i] + inside[i], image.mask[i] == kMeasured ? 1 : 0) << i;
-      if (image.mask[i] == kMeasured && std::abs(image.x[i]) > 1e-3) EXPECT_EQ(outside[i], image.x[i] > 0) << i;
+      if (image.mask[i] == kMeasured && std::abs(image.x[i]) > 1e-3)
+        EXPECT_EQ(outside[i], image.x[i] > 0) << i;
     }
     if (first.empty()) first = outside;
   }
@@ -74,9 +75,9 @@ TEST(MoveArea, moves_along_the_rays_and_nothing_else) {
 
 TEST(MoveArea, wrong_areas_are_errors) {
   RangeImage image = ball();
-  EXPECT_THROW(move_area(image, {{0, 0}, {0, 16}, {3, 3}}, 0.1), Error);          // outside
-  EXPECT_THROW(move_area(image, {{0, 0}, {4, 4}, {0, 4}, {4, 0}}, 0.1), Error);   // meets itself
-  EXPECT_THROW(move_area(image, {{0, 6}, {0, 9}, {4, 9}}, -2), Error);            // to the scanner
+  EXPECT_THROW(move_area(image, {{0, 0}, {0, 16}, {3, 3}}, 0.1), Error);         // outside
+  EXPECT_THROW(move_area(image, {{0, 0}, {4, 4}, {0, 4}, {4, 0}}, 0.1), Error);  // meets itself
+  EXPECT_THROW(move_area(image, {{0, 6}, {0, 9}, {4, 9}}, -2), Error);           // to the scanner
 }
 
 }  // namespace hybrid::stages

@@ -26,7 +26,8 @@ Scene scan(const Depth& depth) {
   Scene scene;
   const int rows = 560, cols = 800;
   scene.image = make_range_image(rows, cols);
-  for (int row = 0; row < rows; ++row) scene.image.elevation_rad[static_cast<std::size_t>(row)] = (rows / 2 - row) * kStep;
+  for (int row = 0; row < rows; ++row)
+    scene.image.elevation_rad[static_cast<std::size_t>(row)] = (rows / 2 - row) * kStep;
   for (int col = 0; col < cols; ++col)
     scene.image.azimuth_rad[static_cast<std::size_t>(col)] = M_PI / 2 + (col - cols / 2) * kStep;
   scene.segmentation.sample_label.assign(scene.image.count(), 0);
@@ -70,7 +71,8 @@ bool in_window(double x, double z) {
 Openings find(const Scene& scene, const std::string& mode = "cut") {
   OpeningOptions options;
   options.openings = mode;
-  return find_openings(wall_model(), {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}}, options);
+  return find_openings(wall_model(), {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}},
+                       options);
 }
 
 double farthest_corner_mm(const Ring2& ring) {
@@ -154,19 +156,20 @@ TEST(Openings, report_reports_and_few_rays_are_not_enough) {
   OpeningOptions options;
   options.openings = "cut";
   options.opening_rays = 100000;
-  EXPECT_TRUE(find_openings(wall_model(), {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}}, options)
+  EXPECT_TRUE(find_openings(wall_model(),
+                            {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}}, options)
                   .openings.empty());
 }
 
 TEST(Displacement, heights_over_the_face_where_it_was_measured) {
   const Scene scene = scan([](double x, double z) {
-    if (in_window(x, z)) return 2.0;                     // an opening: not measured
-    return x > 3 ? -0.05 : 0.0;                          // a pilaster, 5 cm proud
+    if (in_window(x, z)) return 2.0;  // an opening: not measured
+    return x > 3 ? -0.05 : 0.0;       // a pilaster, 5 cm proud
   });
   DisplacementOptions options;
   options.displacement_texel_m = 0.05;
-  const auto maps = displacement_maps(wall_model(), {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}},
-                                      options);
+  const auto maps = displacement_maps(
+      wall_model(), {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}}, options);
   ASSERT_EQ(maps.size(), 1u);
   const DisplacementMap& map = maps[0];
   EXPECT_EQ(map.cols, 80);

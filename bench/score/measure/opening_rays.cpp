@@ -20,7 +20,8 @@ double step_rad(const LabelledGrid& grid) {
       angles.push_back(std::atan2(a.cross(b).norm(), a.dot(b)));
     }
   if (angles.empty()) return 0;
-  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2), angles.end());
+  std::nth_element(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2),
+                   angles.end());
   return angles[angles.size() / 2];
 }
 

@@ -91,7 +91,8 @@ double border_distance(const Ring& ring, const std::vector<Ring>& reported) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vec3 &a = ring[i], arm = ring[(i + 1) % ring.size()] - a;
     const int parts = std::max(1, static_cast<int>(std::ceil(arm.norm() / kStep_m)));
-    for (int k = 0; k < parts; ++k) distances.push_back(distance_to_rings(a + (k + 0.5) / parts * arm, reported));
+    for (int k = 0; k < parts; ++k)
+      distances.push_back(distance_to_rings(a + (k + 0.5) / parts * arm, reported));
   }
   std::sort(distances.begin(), distances.end());
   return distances[distances.size() * 95 / 100];
@@ -120,7 +121,8 @@ OpeningScore score_openings(const std::vector<TrueOpening>& truth, const EditedM
     true_rings.push_back(opening.ring);
     const auto points = points_inside(opening.ring);
     const Vec3 normal = plane_of_ring(opening.ring).normal;
-    OpeningScore::One one{opening.name, opening.face, static_cast<double>(points.size()) * kCellM2, {}, {}, {}, {}, {}};
+    OpeningScore::One one{
+        opening.name, opening.face, static_cast<double>(points.size()) * kCellM2, {}, {}, {}, {}, {}};
     if (result.polygons)
       one.open_share = share_where(points, [&](const Vec3& point) { return !closed(edited, point, normal); });
     if (result.reported)
