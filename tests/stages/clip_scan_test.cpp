@@ -41,8 +41,9 @@ TEST(ClipScan, every_shape_keeps_inside_or_outside) {
     clip_nodes(image, Pose{}, shape, true, inside);
     for (std::size_t i = 0; i < image.count(); ++i) {
       EXPECT_EQ(outside[i] + inside[i], image.mask[i] == kMeasured ? 1 : 0) << i;
-      if (image.mask[i] == kMeasured && std::abs(image.x[i]) > 1e-3)
+      if (image.mask[i] == kMeasured && std::abs(image.x[i]) > 1e-3) {
         EXPECT_EQ(outside[i], image.x[i] > 0) << i;
+      }
     }
     if (first.empty()) first = outside;
   }
