@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kBorderStep = 1;       // cells between places on a border that are asked for samples
 constexpr double kBorderReach = 3;      // cells in which they are looked for
+constexpr double kLeastBorder = 0.25;     // of a border seen: else where it opens is anybody's guess
 constexpr double kAbsentShare = 0.5;    // of a face's area open: the face stands for nothing
 constexpr double kOnOutline = 0.4;      // of a border: the face ends, or part of it lies elsewhere
 constexpr double kPaneWindow_m = 0.06;  // returns from one plane behind the opening
@@ -164,6 +165,7 @@ std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& fra
     describe_depths(near, opening);
     if (opening.area_m2 < options.opening_area_m2 || opening.rays < options.opening_rays) continue;
     measure_border(face, to_closed, rings[0], opening);
+    if (opening.border_seen < kLeastBorder) continue;
     opening.confidence =
         lower_bound(static_cast<double>(opening.rays), static_cast<double>(opening.rays + opening.against)) *
         opening.border_seen;
