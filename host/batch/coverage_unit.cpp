@@ -7,13 +7,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Millimetres and square centimetres are enough to go there.
-double rounded(double value, double step) {
-  return std::round(value / step) * step;
+// To thousandths: millimetres are enough to go there.
+double rounded(double value) {
+  return std::round(value * 1000) / 1000;
 }
 
 Json vector_json(const Vec3& v) {
-  return {rounded(v.x(), 0.001), rounded(v.y(), 0.001), rounded(v.z(), 0.001)};
+  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
 }
 
 }  // namespace

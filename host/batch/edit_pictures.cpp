@@ -78,14 +78,29 @@ Ink ink_of(stages::CellEvidence evidence) {
   return {0, 0, 0};
 }
 
+// The faces of the model that are no longer as they were, alone: what the pictures look at.
+PolygonModel changed_faces(const PolygonModel& before, const PolygonModel& after) {
+  PolygonModel changed;
+  for (const Face& face : before.faces) {
+    const auto same = std::find_if(after.faces.begin(), after.faces.end(), [&](const Face& other) {
+      return other.name == face.name && other.holes.size() == face.holes.size();
+    });
+    if (same != after.faces.end()) continue;
+    for (const std::uint32_t vertex : face.outer) changed.vertices.push_back(before.vertices[vertex]);
+  }
+  return changed;
+}
+
 }  // namespace
 
 Image8 edited_model_picture(device::Queue& queue, const PolygonModel& before, const PolygonModel& after) {
   constexpr int kWidth = 800, kHeight = 600, kGap = 8;
   Image8 sheet(2 * kWidth + kGap, 2 * kHeight + kGap, 3);
   std::fill(sheet.pixels.begin(), sheet.pixels.end(), std::uint8_t{255});
+  const PolygonModel changed = changed_faces(before, after);
   for (const bool behind : {false, true}) {
-    const Photograph camera = overview_camera(before, kWidth, kHeight, behind);
+    const Photograph camera =
+        overview_camera(changed.vertices.empty() ? before : changed, kWidth, kHeight, behind);
     const int top = behind ? kHeight + kGap : 0;
     paste(plain_picture(queue, before, camera), 0, top, sheet);
     paste(plain_picture(queue, after, camera), kWidth + kGap, top, sheet);

@@ -7,7 +7,7 @@ namespace hybrid::batch {
 
 // What a person checks edits by. All RGB.
 
-// The proxy before (left) and after (right), from before and above, and from behind.
+// The proxy before (left) and after (right) where its faces changed, from before and above, and from behind.
 Image8 edited_model_picture(device::Queue& queue, const PolygonModel& before, const PolygonModel& after);
 
 // The range picture before (top) and after (below), with clipped samples red.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBorderStep = 1;       // cells between places on a border that are asked for samples
 constexpr double kBorderReach = 3;      // cells in which they are looked for
-constexpr double kLeastBorder = 0.25;     // of a border seen: else where it opens is anybody's guess
+constexpr double kLeastBorder = 0.25;   // of a border seen: else where it opens is anybody's guess
 constexpr double kAbsentShare = 0.5;    // of a face's area open: the face stands for nothing
 constexpr double kOnOutline = 0.4;      // of a border: the face ends, or part of it lies elsewhere
 constexpr double kPaneWindow_m = 0.06;  // returns from one plane behind the opening
