@@ -4,6 +4,7 @@
 
 #include "score/error.hpp"
 #include "score/measure/coplanar_pieces.hpp"
+#include "score/measure/opening_rays.hpp"
 #include "score/read/files.hpp"
 #include "score/score_views.hpp"
 
@@ -141,6 +142,12 @@ SceneScore score_scene(const fs::path& truth_file, const fs::path& results, cons
   if (edited.polygons || edited.reported)
     score.openings = score_openings(truth.openings, edited,
                                     fs::exists(proxy) ? read_obj_polygons(proxy) : std::vector<Ring>{});
+  if (score.openings)
+    for (const TrueScan& scan : truth.scans)
+      if (fs::exists(results / "scans" / scan.id / "range.exr") &&
+          fs::exists(results / "scans" / scan.id / "labels.exr"))
+        count_opening_rays(read_labelled_grid(results / "scans" / scan.id), scan.world_from_scan,
+                           truth.openings, *score.openings);
   const bool any_scan = std::any_of(score.scans.begin(), score.scans.end(),
                                     [](const ScanScore& scan) { return scan.planes || scan.pose; });
   if (!any_scan && score.views.empty() && !score.openings)

@@ -8,9 +8,6 @@ namespace {
 std::set<std::string> parse_stages(const std::vector<std::string>& names) {
   if (names.empty()) return batch::kAllStages;
   for (const auto& name : names) {
-    if (name == "edit")
-      fail(ErrorKind::usage, "--only {}: this version has no stage {} yet; it has {}, export", name, name,
-           fmt::join(batch::kAllStages, ", "));
     if (batch::kAllStages.count(name) == 0 && name != "export")
       fail(ErrorKind::usage, "--only {}: expected stages among {}, export", name,
            fmt::join(batch::kAllStages, ", "));
@@ -26,7 +23,8 @@ void add_run(CLI::App& program, int& exit_code) {
   scene.command
       ->add_option(
           "--only", *only,
-          "stages whose outputs are written, among planes,register,render,report,export; what they need is "
+          "stages whose outputs are written, among planes,register,edit,render,report,export; what they need "
+          "is "
           "computed "
           "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
           "them; without --only all but export, which runs where the scene file has [export]")

@@ -14,6 +14,8 @@
 namespace hybrid::archive {
 namespace {
 
+constexpr std::uint64_t kDepthImageSamples = 640 * 480;
+
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
@@ -183,6 +185,13 @@ class Planner {
                            const batch::StageOptions& options, batch::ScanNames& names, Unit& unit) {
     const io::SceneScan& scan = scene.scans[entry];
     unit.inputs.push_back(cache_.look(scan.file));
+    if (scan.depth) {  // small: the scene's run makes its planes
+      unit.from["scans"].push_back(
+          {{"file", fs::proximate(scan.file, scene.path.parent_path()).generic_string()},
+           {"xxh3", print_of(unit.inputs.back())}});
+      names.next(scan, 0, 1);
+      return kDepthImageSamples;
+    }
     auto listing = cache_.list(scan.file, unit.settings.salvage.value_or(false));
     if (scan.index && listing.problem.empty()) {
       const auto index = static_cast<std::size_t>(*scan.index);
@@ -204,6 +213,9 @@ class Planner {
     Json keys = Json::array();
     for (std::size_t i = 0; i < listing.scans.size(); ++i) {
       const std::string id = names.next(scan, static_cast<int>(i), static_cast<int>(listing.scans.size()));
+      samples += listing.scans[i].samples;
+      if (scene.edits.moves_depths_of(id))
+        continue;  // the edit comes before the planes: the scene's run makes them
       Unit planes = planes_unit(scan.file, listing.scans[i], id, options, unit.settings);
       planes.id = fmt::format("planes {} {}", name, id);
       planes.scene = scene.path;
@@ -213,7 +225,6 @@ class Planner {
       planes.inputs.push_back(unit.inputs.front());  // the scene file says how to read the scan
       keys.push_back(planes.key);
       unit.needs.push_back(manifest_.units.size());
-      samples += listing.scans[i].samples;
       manifest_.units.push_back(std::move(planes));
     }
     unit.from["scans"].back()["planes"] = keys;

@@ -31,13 +31,13 @@ void run_scan_of_scene(device::Queue& queue, const Unit& unit, const fs::path& w
   const auto scene = io::read_scene_file(unit.scene);
   auto options = batch::read_stage_options(scene, unit.settings.assignments);
   if (unit.settings.seed) options.set_seed(*unit.settings.seed);
-  const auto& entry = scene.scans.at(unit.entry);
-  const auto scans = io::list_scans(entry.file, {.salvage = unit.settings.salvage.value_or(false)});
+  io::SceneScan entry = scene.scans.at(unit.entry);
+  entry.index = static_cast<int>(unit.scan_index);
+  const auto scans = batch::list_scene_scans(entry, unit.settings.salvage.value_or(false));
   batch::Progress progress(false);
   progress.expect(7);
   progress.step("read", "scan " + unit.scan_id);
-  auto kept = batch::make_planes(queue, unit.scan_id, entry, io::scan_at(entry.file, scans, unit.scan_index),
-                                 options, progress);
+  auto kept = batch::make_planes(queue, unit.scan_id, entry, scans.front(), options, progress);
   progress.step("write", "scan " + unit.scan_id);
   write_kept_scan(work / "kept.bin", kept);
   io::write_text(work / "summary.json", batch::scan_figures(kept.product).dump(1) + "\n");

@@ -28,7 +28,7 @@ std::set<std::string> stages_of(const fs::path& scene) {
   auto stages = batch::kAllStages;
   try {
     if (!io::read_scene_file(scene).model)
-      for (const char* stage : {"register", "render"}) stages.erase(stage);
+      for (const char* stage : {"register", "edit", "render"}) stages.erase(stage);
   } catch (const Error&) {
   }
   return stages;
@@ -55,6 +55,7 @@ UnitResult run_scene_unit(device::Queue& queue, const Store& store, const Manife
   request.scene_file = unit.scene;
   request.out = work;
   request.stages = stages_of(unit.scene);
+  request.export_if_asked = true;
   request.leave_one_out = unit.settings.leave_one_out.value_or(false);
   request.assignments = unit.settings.assignments;
   request.seed = unit.settings.seed;

@@ -96,7 +96,7 @@ ScanRemains keep_remains(Scan scan, const RangeImage& image) {
 }  // namespace
 
 ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
-                           const StageOptions& options, Progress& progress) {
+                           const StageOptions& options, Progress& progress, const EditImage& edit) {
   ProcessedScan processed;
   ScanProduct& product = processed.product;
   product.id = id;
@@ -108,6 +108,7 @@ ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan sca
 
   progress.step("resample", unit);
   product.image = stages::resample_scan(queue, scan, options.resample);
+  if (edit) edit(product.image, scan);
   processed.remains = keep_remains(std::move(scan), product.image);
   progress.step("square planes", unit);
   const auto squares = fit_squares(queue, product.image, options);
@@ -163,9 +164,12 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
   std::vector<std::uint32_t> kept;
   for (std::size_t i = 0; i < image.count(); ++i)
     if (product.decimation.fate[i] > stages::kDiscarded) kept.push_back(static_cast<std::uint32_t>(i));
+  std::vector<io::PlyPoint> beside;  // samples that no grid node took are data too
+  for (std::size_t i = 0; i < scan.extra.size(); ++i)
+    if (scan.extra_clipped.empty() || !scan.extra_clipped[i]) beside.push_back(scan.extra[i]);
   const auto point_at = [&](std::size_t k) {
-    if (k >= kept.size()) {  // samples that no grid node took are data too: without a colour from photographs
-      io::PlyPoint extra = scan.extra[k - kept.size()];
+    if (k >= kept.size()) {  // without a colour from photographs
+      io::PlyPoint extra = beside[k - kept.size()];
       if (colours) extra.rgb = {};
       return extra;
     }
@@ -178,7 +182,7 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
         point.rgb[channel] = srgb_byte_from_linear(colours->colour.pixels[3 * i + channel]);
     return point;
   };
-  io::write_ply(folder / "detail.ply", kept.size() + scan.extra.size(), point_at, content);
+  io::write_ply(folder / "detail.ply", kept.size() + beside.size(), point_at, content);
 }
 
 io::SampleFileSize write_samples(const std::filesystem::path& folder, const ScanProduct& product,

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ struct ScanProduct {
   std::vector<std::uint8_t> stray;                // per node: stages::Stray
   stages::ContourFaces contour_faces;             // after registration: what no proxy face explains
   std::vector<std::uint8_t> drawn;                // per node: stages::Drawn; after registration
+  std::vector<std::uint8_t> clipped{};            // per node, 1: dropped by [edit] clip; or empty
   double sigma_m = 0;                             // range noise used
   std::optional<Pose> recorded_pose;              // as the file gave it
   std::optional<io::SampleFileSize> sample_file;  // lossless = true
@@ -41,19 +43,22 @@ struct ScanProduct {
 struct ScanRemains {
   bool intensity = false, colour = false;
   std::string crs{};
-  std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
+  std::vector<io::PlyPoint> extra{};          // the image's extra samples, in their order
+  std::vector<std::uint8_t> extra_clipped{};  // per extra sample, 1: dropped by [edit] clip; or empty
   std::optional<Scan> georeferenced{};
 };
 
 // METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
 // for no surface. The scan itself goes as soon as its range image stands, georeferenced ones excepted: half
-// of the memory that the stages need.
+// of the memory that the stages need. `edit`, where given, changes the range image, and the scan with it,
+// before planes are looked for.
+using EditImage = std::function<void(RangeImage&, Scan&)>;
 struct ProcessedScan {
   ScanProduct product;
   ScanRemains remains;
 };
 ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
-                           const StageOptions& options, Progress& progress);
+                           const StageOptions& options, Progress& progress, const EditImage& edit = {});
 
 // Colours of the range image's nodes, when photographs were projected on them.
 using NodeColours = stages::Renderer::ColouredRange;

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 
+#include "batch/coverage_unit.hpp"
 #include "batch/drawn_samples.hpp"
 #include "batch/landmark_sheet.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/residual_figures.hpp"
+#include "batch/scene_editing.hpp"
 #include "batch/scene_export.hpp"
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
@@ -16,8 +18,6 @@
 #include "io/obj.hpp"
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
-#include "io/read_scan.hpp"
-#include "io/scanner_position.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -35,11 +35,12 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
   if (request.export_if_asked && scene.has_export) stages.insert("export");
   if (stages.count("report")) {  // its page shows the others' files
     stages.insert("planes");
-    if (scene.model) stages.insert({"register", "render"});
+    if (scene.model) stages.insert({"register", "edit", "render"});
   }
-  if ((stages.count("register") || stages.count("render")) && !scene.model)
-    fail_input("{}: no [model]: registration and rendering need one; add it, or use --only planes,report",
-               scene.path.string());
+  if ((stages.count("register") || stages.count("edit") || stages.count("render")) && !scene.model)
+    fail_input(
+        "{}: no [model]: registration, editing and rendering need one; add it, or use --only planes,report",
+        scene.path.string());
   const auto named = [&](const auto& view) { return view.name == request.only_view; };
   if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
     fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
@@ -51,6 +52,12 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
 
 // What the scene file says in the file's coordinates, in the scanner's frame.
 io::SceneScan in_scan_frame(io::SceneScan entry) {
+  if (entry.depth) {
+    const Pose camera_from_scan = io::camera_from_depth_scan();
+    for (io::SceneLandmark& landmark : entry.landmarks)
+      if (landmark.scan) landmark.scan = camera_from_scan.inverse() * *landmark.scan;
+    if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * camera_from_scan);
+  }
   if (!entry.scanner) return entry;
   for (io::SceneLandmark& landmark : entry.landmarks)
     if (landmark.scan) *landmark.scan -= *entry.scanner;
@@ -60,9 +67,9 @@ io::SceneScan in_scan_frame(io::SceneScan entry) {
   return entry;
 }
 
-PolygonModel read_model(const io::SceneFile::Model& section) {
+PolygonModel read_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names) {
   const double scale = section.unit == "mm" ? 0.001 : 1.0;
-  return io::read_obj(section.file, scale, section.up == "y");
+  return io::read_obj(section.file, scale, section.up == "y", &names);
 }
 
 std::string relative_name(const fs::path& file, const io::SceneFile& scene) {
@@ -83,7 +90,8 @@ class Run {
     read_inputs();
     begin_output(request_.out, run_.scene.name);
     for (const auto& entry : run_.scene.scans) process_file(entry);
-    if (wants("register") || wants("render") || (wants("export") && run_.model)) register_all();
+    check_edited_scans(run_.scene, names_->taken());
+    if (needs_poses()) register_all();
     if (wants("planes")) write_scans();
     if (wants("render")) render_all();
     if (wants("export")) export_all();
@@ -95,6 +103,9 @@ class Run {
 
  private:
   bool wants(const std::string& stage) const { return stages_.count(stage) > 0; }
+  bool needs_poses() const {
+    return wants("register") || wants("edit") || wants("render") || (wants("export") && run_.model);
+  }
   bool colours_scans() const {
     return wants("render") && wants("planes") && run_.scene.photographs.has_value();
   }
@@ -106,7 +117,9 @@ class Run {
     expect_steps();
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
-      run_.model = read_model(*run_.scene.model);
+      std::vector<io::ObjFaceNames> names;
+      const PolygonModel model = read_model(*run_.scene.model, names);
+      run_.model = editing_.edit(run_.scene, model, names);
       add_input(run_.scene.model->file);
     }
     if (run_.scene.photographs) {
@@ -121,8 +134,7 @@ class Run {
   }
 
   void expect_steps() {
-    const int steps_per_scan =
-        6 + (wants("register") || wants("render") ? 3 : 0) + wants("planes") + colours_scans();
+    const int steps_per_scan = 6 + (needs_poses() ? 3 : 0) + wants("planes") + colours_scans();
     progress_.expect(1 + static_cast<int>(run_.scene.scans.size()) * steps_per_scan +
                      (wants("render") ? view_count() : 0) + wants("report"));
   }
@@ -170,9 +182,8 @@ class Run {
     std::vector<io::ScanEntry> scans;
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      auto listed = io::list_scans(entry.file, {.salvage = request_.salvage});
+      auto listed = list_scene_scans(entry, request_.salvage);
       add_input(entry.file);
-      if (entry.index) listed = {io::scan_at(entry.file, listed, static_cast<std::size_t>(*entry.index))};
       scans = std::move(listed);
     });
     for (std::size_t i = 0; i < scans.size(); ++i)
@@ -181,8 +192,13 @@ class Run {
 
   void process(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
     unit("scan " + id, [&] {
-      auto made = request_.kept_scan ? request_.kept_scan(id) : std::nullopt;
-      if (!made) made = make_planes(queue_, id, entry, scan_entry, options_, progress_);
+      // What the scene file changes in a range image is in no kept scan.
+      const bool edited = run_.scene.edits.moves_depths_of(id);
+      auto made = request_.kept_scan && !edited ? request_.kept_scan(id) : std::nullopt;
+      if (!made)
+        made = make_planes(
+            queue_, id, entry, scan_entry, options_, progress_,
+            [&](RangeImage& image, Scan& samples) { editing_.edit_depths(run_.scene, id, image, samples); });
       run_.products.push_back(std::move(made->product));
       remains_.push_back(std::move(made->remains));
       entries_.push_back(in_scan_frame(entry));
@@ -200,12 +216,18 @@ class Run {
         if (wants("register"))
           io::write_text(scan_folder(run_.products[i].id) / "pose.json",
                          pose_json(run_.products[i], registration).dump(1) + "\n");
+        if (!registration.abstained) editing_.clip(run_.scene, registration, run_.products[i], remains_[i]);
         auto& list = registration.abstained ? run_.abstentions : run_.registrations;
         list[i] = std::move(registration);
         if (run_.abstentions[i]) abstain(i);
         if (wants("register")) remove_landmark_sheet(scan_folder(run_.products[i].id));
       });
+    unit("edit", [&] {
+      editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations, *run_.model);
+    });
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    if (wants("edit"))
+      unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
     if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
     const auto contours = world_contours(run_.products, run_.registrations);
@@ -270,6 +292,8 @@ class Run {
   void render_all() {
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs);
     stages::Renderer renderer(queue_, scene, options_.render);
+    if (!run_.photographs.cameras.empty())
+      unit("coverage", [&] { coverage_ = coverage_figures(renderer, scene, options_.coverage); });
     if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));
     for (const auto& view : views())
       unit("view " + view.name, [&] {
@@ -321,11 +345,9 @@ class Run {
 
   // A product's input as process() had it.
   Scan read_again(std::size_t i) const {
-    const fs::path& file = entries_[i].file;
-    const auto listed = io::list_scans(file, {.salvage = request_.salvage});
-    Scan scan = io::read_scan(file, io::scan_at(file, listed, indices_[i]));
-    if (entries_[i].scanner) io::place_scanner(scan, *entries_[i].scanner);
-    return scan;
+    io::SceneScan entry = entries_[i];
+    entry.index = static_cast<int>(indices_[i]);
+    return read_scene_scan(run_.products[i].id, entry, list_scene_scans(entry, request_.salvage).front());
   }
 
   Json scan_summary(std::size_t i) const {
@@ -366,6 +388,8 @@ class Run {
                     {"views", views_},
                     {"failures", Json::array()}};
     if (!export_.is_null()) run_.summary["export"] = export_;
+    if (!coverage_.is_null()) run_.summary["coverage"] = coverage_;
+    if (const Json edits = editing_.figures(); !edits.is_null()) run_.summary["edit"] = edits;
     Json placed = Json::array();  // photographs out of E57 files
     for (std::size_t i = 0; i < run_.photographs.placed_with.size(); ++i)
       placed.push_back(
@@ -397,12 +421,13 @@ class Run {
   std::set<std::string> stages_;
   Progress progress_;
   StageOptions options_;
+  SceneEditing editing_;
   std::vector<ScanRemains> remains_;    // one per product
   std::vector<io::SceneScan> entries_;  // one per product
   std::vector<std::size_t> indices_;    // one per product: which scan of its file
   std::optional<ScanNames> names_;
   std::optional<io::SceneTruth> truth_;
-  Json inputs_ = Json::array(), views_ = Json::array(), export_;
+  Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_;
   SceneRun run_;
 };
 

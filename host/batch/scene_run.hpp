@@ -15,7 +15,7 @@
 namespace hybrid::batch {
 
 // Stages of the contract that this version has and that a run without --only has; "export" beside them.
-inline const std::set<std::string> kAllStages = {"planes", "register", "render", "report"};
+inline const std::set<std::string> kAllStages = {"planes", "register", "edit", "render", "report"};
 
 struct RunRequest {
   std::filesystem::path scene_file;

@@ -6,13 +6,26 @@
 
 namespace hybrid::batch {
 
-ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
-                          const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress) {
-  Scan scan = io::read_scan(entry.file, scan_entry);
+std::vector<io::ScanEntry> list_scene_scans(const io::SceneScan& entry, bool salvage) {
+  if (entry.depth) return std::vector<io::ScanEntry>(1);
+  auto listed = io::list_scans(entry.file, {.salvage = salvage});
+  if (entry.index) return {io::scan_at(entry.file, listed, static_cast<std::size_t>(*entry.index))};
+  return listed;
+}
+
+Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
+  Scan scan =
+      entry.depth ? io::read_depth_image(entry.file, *entry.depth) : io::read_scan(entry.file, scan_entry);
   if (entry.scanner) io::place_scanner(scan, *entry.scanner);
   if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
     log::warning("scan {}: {}", id, doubt);
-  return process_scan(queue, id, std::move(scan), options, progress);
+  return scan;
+}
+
+ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
+                          const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress,
+                          const EditImage& edit) {
+  return process_scan(queue, id, read_scene_scan(id, entry, scan_entry), options, progress, edit);
 }
 
 ScanNames::ScanNames(const io::SceneFile& scene) {

@@ -8,9 +8,16 @@
 
 namespace hybrid::batch {
 
-// Reads a scan of a scene, places its scanner as the scene file says, and runs the planes stages on it.
+// The scans that a [[scan]] stands for: one of a depth image, else those of its file or the one of its index.
+// Throws as io::list_scans() and io::scan_at().
+std::vector<io::ScanEntry> list_scene_scans(const io::SceneScan& entry, bool salvage);
+// One of them, its scanner placed as the scene file says; warns where that is doubtful.
+Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry);
+
+// Reads a scan of a scene and runs the planes stages on it.
 ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
-                          const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress);
+                          const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress,
+                          const EditImage& edit = {});
 
 // Gives every scan of a scene its id, in the order of the scene file and of the scans in each file. An id
 // that the scene file gives is not free for a scan that is named after its file.
@@ -19,6 +26,8 @@ class ScanNames {
   explicit ScanNames(const io::SceneFile& scene);
   // Of scan `index` of the `count` that the entry stands for.
   std::string next(const io::SceneScan& entry, int index, int count);
+  // All that are given or reserved by now.
+  const std::vector<std::string>& taken() const { return taken_; }
 
  private:
   std::vector<std::string> taken_;

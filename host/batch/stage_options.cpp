@@ -75,8 +75,17 @@ bool apply_register(StageOptions& options, const std::string& key, const OptionV
          apply(key, value, options.alignment, stages::automatic_option_table());
 }
 
+bool apply_edit(StageOptions& options, const std::string& key, const OptionValue& value) {
+  const auto& lists = io::scene_edit_keys();
+  if (std::find(lists.begin(), lists.end(), key) != lists.end())
+    fail_input("{}: a list of edits belongs into the scene file", key);
+  return apply(key, value, options.edit, stages::opening_option_table()) ||
+         apply(key, value, options.displacement, stages::displacement_option_table());
+}
+
 bool apply_render(StageOptions& options, const std::string& key, const OptionValue& value) {
-  return apply(key, value, options.render, stages::render_option_table());
+  return apply(key, value, options.render, stages::render_option_table()) ||
+         apply(key, value, options.coverage, stages::coverage_option_table());
 }
 
 bool apply_export(StageOptions& options, const std::string& key, const OptionValue& value) {
@@ -114,7 +123,12 @@ const std::vector<Section>& sections() {
                  option_names(register_rows()),
                  option_names(stages::icp_option_table()),
                  option_names(stages::automatic_option_table())})},
-      {"render", &io::SceneFile::render, apply_render, option_names(stages::render_option_table())},
+      {"edit", &io::SceneFile::edit, apply_edit,
+       names_of({option_names(stages::opening_option_table()),
+                 option_names(stages::displacement_option_table()), io::scene_edit_keys()})},
+      {"render", &io::SceneFile::render, apply_render,
+       names_of(
+           {option_names(stages::render_option_table()), option_names(stages::coverage_option_table())})},
       {"export", &io::SceneFile::exporting, apply_export, export_option_names()},
   };
   return all;
@@ -179,7 +193,7 @@ void StageOptions::set(const std::string& assignment) {
       std::find_if(sections().begin(), sections().end(), [&](const auto& s) { return s.name == name; });
   try {
     if (section == sections().end())
-      fail_input("unknown section '{}'; expected planes, register, render or export", name);
+      fail_input("unknown section '{}'; expected planes, register, edit, render or export", name);
     apply_key(*this, *section, key, parse_value(assignment.substr(equals + 1)));
   } catch (const Error& error) {
     fail(ErrorKind::usage, "--set {}: {}", assignment, error.what());
@@ -207,12 +221,17 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   registration.update(describe_table(options.landmarks, landmark_rows()));
   registration.update(describe_table(options, register_rows()));
   registration.update(describe_table(options.alignment, stages::automatic_option_table()));
+  Json edit = describe_table(options.edit, stages::opening_option_table());
+  edit.update(describe_table(options.displacement, stages::displacement_option_table()));
+  Json render = describe_table(options.render, stages::render_option_table());
+  render.update(describe_table(options.coverage, stages::coverage_option_table()));
   registration["scale"] = options.icp.free_scale ? "free" : "fixed";
   Json exporting = describe_table(options.exporting, export_option_table());
   exporting.update(describe_table(options.exporting.atlas, stages::atlas_option_table()));
   return {{"planes", planes},
           {"register", registration},
-          {"render", describe_table(options.render, stages::render_option_table())},
+          {"edit", edit},
+          {"render", render},
           {"export", exporting}};
 }
 

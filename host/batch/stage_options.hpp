@@ -8,9 +8,12 @@
 #include "stages/automatic.hpp"
 #include "stages/contour_faces.hpp"
 #include "stages/contours.hpp"
+#include "stages/coverage.hpp"
 #include "stages/decimate.hpp"
+#include "stages/displacement.hpp"
 #include "stages/icp.hpp"
 #include "stages/landmarks.hpp"
+#include "stages/openings.hpp"
 #include "stages/render.hpp"
 #include "stages/resample.hpp"
 #include "stages/square_planes.hpp"
@@ -38,6 +41,9 @@ struct StageOptions {
   // pose, landmarks deciding where it abstains; none.
   std::string automatic = "missing";  // "missing" | "first" | "never"
   double explain_m = 0.05;            // a planar sample within this of a compatible face is explained by it
+  stages::OpeningOptions edit;
+  stages::DisplacementOptions displacement;  // of [edit], too
+  stages::CoverageOptions coverage;          // of [render]
   stages::RenderOptions render;
   ExportOptions exporting;  // [export]
 
@@ -45,14 +51,15 @@ struct StageOptions {
   void set_seed(int seed);
   // "auto" or 3..16. Throws ErrorKind::input.
   void set_square(const OptionValue& value);
-  // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register, render or export, KEY and VALUE as in
+  // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register, edit, render or export, KEY and VALUE
+  // as in
   // the scene file. Throws ErrorKind::usage naming the assignment, the key, what was expected and what was
   // found.
   void set(const std::string& assignment);
 };
 
-// Applies [planes], [register], [render] and [export], then the assignments of --set. Unknown keys, wrong
-// types and values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for
+// Applies [planes], [register], [edit], [render] and [export], then the assignments of --set. Unknown keys,
+// wrong types and values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for
 // --set).
 StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<std::string>& assignments = {});
 

@@ -3,6 +3,7 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 
 #include <set>
@@ -37,9 +38,11 @@ void check(const std::filesystem::path& file, int width, int height,
 }  // namespace
 
 void write_exr(const std::filesystem::path& file, int width, int height,
-               const std::vector<ExrChannel>& channels) {
+               const std::vector<ExrChannel>& channels,
+               const std::map<std::string, std::string>& attributes) {
   check(file, width, height, channels);
   Imf::Header header(width, height);
+  for (const auto& [name, text] : attributes) header.insert("hybrid:" + name, Imf::StringAttribute(text));
   header.compression() = Imf::ZIP_COMPRESSION;
   header.setTileDescription(Imf::TileDescription(kTile_px, kTile_px));
   Imf::FrameBuffer buffer;

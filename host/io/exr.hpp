@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ struct ExrChannel {
 };
 
 // Tiled, ZIP-compressed, written by rename when complete; no dates, so that the same values give the same
-// bytes.
+// bytes. `attributes` are texts of the header, prefixed hybrid:.
 void write_exr(const std::filesystem::path& file, int width, int height,
-               const std::vector<ExrChannel>& channels);
+               const std::vector<ExrChannel>& channels,
+               const std::map<std::string, std::string>& attributes = {});
 
 }  // namespace hybrid::io

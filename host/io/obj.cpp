@@ -38,6 +38,7 @@ class ObjReader {
     finish(std::max<std::uint64_t>(cursor_.line(), 2) - 1);
     return std::move(model_);
   }
+  std::vector<ObjFaceNames> face_names() && { return std::move(face_names_); }
 
  private:
   // The next line, joined with the following ones while it ends in a backslash.
@@ -64,6 +65,7 @@ class ObjReader {
       read_face(rest);
     } else if (keyword == "g" || keyword == "o" || keyword == "usemtl") {
       name_ = trim(rest);
+      (keyword == "g" ? names_.group : keyword == "o" ? names_.object : names_.material) = name_;
     } else if (std::find(kIgnored.begin(), kIgnored.end(), keyword) == kIgnored.end()) {
       fail_at(file_, line_,
               "expected an OBJ statement (v, f, g, o, usemtl, ...), found \"{}\"; curves and surfaces are "
@@ -108,6 +110,7 @@ class ObjReader {
       fail_at(file_, line_, "face: expected at least 3 different vertices, found \"{}\"",
               excerpt(trim(statement_)));
     face.name = name_;
+    face_names_.push_back(names_);
     model_.faces.push_back(std::move(face));
     face_lines_.push_back(line_);
   }
@@ -177,15 +180,20 @@ class ObjReader {
   std::vector<std::uint64_t> face_lines_;
   std::string_view statement_;
   std::string joined_, name_;
+  ObjFaceNames names_;
+  std::vector<ObjFaceNames> face_names_;  // as the file has them
   std::uint64_t line_ = 0;
 };
 
 }  // namespace
 
-PolygonModel read_obj(const fs::path& file, double scale, bool y_up) {
+PolygonModel read_obj(const fs::path& file, double scale, bool y_up, std::vector<ObjFaceNames>* names) {
   if (!(scale > 0) || !std::isfinite(scale))
     fail_input("{}: expected a positive scale of the coordinates, found {}", file.string(), scale);
-  return ObjReader(file, scale, y_up).read();
+  ObjReader reader(file, scale, y_up);
+  PolygonModel model = reader.read();
+  if (names) *names = std::move(reader).face_names();
+  return model;
 }
 
 void write_obj(const fs::path& file, const PolygonModel& model) {

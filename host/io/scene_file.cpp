@@ -37,20 +37,37 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
+DepthCamera read_depth_camera(const SceneTable& table, const fs::path& file) {
+  if (!table.has("intrinsics"))
+    table.fail_key("file", "a depth image ({}) needs intrinsics = [fx, fy, cx, cy] in pixels",
+                   file.filename().string());
+  const auto k = table.numbers("intrinsics", 4);
+  DepthCamera camera{k[0], k[1], k[2], k[3]};
+  if (!(camera.fx > 0) || !(camera.fy > 0))
+    table.fail_key("intrinsics", "expected [fx, fy, cx, cy] with positive fx and fy, found {} and {}",
+                   camera.fx, camera.fy);
+  camera.scale = table.number("depth_scale").value_or(camera.scale);
+  if (!(camera.scale > 0) || camera.scale > 1)
+    table.fail_key("depth_scale",
+                   "expected metres per unit, above 0 and at most 1 (0.001: millimetres), found {}",
+                   camera.scale);
+  return camera;
+}
+
 SceneScan read_scan(const SceneTable& table) {
   SceneScan result;
   result.line = table.line();
   result.id = table.folder_name("id").value_or("");
   result.file = table.required_path("file");
   result.index = table.index("index");
-  if (lower_extension(result.file) == ".png")
-    table.fail_key("file",
-                   "depth images are not supported yet; convert {} to a point cloud (.ply, .pcd, .ptx)",
-                   result.file.filename().string());
+  if (lower_extension(result.file) == ".png") result.depth = read_depth_camera(table, result.file);
   for (std::string_view key : {"intrinsics", "depth_scale"})
-    if (table.has(key))
+    if (table.has(key) && !result.depth)
       table.fail_key(key, "belongs to depth images (.png), found file = {}; remove it",
                      result.file.filename().string());
+  for (std::string_view key : {"index", "scanner"})
+    if (table.has(key) && result.depth)
+      table.fail_key(key, "a depth image is one scan, taken where its camera stood; remove the key");
   for (const SceneTable& landmark : table.tables("landmarks", {"scan", "pixel", "model", "vertex", "snap"}))
     result.landmarks.push_back(read_landmark(landmark));
   result.pose = table.pose("pose");
@@ -92,19 +109,14 @@ SceneFile::Photographs read_photographs(const SceneTable& table) {
   return result;
 }
 
-const SceneTable::Names kEditKeys = {"remove_faces", "holes", "clip", "openings"};
-
 SceneOptions read_options(const SceneTable& root, std::string_view section) {
   SceneOptions result;
-  const auto table = root.table(section, section == "edit" ? kEditKeys : SceneTable::Names{});
+  const auto table = root.table(section, {});
   if (!table) return result;
-  for (const std::string& key : table->keys()) {
-    if (section == "edit" && key != "openings")
-      table->fail_key(key, "not supported yet; edit the model's file instead");
-    if (section == "edit" && table->choice(key, {"off", "report", "cut"}, "off") != "off")
-      table->fail_key(key, "not supported yet; remove it or write \"off\"");
-    result[key] = {table->line_of(key), table->scalar(key)};
-  }
+  const auto& edits = scene_edit_keys();
+  for (const std::string& key : table->keys())
+    if (section != "edit" || std::find(edits.begin(), edits.end(), key) == edits.end())
+      result[key] = {table->line_of(key), table->scalar(key)};
   return result;
 }
 
@@ -203,6 +215,7 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.planes = read_options(root, "planes");
   scene.registration = read_options(root, "register");
   scene.edit = read_options(root, "edit");
+  if (const auto table = root.table("edit", {})) scene.edits = read_scene_edits(*table);
   scene.render = read_options(root, "render");
   scene.exporting = read_options(root, "export");
   scene.has_export = root.has("export");

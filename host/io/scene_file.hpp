@@ -8,7 +8,9 @@
 
 #include "core/option_table.hpp"
 #include "geometry/vectors.hpp"
+#include "io/depth_image.hpp"
 #include "io/read_cameras.hpp"
+#include "io/scene_edit.hpp"
 
 namespace hybrid::io {
 
@@ -35,6 +37,9 @@ struct SceneScan {
   // Where the scanner stood, in the file's coordinates, for files that cannot say. Then landmarks' `scan`
   // points and `pose` above refer to the file's coordinates, too.
   std::optional<Vec3> scanner;
+  // A depth image (.png). Then landmarks' `scan` points and `pose` refer to its camera: x right, y down, z
+  // forward.
+  std::optional<DepthCamera> depth;
 };
 
 struct SceneView {
@@ -81,6 +86,7 @@ struct SceneFile {
   };
   std::optional<Photographs> photographs;
   SceneOptions planes, registration, edit, render, exporting;
+  SceneEdits edits;         // the rest of [edit]
   bool has_export = false;  // an [export] is there: a run without --only exports, too
   std::vector<SceneView> views;
 };

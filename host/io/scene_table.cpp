@@ -183,7 +183,23 @@ bool SceneTable::flag(std::string_view key, bool fallback) const {
 }
 
 std::vector<double> SceneTable::numbers(std::string_view key, std::size_t count) const {
+  return numbers(key, *table_->get(key), count);
+}
+
+std::vector<std::vector<double>> SceneTable::points(std::string_view key, std::size_t dimension,
+                                                    std::size_t least) const {
   const toml::node& node = *table_->get(key);
+  const auto* array = node.as_array();
+  if (!array || array->size() < least)
+    fail_key(key, "expected an array of at least {} points of {} numbers, found {}", least, dimension,
+             describe(node));
+  std::vector<std::vector<double>> result;
+  for (const toml::node& element : *array) result.push_back(numbers(key, element, dimension));
+  return result;
+}
+
+std::vector<double> SceneTable::numbers(std::string_view key, const toml::node& node,
+                                        std::size_t count) const {
   const auto* array = node.as_array();
   if (!array || array->size() != count)
     fail_key(key, "expected an array of {} numbers, found {}", count, describe(node));
@@ -224,7 +240,19 @@ std::optional<std::array<double, 16>> SceneTable::pose(std::string_view key) con
 }
 
 OptionValue SceneTable::scalar(std::string_view key) const {
+  return scalar(key, *table_->get(key));
+}
+
+std::vector<OptionValue> SceneTable::scalars(std::string_view key) const {
   const toml::node& node = *table_->get(key);
+  const auto* array = node.as_array();
+  if (!array) fail_key(key, "expected an array, found {}", describe(node));
+  std::vector<OptionValue> result;
+  for (const toml::node& element : *array) result.push_back(scalar(key, element));
+  return result;
+}
+
+OptionValue SceneTable::scalar(std::string_view key, const toml::node& node) const {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* integer = node.as_integer()) return integer->get();
   if (const auto* real = node.as_floating_point()) return real->get();
@@ -244,12 +272,16 @@ std::vector<SceneTable> SceneTable::tables(std::string_view key, const Names& kn
   std::vector<SceneTable> result;
   if (!node) return result;
   const auto* array = node->as_array();
-  if (!array) fail_key(key, "expected tables [[{}]], found {}", key, describe(*node));
   const bool nested = place_.starts_with("[[");
+  // "[edit]" and "holes" make "[[edit.holes]]".
+  const std::string full = place_.empty() || nested
+                               ? std::string(key)
+                               : fmt::format("{}.{}", place_.substr(1, place_.size() - 2), key);
+  if (!array) fail_key(key, "expected tables [[{}]], found {}", full, describe(*node));
   for (const toml::node& element : *array) {
     if (!element.is_table()) fail_key(key, "expected an array of tables, found {} in it", describe(element));
     const std::string place = nested ? fmt::format("{}: {} {}", place_, key, result.size() + 1)
-                                     : fmt::format("[[{}]] {}", key, result.size() + 1);
+                                     : fmt::format("[[{}]] {}", full, result.size() + 1);
     result.emplace_back(file_, place, *element.as_table(), known);
   }
   return result;

@@ -48,6 +48,11 @@ class SceneTable {
   std::optional<std::array<int, 2>> index_pair(std::string_view key) const;
   std::optional<std::array<double, 16>> pose(std::string_view key) const;  // a similarity
   OptionValue scalar(std::string_view key) const;
+  std::vector<OptionValue> scalars(std::string_view key) const;  // an array of them
+  std::vector<double> numbers(std::string_view key, std::size_t count) const;
+  // [[x, y], ...]: at least `least` points of `dimension` numbers.
+  std::vector<std::vector<double>> points(std::string_view key, std::size_t dimension,
+                                          std::size_t least) const;
 
   std::optional<SceneTable> table(std::string_view key, const Names& known) const;
   std::vector<SceneTable> tables(std::string_view key, const Names& known) const;  // [[key]] or [{...}, ...]
@@ -63,8 +68,9 @@ class SceneTable {
   }
 
  private:
-  std::vector<double> numbers(std::string_view key, std::size_t count) const;
+  std::vector<double> numbers(std::string_view key, const toml::node& node, std::size_t count) const;
   std::filesystem::path resolved(std::string_view key, const std::string& written) const;
+  OptionValue scalar(std::string_view key, const toml::node& node) const;
   int whole(std::string_view key, const toml::node& node) const;
 
   std::filesystem::path file_;

@@ -75,6 +75,11 @@ struct RenderedView {
   std::vector<std::int32_t> best;       // index of the heaviest photograph, -1 none
 };
 
+// A place on a proxy face.
+struct SurfacePoint {
+  Vec3 position, normal;  // world; unit, towards the side that is asked about
+};
+
 // Keeps what does not change between views: the photographs and their low band on the device, the BVH. The
 // scene and the queue must outlive it. Throws ErrorKind::input: photographs and their images do not match, a
 // face that cannot be triangulated.
@@ -102,6 +107,12 @@ class Renderer {
     std::vector<std::int32_t> best;       // the heaviest, -1 none
   };
   BakedChart bake(const AtlasChart& chart, const std::vector<std::uint8_t>& mask);
+
+  // How many photographs see each point, with proxy and scans in the way. Kernel: rank_photos.
+  std::vector<std::uint32_t> count_seen(const std::vector<SurfacePoint>& points);
+  // Which points (indices, ascending) each of the cameras, which are none of the scene's, would see.
+  std::vector<std::vector<std::uint32_t>> seen_from(const std::vector<Photograph>& cameras,
+                                                    const std::vector<SurfacePoint>& points);
 
  private:
   struct State;

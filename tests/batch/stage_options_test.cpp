@@ -59,7 +59,7 @@ TEST(StageOptions, an_assignment_goes_over_the_scene_file_and_the_last_one_count
 TEST(StageOptions, a_wrong_assignment_says_what_is_wrong_with_it) {
   for (const char* shapeless : {"", "render", "render.blend", "blend=linear", "blend=a.b"})
     EXPECT_TRUE(contains(rejection(shapeless), "SECTION.KEY=VALUE")) << shapeless;
-  EXPECT_TRUE(contains(rejection("rendr.blend=linear"), "planes, register, render or export"));
+  EXPECT_TRUE(contains(rejection("rendr.blend=linear"), "planes, register, edit, render or export"));
   EXPECT_TRUE(contains(rejection("render.blnd=linear"), "\"blnd\"; did you mean \"blend\"?"));
   EXPECT_TRUE(contains(rejection("render.blnd=linear"), "sigma_px"));
   EXPECT_TRUE(contains(rejection("render.blend=cubic"), "nearest, linear, dual"));
@@ -69,6 +69,8 @@ TEST(StageOptions, a_wrong_assignment_says_what_is_wrong_with_it) {
   EXPECT_TRUE(contains(rejection("render.ulr_k=2.5"), "a whole number"));
   EXPECT_TRUE(contains(rejection("planes.square=40"), "square"));
   EXPECT_TRUE(contains(rejection("render.sigma_px="), "sigma_px"));
+  EXPECT_TRUE(contains(rejection("edit.openings=3"), "openings"));
+  EXPECT_TRUE(contains(rejection("edit.clip=3"), "scene file"));
 }
 
 }  // namespace hybrid::testing

@@ -203,12 +203,7 @@ TEST(scene_file, wrong_types_and_values) {
       {"[model]\nfile = \"a\"\nup = \"x\"\n", "3", "expected one of z, y, found \"x\""},
       {"[model]\nfile = \"a\"\nunit = \"arbitrary\"\n", "3", "needs [register] scale = \"free\""},
       {kScan + "[planes]\nsquare = [3, 5]\n", "4", "expected a number, a string, true or false"},
-      {kScan + "[edit]\nremove_faces = [\"a\"]\n", "4", "not supported yet"},
-      {kScan + "[edit]\nopenings = \"cut\"\n", "4", "not supported yet"},
-      {kScan + "[edit]\nopenings = 3\n", "4", "expected a string, found 3"},
-      {kScan + "[edit]\nopening = \"off\"\n", "4", "did you mean \"openings\"?"},
-      {kScan + "[edit]\nholes = []\n", "4", "not supported yet"},
-      {kScan + "[edit.clip]\nbox = 1\n", "3", "not supported yet"},
+      {kScan + "[edit]\nopenings = [1]\n", "4", "expected a number, a string, true or false"},
       {"[scene]\n", "1", "expected at least one [[scan]] or a [model]"},
   });
 }
@@ -271,10 +266,30 @@ TEST(scene_file, every_format_of_cameras) {
   EXPECT_EQ(photographs("nerfstudio = \"a/transforms.json\"").images, folder.path() / "a");
 }
 
+TEST(scene_file, depth_images_have_a_camera) {
+  const TemporaryFolder folder;
+  const std::string kDepth = "[[scan]]\nfile = \"depth/0001.PNG\"\n";
+  const SceneFile scene =
+      read_text_scene(folder, kDepth + "intrinsics = [525, 520, 319.5, 239.5]\ndepth_scale = 0.0002\n");
+  ASSERT_TRUE(scene.scans[0].depth.has_value());
+  EXPECT_EQ(scene.scans[0].depth->fy, 520);
+  EXPECT_EQ(scene.scans[0].depth->scale, 0.0002);
+  EXPECT_EQ(read_text_scene(folder, kDepth + "intrinsics = [525, 520, 319.5, 239.5]\n").scans[0].depth->scale,
+            0.001);
+  expect_errors({
+      {kDepth, "2", "needs intrinsics = [fx, fy, cx, cy]"},
+      {kDepth + "intrinsics = [525, 525, 319.5]\n", "3", "expected an array of 4 numbers"},
+      {kDepth + "intrinsics = [525, 0, 319.5, 239.5]\n", "3", "positive fx and fy"},
+      {kDepth + "intrinsics = [525, 525, 1, 1]\ndepth_scale = 0\n", "4", "above 0 and at most 1"},
+      {kDepth + "intrinsics = [525, 525, 1, 1]\ndepth_scale = 1000\n", "4", "above 0 and at most 1"},
+      {kDepth + "intrinsics = [525, 525, 1, 1]\nindex = 0\n", "4", "a depth image is one scan"},
+      {kDepth + "intrinsics = [525, 525, 1, 1]\nscanner = [0, 0, 0]\n", "4", "a depth image is one scan"},
+      {kScan + "intrinsics = [525, 525, 1, 1]\n", "3", "belongs to depth images"},
+  });
+}
+
 TEST(scene_file, what_is_not_supported_yet_says_so) {
   expect_errors({
-      {"[[scan]]\nfile = \"depth/0001.PNG\"\nintrinsics = [525, 525, 319.5, 239.5]\n", "2",
-       "depth images are not supported yet"},
       {kScan + "depth_scale = 0.001\n", "3", "belongs to depth images"},
       {"[photographs]\nimages = \"a\"\n" + kScan, "1",
        "exactly one of colmap, strecha, bundler, nerfstudio, e57, found none"},

@@ -10,17 +10,6 @@ namespace {
 
 constexpr double kParallel = 0.866;  // cosine of 30 degrees
 
-// Newell's normal: right for concave rings too.
-Plane plane_of(const Ring& ring) {
-  Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    normal += (ring[i] - ring[0]).cross(ring[(i + 1) % ring.size()] - ring[0]);
-    mean += ring[i] / static_cast<double>(ring.size());
-  }
-  normal.normalize();
-  return {normal, normal.dot(mean)};
-}
-
 struct Face {
   Plane plane;
   PlanePolygon polygon;
@@ -34,7 +23,7 @@ struct Face {
 std::vector<Face> faces_of(const std::vector<Ring>& rings) {
   std::vector<Face> faces;
   for (const Ring& ring : rings) {
-    const Plane plane = plane_of(ring);
+    const Plane plane = plane_of_ring(ring);
     faces.push_back({plane, PlanePolygon(plane, {ring})});
   }
   return faces;
@@ -47,7 +36,7 @@ bool closed(const std::vector<Face>& faces, const Vec3& point, const Vec3& norma
 
 // Midpoints of the grid's cells inside the ring.
 std::vector<Vec3> points_inside(const Ring& ring) {
-  const Plane plane = plane_of(ring);
+  const Plane plane = plane_of_ring(ring);
   const PlanePolygon polygon(plane, {ring});
   const auto [u, v] = axes_across(plane.normal);
   Vec2 low = Vec2::Constant(1e300), high = -low;
@@ -72,7 +61,7 @@ template <typename Wrong>
 double area_where(const std::vector<Ring>& rings, const Wrong& wrong) {
   std::int64_t cells = 0;
   for (const Ring& ring : rings) {
-    const Vec3 normal = plane_of(ring).normal;
+    const Vec3 normal = plane_of_ring(ring).normal;
     for (const Vec3& point : points_inside(ring)) cells += wrong(point, normal);
   }
   return static_cast<double>(cells) * kCellM2;
@@ -84,7 +73,43 @@ double share_where(const std::vector<Vec3>& points, const Good& good) {
   return points.empty() ? 0 : static_cast<double>(count) / static_cast<double>(points.size());
 }
 
+double distance_to_rings(const Vec3& point, const std::vector<Ring>& rings) {
+  double nearest = 1e300;
+  for (const Ring& ring : rings)
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec3 &a = ring[i], arm = ring[(i + 1) % ring.size()] - a;
+      const double along = std::clamp((point - a).dot(arm) / std::max(1e-30, arm.squaredNorm()), 0.0, 1.0);
+      nearest = std::min(nearest, (point - a - along * arm).norm());
+    }
+  return nearest;
+}
+
+// 95th percentile of the distance from places every centimetre along a ring.
+double border_distance(const Ring& ring, const std::vector<Ring>& reported) {
+  constexpr double kStep_m = 0.01;
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec3 &a = ring[i], arm = ring[(i + 1) % ring.size()] - a;
+    const int parts = std::max(1, static_cast<int>(std::ceil(arm.norm() / kStep_m)));
+    for (int k = 0; k < parts; ++k)
+      distances.push_back(distance_to_rings(a + (k + 0.5) / parts * arm, reported));
+  }
+  std::sort(distances.begin(), distances.end());
+  return distances[distances.size() * 95 / 100];
+}
+
 }  // namespace
+
+// Newell's normal: right for concave rings too.
+Plane plane_of_ring(const Ring& ring) {
+  Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    normal += (ring[i] - ring[0]).cross(ring[(i + 1) % ring.size()] - ring[0]);
+    mean += ring[i] / static_cast<double>(ring.size());
+  }
+  normal.normalize();
+  return {normal, normal.dot(mean)};
+}
 
 OpeningScore score_openings(const std::vector<TrueOpening>& truth, const EditedModel& result,
                             const std::vector<Ring>& proxy) {
@@ -95,13 +120,16 @@ OpeningScore score_openings(const std::vector<TrueOpening>& truth, const EditedM
   for (const TrueOpening& opening : truth) {
     true_rings.push_back(opening.ring);
     const auto points = points_inside(opening.ring);
-    const Vec3 normal = plane_of(opening.ring).normal;
-    OpeningScore::One one{opening.name, opening.face, static_cast<double>(points.size()) * kCellM2, {}, {}};
+    const Vec3 normal = plane_of_ring(opening.ring).normal;
+    OpeningScore::One one{
+        opening.name, opening.face, static_cast<double>(points.size()) * kCellM2, {}, {}, {}, {}, {}};
     if (result.polygons)
       one.open_share = share_where(points, [&](const Vec3& point) { return !closed(edited, point, normal); });
     if (result.reported)
       one.reported_share =
           share_where(points, [&](const Vec3& point) { return closed(reported, point, normal); });
+    if (one.reported_share && *one.reported_share >= 0.5)
+      one.border_m = border_distance(opening.ring, *result.reported);
     score.openings.push_back(one);
   }
   const auto true_faces = faces_of(true_rings);

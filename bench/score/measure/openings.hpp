@@ -16,6 +16,12 @@ struct OpeningScore {
     double area_m2 = 0;
     std::optional<double> open_share;      // that no polygon of model/edited.obj closes
     std::optional<double> reported_share;  // that a ring of model/openings.json covers
+    // Lines of sight across it (opening_rays.hpp), and how far apart they are on it; of scans with range.exr.
+    std::optional<std::int64_t> rays;
+    std::optional<double> spacing_m;
+    // From places on its border to the nearest reported ring's, of 100 the farthest but five; where it is
+    // reported by half.
+    std::optional<double> border_m;
   };
   std::vector<One> openings;
   std::optional<double> wrongly_open_m2;      // closed in the scene's own proxy, outside every true opening
@@ -23,6 +29,8 @@ struct OpeningScore {
 };
 inline constexpr double kOpeningStepM = 0.02;
 inline constexpr double kFaceReachM = 0.15;
+
+Plane plane_of_ring(const Ring& ring);
 
 // `proxy`: the scene's model before editing; empty when it is not there.
 OpeningScore score_openings(const std::vector<TrueOpening>& truth, const EditedModel& result,

@@ -85,7 +85,10 @@ Json openings_json(const OpeningScore& score) {
                     {"face", one.face},
                     {"area_m2", one.area_m2},
                     {"open_share", or_null(one.open_share)},
-                    {"reported_share", or_null(one.reported_share)}});
+                    {"reported_share", or_null(one.reported_share)},
+                    {"rays", one.rays ? Json(*one.rays) : Json()},
+                    {"spacing_m", or_null(one.spacing_m)},
+                    {"border_m", or_null(one.border_m)}});
   return {{"openings", list},
           {"wrongly_open_m2", or_null(score.wrongly_open_m2)},
           {"wrongly_reported_m2", or_null(score.wrongly_reported_m2)}};

@@ -1,4 +1,5 @@
 // The west front: three layers of wall, whose openings narrow from layer to layer: stepped recesses.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -40,6 +41,24 @@ struct Front {
     world.openings.push_back(opening);
   }
 
+  // Height of the nave's ceiling over a place of the inner wall.
+  double ceiling(double x) const {
+    const double half = plan.nave_half(), side = std::min(std::abs(x), half);
+    return plan.vault_springing + (plan.vaulted ? std::sqrt(half * half - side * side)
+                                                : (plan.crown() - plan.vault_springing) * (1 - side / half));
+  }
+
+  // The same hole seen from the nave: what floor and ceiling leave of its mouth in the inner wall.
+  void open_inside(const std::string& name, const Outline& mouth, double depth) {
+    Opening opening{name, "inner-front", depth, {}};
+    for (const Vec2& p : mouth.points) {
+      const double high = std::abs(p.x()) < plan.nave_half() ? ceiling(p.x()) : plan.aisle_ceiling;
+      opening.ring.push_back(frame.at({p.x(), std::clamp(p.y(), plan.floor, high)}, -plan.wall));
+    }
+    std::reverse(opening.ring.begin(), opening.ring.end());
+    world.openings.push_back(opening);
+  }
+
   void layers() {
     const double d0 = plan.portal_depth[0], d1 = d0 + plan.portal_depth[1];
     const double half = plan.portal_half;
@@ -68,6 +87,9 @@ struct Front {
     open("rose", outer.holes[1].outline, d0 + 0.12);
     open("lancet-left", outer.holes[2].outline, d0 + 0.12);
     open("lancet-right", outer.holes[3].outline, d0 + 0.12);
+    open_inside("doorway-inside", inner.holes[0].outline, plan.wall - d1 - 0.115);
+    for (const std::size_t k : {1, 2, 3})
+      open_inside(inner.holes[k].name, inner.holes[k].outline, plan.wall - d0 - 0.12 - kPane);
   }
 
   void panes() {

@@ -1,0 +1,46 @@
+#pragma once
+#include <map>
+
+#include "batch/edit_unit.hpp"
+
+namespace hybrid::batch {
+
+// The edit stage of one run: does the edits as the run comes to them and writes what they made.
+class SceneEditing {
+ public:
+  // Of the model as read.
+  PolygonModel edit(const io::SceneFile& scene, const PolygonModel& model,
+                    const std::vector<io::ObjFaceNames>& names);
+  // Of a scan's range image, and of its samples where they are kept beside it (georeferenced scans).
+  void edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image, Scan& scan);
+  // Of a registered scan and of its samples beside the grid.
+  void clip(const io::SceneFile& scene, const ScanRegistration& registration, ScanProduct& product,
+            ScanRemains& remains);
+  // Looks for openings, where the options say so, and cuts them into the model; displacement maps of what is
+  // left of its faces.
+  void openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement,
+                const std::vector<ScanProduct>& products,
+                const std::vector<std::optional<ScanRegistration>>& registrations, PolygonModel& model);
+
+  // model/edited.obj and edited.png where the model was changed, model/openings.json and
+  // model/openings/<face>.png where openings were looked for, model/displacement/<face>.exr,
+  // scans/<id>/clipped.png and depth-edits.png; removes those of an earlier run.
+  void write(device::Queue& queue, const std::filesystem::path& out, const std::vector<ScanProduct>& products,
+             const PolygonModel& model) const;
+  // For summary.json; null where nothing was edited.
+  nlohmann::ordered_json figures() const;
+
+ private:
+  void write_openings(const std::filesystem::path& out) const;
+  void write_displacements(const std::filesystem::path& out, const PolygonModel& model) const;
+
+  PolygonModel before_, uncut_;  // as read; as edited before openings were cut
+  bool changed_ = false;
+  stages::OpeningOptions options_;
+  stages::Openings found_;
+  std::vector<stages::DisplacementMap> displacements_;
+  std::map<std::string, Image8> reliefs_;
+  nlohmann::ordered_json model_ = nlohmann::ordered_json::object(), scans_ = nlohmann::ordered_json::object();
+};
+
+}  // namespace hybrid::batch

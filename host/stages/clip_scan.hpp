@@ -1,0 +1,46 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "geometry/flat_ring.hpp"
+#include "geometry/pose.hpp"
+#include "geometry/range_image.hpp"
+
+namespace hybrid::stages {
+
+// METHOD 9: shapes that scans are clipped by, in a frame that the caller chooses.
+struct ClipBox {
+  Vec3 low, high;
+  bool holds(const Vec3& p) const {
+    return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+  }
+};
+struct ClipHalfSpace {  // normal . x <= offset
+  Vec3 normal;
+  double offset_m;
+  bool holds(const Vec3& p) const { return normal.dot(p) <= offset_m; }
+};
+struct ClipPrism {  // over a polygon of x, y
+  Ring2 polygon;
+  double low, high;
+  bool holds(const Vec3& p) const {
+    return p.z() >= low && p.z() <= high && inside(polygon, Vec2(p.x(), p.y()));
+  }
+};
+using ClipShape = std::variant<ClipBox, ClipHalfSpace, ClipPrism>;
+
+// Marks (1) the measured nodes that the clip drops, in `clipped` (one per node); returns how many that had
+// not been. The points are taken into the shape's frame first.
+std::int64_t clip_nodes(const RangeImage& image, const Pose& shape_from_scan, const ClipShape& shape,
+                        bool keep_inside, std::vector<std::uint8_t>& clipped);
+
+// Moves the measured nodes inside a polygon of the grid (rows and columns; nodes on its border take part)
+// along their rays by `by_m`, away from the scanner positive; returns which (1 per node). Throws
+// ErrorKind::input: a polygon that is not simple or leaves the grid, a node that would come to lie at or
+// behind the scanner.
+std::vector<std::uint8_t> move_area(RangeImage& image, const std::vector<std::array<int, 2>>& polygon,
+                                    double by_m);
+
+}  // namespace hybrid::stages

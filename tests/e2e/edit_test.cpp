@@ -1,0 +1,117 @@
+// [edit] of the scene file through the program, on the mini scene: replayable, with its files, and gone again
+// when the edits go.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "bad_mini_scene.hpp"
+#include "geometry/face_frame.hpp"
+#include "io/obj.hpp"
+#include "io/output.hpp"
+#include "io/ply.hpp"
+#include "io/read_scan.hpp"
+#include "program.hpp"
+
+namespace hybrid::e2e {
+namespace {
+namespace fs = std::filesystem;
+
+nlohmann::json summary_of(const fs::path& out) {
+  return nlohmann::json::parse(io::read_text(out / "summary.json"));
+}
+
+// The mini scene with more in its scene file, run into OUT.
+Outcome run_edited(const Scratch& scratch, const std::string& edits, const std::string& options = "") {
+  if (!fs::exists(scratch / "scene")) fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  io::write_text(scratch / "scene/scene.toml", mini_scene_text() + edits);
+  return run("hybrid run " + (scratch / "scene/scene.toml").string() + " --quiet " + options + " --out " +
+             (scratch / "out").string());
+}
+
+}  // namespace
+
+TEST(Edit, removes_faces_and_cuts_holes_and_the_same_file_makes_the_same_model) {
+  const Scratch scratch;
+  const std::string edits =
+      "[edit]\nremove_faces = [1]\n[[edit.holes]]\nface = \"face-2\"\n"
+      "world = [[1, 0, 0.5], [2, 0, 0.5], [2, 0, 1.5], [1, 0, 1.5]]\n";
+  const auto made = run_edited(scratch, edits, "--only edit");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const PolygonModel model = io::read_obj(scratch / "out/model/edited.obj");
+  ASSERT_EQ(model.faces.size(), 5u);
+  EXPECT_EQ(model.faces[1].name, "face-2");
+  EXPECT_NEAR(face_area_m2(model, model.faces[1]), 4 * 2.5 - 1, 1e-6);
+  EXPECT_TRUE(fs::exists(scratch / "out/model/edited.png"));
+  EXPECT_FALSE(fs::exists(scratch / "out/views"));  // --only edit
+  const auto edit = summary_of(scratch / "out")["edit"];
+  EXPECT_EQ(edit["removed_faces"], nlohmann::json::array({"face-1"}));
+  EXPECT_EQ(edit["holes"][0]["face"], "face-2");
+  const std::string before = content_list(scratch / "out");
+  ASSERT_EQ(run_edited(scratch, edits, "--only edit --threads 1").exit_code, 0);
+  EXPECT_EQ(content_list(scratch / "out"), before);
+  // Without the edits their files go.
+  ASSERT_EQ(run_edited(scratch, "", "--only edit").exit_code, 0);
+  EXPECT_FALSE(fs::exists(scratch / "out/model/edited.obj"));
+  EXPECT_FALSE(fs::exists(scratch / "out/model/edited.png"));
+}
+
+TEST(Edit, clips_drop_samples_from_what_is_kept_but_not_from_the_range_image) {
+  const Scratch scratch;
+  ASSERT_EQ(run_edited(scratch, "", "--only planes,register").exit_code, 0);
+  const auto plain = io::read_scan(scratch / "out/scans/s/detail.ply", 0);
+  // The half of the room with x above 2 m, in the world; the scan's axes are the world's.
+  const auto clipped =
+      run_edited(scratch, "[[edit.clip]]\nplane = [-1, 0, 0, -2]\n", "--only planes,register,edit");
+  ASSERT_EQ(clipped.exit_code, 0) << clipped.err;
+  const auto left = io::read_scan(scratch / "out/scans/s/detail.ply", 0);
+  EXPECT_LT(left.points.size(), plain.points.size());
+  EXPECT_GT(left.points.size(), 0u);
+  for (std::size_t i = 0; i < left.points.size(); ++i) EXPECT_LT(left.point(i).x() + 1.6, 2.05);
+  EXPECT_EQ(io::read_scan(scratch / "out/scans/s/range.exr", 0).points.size(), 7200u);
+  EXPECT_TRUE(fs::exists(scratch / "out/scans/s/clipped.png"));
+  EXPECT_GT(summary_of(scratch / "out")["edit"]["scans"]["s"]["clips"][0]["samples"].get<int>(), 1000);
+}
+
+TEST(Edit, a_depth_edit_moves_its_area_of_the_range_image) {
+  const Scratch scratch;
+  ASSERT_EQ(run_edited(scratch, "", "--only planes").exit_code, 0);
+  const auto before = io::read_scan(scratch / "out/scans/s/range.exr", 0);
+  const auto moved = run_edited(
+      scratch,
+      "[[edit.depth]]\nscan = \"s\"\npolygon = [[20, 30], [20, 50], [40, 50], [40, 30]]\nby_m = 0.07\n",
+      "--only planes,edit");
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  const auto after = io::read_scan(scratch / "out/scans/s/range.exr", 0);
+  ASSERT_EQ(after.points.size(), before.points.size());
+  int changed = 0;
+  for (std::size_t i = 0; i < after.points.size(); ++i) {
+    const double by = after.point(i).norm() - before.point(i).norm();
+    EXPECT_TRUE(std::abs(by) < 1e-6 || std::abs(by - 0.07) < 1e-5) << by;
+    changed += by > 0.01;
+  }
+  EXPECT_EQ(changed, 21 * 21);
+  EXPECT_TRUE(fs::exists(scratch / "out/scans/s/depth-edits.png"));
+}
+
+TEST(Edit, says_what_no_photograph_sees_and_where_to_stand) {
+  const auto summary = summary_of(mini_result());
+  const auto& coverage = summary["coverage"];
+  EXPECT_NEAR(coverage["area_m2"].get<double>(), 2 * (12 + 10 + 7.5), 1e-6);
+  double unseen = 0;
+  for (const auto& face : coverage["faces"]) unseen += face["unseen_m2"].get<double>();
+  EXPECT_NEAR(coverage["unseen_m2"].get<double>(), unseen, 1e-9);
+  EXPECT_GT(unseen, 5);  // both photographs look the same way
+  EXPECT_LT(unseen, 55);
+  ASSERT_GE(coverage["next_cameras"].size(), 2u);
+  double gained = 0, last = 1e9;
+  for (const auto& camera : coverage["next_cameras"]) {
+    const double gain = camera["gained_m2"];
+    EXPECT_LE(gain, last);
+    last = gain;
+    gained += gain;
+  }
+  EXPECT_LE(gained, unseen + 1e-6);
+  EXPECT_GT(gained, 0.5 * unseen);
+}
+
+}  // namespace hybrid::e2e
