@@ -22,6 +22,6 @@ struct ScenePage {
 // DIR/report/index.html and DIR/report/pictures/: one page that opens from the disk, asks nothing of any
 // network, and has the same bytes every run. Times and the commands that run a failed unit again stand in
 // report/timing.js (batch::write_timing()), which the page loads. An older run's pictures are removed first.
-void write_scene_page(const ScenePage& page);
+void write_scene_page(const ScenePage& given);
 
 }  // namespace hybrid::report

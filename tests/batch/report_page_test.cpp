@@ -91,7 +91,7 @@ TEST_F(ReportPage, failures_name_their_unit_for_the_command_in_timing_js) {
   const std::string html = write(made);
   EXPECT_NE(html.find("scan west: west.ply: is cut short"), std::string::npos);
   EXPECT_NE(html.find("<code data-unit=\"scan west\">"), std::string::npos);
-  made.failures.clear();
+  made.failures = {{"scan one #1", "scan one #1: the automatic alignment abstains"}};  // said elsewhere
   EXPECT_EQ(write(made).find("data-unit=\"scan"), std::string::npos);
 }
 
