@@ -1,8 +1,6 @@
 // hybrid-compare-views SCENE.toml DIR...: scores the leave-one-out views in the output folders of several
 // `hybrid render --leave-one-out` runs against the scene's photographs, on the pixels that every run's view
 // sees (METHOD, how results are scored). Prints one JSON document; bench/blends.sh makes the table of it.
-// hybrid-compare-views SCENE.toml DIR --views a,b,c: the same of one run's views <stem>-a, <stem>-b,
-// <stem>-c, for every stem that the scene has, against the photograph that they leave out.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -75,107 +73,44 @@ void add(Json& row, const char* key, double score) {
   row[key] = row.value(key, 0.0) + score;
 }
 
-// Pictures of one photograph, one per row of the result.
-struct Contest {
-  std::size_t photograph = 0;
-  std::vector<fs::path> views;
-};
-
-Json score(const io::SceneFile& scene, const batch::PhotographSet& photographs,
-           const std::vector<Contest>& contests, Json rows) {
-  bool same_masks = true;
-  double share = 0;
-  for (auto& row : rows) row["share_seen"] = 0.0;
-  for (const Contest& contest : contests) {
-    std::vector<View> views;
-    for (const auto& file : contest.views) views.push_back(read_view(file));
-    std::vector<std::uint8_t> mask(views.front().coverage.size(), 1);
-    for (std::size_t f = 0; f < views.size(); ++f) {
-      std::size_t own = 0;
-      for (std::size_t i = 0; i < mask.size(); ++i) {
-        const bool first = views.front().coverage[i] > 0, seen = views[f].coverage.at(i) > 0;
-        same_masks &= first == seen;
-        mask[i] &= seen;
-        own += seen;
-      }
-      add(rows[f], "share_seen", static_cast<double>(own) / static_cast<double>(mask.size()));
-    }
-    const Image8& photograph = photographs.pixels[contest.photograph];
-    for (std::size_t f = 0; f < views.size(); ++f) {
-      const auto quality = stages::compare_images(views[f].colour, photograph, mask);
-      add(rows[f], "psnr_db", quality.psnr_db);
-      add(rows[f], "ssim", quality.ssim);
-      add(rows[f], "detail", detail(views[f].colour, photograph, mask, quality.gain[1]));
-      share += quality.share_seen;
-    }
-  }
-  const auto count = static_cast<double>(contests.size());
-  for (auto& row : rows)
-    for (const char* key : {"psnr_db", "ssim", "detail", "share_seen"})
-      row[key] = row[key].get<double>() / count;
-  return {{"scene", scene.name},
-          {"photographs", contests.size()},
-          {"share_seen_by_all", share / (count * static_cast<double>(rows.size()))},
-          {"masks_identical", same_masks},
-          {"rows", rows}};
-}
-
-io::SceneFile read_scene(const fs::path& scene_file) {
-  auto scene = io::read_scene_file(scene_file);
-  if (!scene.photographs) fail_input("{}: no [photographs]", scene_file.string());
-  return scene;
-}
-
 Json compare(const fs::path& scene_file, const std::vector<fs::path>& folders) {
-  const auto scene = read_scene(scene_file);
+  const auto scene = io::read_scene_file(scene_file);
+  if (!scene.photographs) fail_input("{}: no [photographs]", scene_file.string());
   const auto photographs = batch::read_photographs(*scene.photographs);
   const auto requests = batch::leave_one_out_views(photographs);
   Json rows = Json::array();
   for (const auto& folder : folders)
     rows.push_back({{"folder", folder.filename().string()},
                     {"options", Json::parse(io::read_text(folder / "summary.json"))["options"]["render"]}});
-  std::vector<Contest> contests;
+  bool same_masks = true;
+  double share = 0;
   for (std::size_t v = 0; v < requests.size(); ++v) {
-    contests.push_back({v, {}});
+    std::vector<View> views;
     for (const auto& folder : folders)
-      contests.back().views.push_back(folder / "views" / (requests[v].name + ".exr"));
+      views.push_back(read_view(folder / "views" / (requests[v].name + ".exr")));
+    std::vector<std::uint8_t> mask(views.front().coverage.size(), 1);
+    for (const View& view : views)
+      for (std::size_t i = 0; i < mask.size(); ++i) {
+        const bool first = views.front().coverage[i] > 0, seen = view.coverage.at(i) > 0;
+        same_masks &= first == seen;
+        mask[i] &= seen;
+      }
+    for (std::size_t f = 0; f < views.size(); ++f) {
+      const auto quality = stages::compare_images(views[f].colour, photographs.pixels[v], mask);
+      add(rows[f], "psnr_db", quality.psnr_db);
+      add(rows[f], "ssim", quality.ssim);
+      add(rows[f], "detail", detail(views[f].colour, photographs.pixels[v], mask, quality.gain[1]));
+      share += quality.share_seen;
+    }
   }
-  return score(scene, photographs, contests, rows);
-}
-
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> parts(1);
-  for (const char c : list) {
-    if (c == ',')
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
-  return parts;
-}
-
-Json compare_views(const fs::path& scene_file, const fs::path& folder,
-                   const std::vector<std::string>& suffixes) {
-  const auto scene = read_scene(scene_file);
-  const auto photographs = batch::read_photographs(*scene.photographs);
-  std::vector<Contest> contests;
-  for (const auto& view : scene.views) {
-    const std::string end = "-" + suffixes.front();
-    const bool left_out =
-        std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
-    if (!view.name.ends_with(end) || !left_out) continue;
-    const auto own = std::find_if(photographs.cameras.begin(), photographs.cameras.end(),
-                                  [&](const Photograph& p) { return p.name == view.photograph; });
-    contests.push_back({static_cast<std::size_t>(own - photographs.cameras.begin()), {}});
-    const std::string stem = view.name.substr(0, view.name.size() - end.size());
-    for (const auto& suffix : suffixes)
-      contests.back().views.push_back(folder / "views" / (stem + "-" + suffix + ".exr"));
-  }
-  if (contests.empty())
-    fail_input("{}: no view of a left-out photograph is named ...-{}", scene_file.string(), suffixes.front());
-  Json rows = Json::array();
-  for (const auto& suffix : suffixes) rows.push_back({{"views", suffix}});
-  return score(scene, photographs, contests, rows);
+  const auto count = static_cast<double>(requests.size());
+  for (auto& row : rows)
+    for (const char* key : {"psnr_db", "ssim", "detail"}) row[key] = row[key].get<double>() / count;
+  return {{"scene", scene.name},
+          {"photographs", requests.size()},
+          {"share_seen_by_all", share / (count * static_cast<double>(folders.size()))},
+          {"masks_identical", same_masks},
+          {"rows", rows}};
 }
 
 }  // namespace
@@ -183,15 +118,11 @@ Json compare_views(const fs::path& scene_file, const fs::path& folder,
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::cerr << "usage: hybrid-compare-views SCENE.toml DIR... | SCENE.toml DIR --views SUFFIX,SUFFIX...\n";
+    std::cerr << "usage: hybrid-compare-views SCENE.toml DIR...\n";
     return 2;
   }
   try {
-    const bool by_name = argc == 5 && std::string(argv[3]) == "--views";
-    const auto result = by_name
-                            ? hybrid::bench::compare_views(argv[1], argv[2], hybrid::bench::split(argv[4]))
-                            : hybrid::bench::compare(argv[1], {argv + 2, argv + argc});
-    std::cout << result.dump(1) << "\n";
+    std::cout << hybrid::bench::compare(argv[1], {argv + 2, argv + argc}).dump(1) << "\n";
   } catch (const std::exception& error) {
     hybrid::log::error("{}", error.what());
     return 1;
