@@ -71,7 +71,7 @@ std::string supercluster_table(const fs::path& out, const std::string& folder, c
     const bool explained = stranger == strangers.end();
     const auto normal = plane["normal"].get<std::vector<double>>();
     Json id = {{"value", plane["id"]}};
-    const std::string image = fmt::format("{}planes/{}.png", folder, plane["id"].get<std::int64_t>());
+    const std::string image = fmt::format("{}planes/{:04}.png", folder, plane["id"].get<std::int64_t>());
     std::error_code ignored;
     if (fs::exists(out / image, ignored)) id["href"] = link("../" + image);
     table.add({id, plane["area_m2"], cell(plane, "/rms_m", 1000), plane["samples"], plane["squares"],
