@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "batch/drawn_samples.hpp"
+#include "batch/joint_unit.hpp"
 #include "batch/landmark_sheet.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
@@ -34,9 +35,11 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     stages.insert("planes");
     if (scene.model) stages.insert({"register", "render"});
   }
-  if ((stages.count("register") || stages.count("render")) && !scene.model)
-    fail_input("{}: no [model]: registration and rendering need one; add it, or use --only planes,report",
+  if (stages.count("render") && !scene.model)
+    fail_input("{}: no [model]: rendering needs one; add it, or use --only planes,register,report",
                scene.path.string());
+  if (stages.count("register") && !scene.model && scene.scans.empty())
+    fail_input("{}: no [model] and no [[scan]]: there is nothing to register", scene.path.string());
   const auto named = [&](const auto& view) { return view.name == request.only_view; };
   if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
     fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
@@ -201,19 +204,26 @@ class Run {
     run_.abstentions.resize(run_.products.size());
   }
 
+  // Each scan to the model; those that abstain to the others; all together.
   void register_all() {
+    NeighbourRegistration neighbours(queue_, run_.model ? &*run_.model : nullptr, options_, run_.products);
+    if (!run_.model)
+      neighbours.begin_without_model(entries_, run_.registrations, run_.abstentions);
+    else
+      for (std::size_t i = 0; i < run_.products.size(); ++i)
+        unit("scan " + run_.products[i].id, [&] {
+          auto found = find_pose(queue_, entries_[i], *run_.model, options_, run_.products[i], progress_);
+          auto& list = found.abstained ? run_.abstentions : run_.registrations;
+          list[i] = std::move(found);
+        });
+    unit("joint registration", [&] {
+      neighbours.carry(run_.registrations, run_.abstentions);
+      neighbours.refine(run_.registrations);
+      joint_ = neighbours.figures();
+    });
     for (std::size_t i = 0; i < run_.products.size(); ++i)
-      unit("scan " + run_.products[i].id, [&] {
-        auto registration =
-            register_scan(queue_, entries_[i], *run_.model, options_, run_.products[i], progress_);
-        if (wants("register"))
-          io::write_text(scan_folder(run_.products[i].id) / "pose.json",
-                         pose_json(run_.products[i], registration).dump(1) + "\n");
-        auto& list = registration.abstained ? run_.abstentions : run_.registrations;
-        list[i] = std::move(registration);
-        if (run_.abstentions[i]) abstain(i);
-        if (wants("register")) remove_landmark_sheet(scan_folder(run_.products[i].id));
-      });
+      unit("scan " + run_.products[i].id, [&] { finish(i); });
+    if (!run_.model) return;
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
     if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
@@ -223,6 +233,18 @@ class Run {
       fs::remove(file);  // of an earlier run
     else
       io::write_obj(file, contours.model);
+  }
+
+  // Scan i, whose pose is final now, if it has one.
+  void finish(std::size_t i) {
+    const auto& found = run_.abstentions[i] ? run_.abstentions[i] : run_.registrations[i];
+    if (!found) return;  // failed
+    const fs::path folder = scan_folder(run_.products[i].id);
+    if (run_.registrations[i] && run_.model)
+      finish_registration(queue_, *run_.model, options_, run_.products[i], *run_.registrations[i], progress_);
+    if (wants("register")) write_pose_outputs(folder, run_.products[i], *found);
+    if (run_.abstentions[i]) abstain(i);
+    if (wants("register")) remove_landmark_sheet(folder);
   }
 
   std::vector<PlacedScan> placed_scans() const {
@@ -237,10 +259,15 @@ class Run {
   // The scan takes no part in views; the sheet asks a person. The run's exit code tells.
   [[noreturn]] void abstain(std::size_t i) {
     const auto& alignment = *run_.abstentions[i]->automatic;
+    const auto& neighbours = run_.abstentions[i]->neighbour_reason;
+    if (!run_.model)
+      fail_input("no pose: {}; give a pose in the scene file, or a [model]",
+                 neighbours.empty() ? "there is no other scan to align to" : neighbours);
     if (wants("register"))
       write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,
                            alignment);
-    fail_input("no landmarks and no pose, and the automatic alignment abstains: {}", alignment.reason);
+    fail_input("no landmarks and no pose, and the automatic alignment abstains: {}{}", alignment.reason,
+               neighbours.empty() ? "" : "; " + neighbours);
   }
 
   void write_scans() {
@@ -339,6 +366,7 @@ class Run {
     if (!placed.empty()) run_.summary["photographs"] = placed;
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;
+    if (!joint_.is_null()) run_.summary["joint"] = joint_;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
   }
 
@@ -367,7 +395,7 @@ class Run {
   std::vector<std::size_t> indices_;    // one per product: which scan of its file
   std::vector<std::string> ids_;        // no longer free
   std::optional<io::SceneTruth> truth_;
-  Json inputs_ = Json::array(), views_ = Json::array();
+  Json inputs_ = Json::array(), views_ = Json::array(), joint_;
   SceneRun run_;
 };
 

@@ -14,7 +14,8 @@ using Json = nlohmann::ordered_json;
 const std::vector<OptionRow<StageOptions>>& register_rows() {
   static const std::vector<OptionRow<StageOptions>> rows = {
       {"explain_m", "m", &StageOptions::explain_m, 0.001, 10,
-       "a planar sample this near a face is explained by it"},
+       "a planar sample this near a face is explained by it", {}},
+      {"joint", "", &StageOptions::joint, 0, 0, "refine the poses of all scans together", {}},
       {"automatic",
        "",
        &StageOptions::automatic,
@@ -63,7 +64,8 @@ bool apply_register(StageOptions& options, const std::string& key, const OptionV
   return apply(key, value, options.landmarks, landmark_rows()) ||
          apply(key, value, options, register_rows()) ||
          apply(key, value, options.icp, stages::icp_option_table()) ||
-         apply(key, value, options.alignment, stages::automatic_option_table());
+         apply(key, value, options.alignment, stages::automatic_option_table()) ||
+         apply(key, value, options.faces, stages::face_offset_option_table());
 }
 
 bool apply_render(StageOptions& options, const std::string& key, const OptionValue& value) {
@@ -99,7 +101,8 @@ const std::vector<Section>& sections() {
                  option_names(landmark_rows()),
                  option_names(register_rows()),
                  option_names(stages::icp_option_table()),
-                 option_names(stages::automatic_option_table())})},
+                 option_names(stages::automatic_option_table()),
+                 option_names(stages::face_offset_option_table())})},
       {"render", &io::SceneFile::render, apply_render, option_names(stages::render_option_table())},
   };
   return all;
@@ -191,6 +194,7 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   registration.update(describe_table(options.landmarks, landmark_rows()));
   registration.update(describe_table(options, register_rows()));
   registration.update(describe_table(options.alignment, stages::automatic_option_table()));
+  registration.update(describe_table(options.faces, stages::face_offset_option_table()));
   registration["scale"] = options.icp.free_scale ? "free" : "fixed";
   return {{"planes", planes},
           {"register", registration},

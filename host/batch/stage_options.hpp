@@ -8,7 +8,9 @@
 #include "stages/contour_faces.hpp"
 #include "stages/contours.hpp"
 #include "stages/decimate.hpp"
+#include "stages/face_offsets.hpp"
 #include "stages/icp.hpp"
+#include "stages/joint_poses.hpp"
 #include "stages/landmarks.hpp"
 #include "stages/render.hpp"
 #include "stages/resample.hpp"
@@ -32,6 +34,9 @@ struct StageOptions {
   stages::LandmarkOptions landmarks;
   stages::IcpOptions icp;
   stages::AutomaticOptions alignment;
+  stages::FaceOffsetOptions faces;
+  bool joint = true;  // refine the poses of all scans together
+  stages::JointOptions joint_poses;
   // Which scans are aligned without a start: those with neither landmarks nor pose; all but those with a
   // pose, landmarks deciding where it abstains; none.
   std::string automatic = "missing";  // "missing" | "first" | "never"

@@ -90,7 +90,56 @@ std::string abstained_section(const Json& scan, const std::string& folder) {
          "</div>\n";
 }
 
-std::string scan_section(const Json& scan) {
+// Per proxy face where the scan lies.
+std::string face_section(const Json& scan, const std::string& folder) {
+  if (!scan.contains("registration") || !scan["registration"].contains("faces")) return "";
+  const auto& faces = scan["registration"]["faces"];
+  std::string html =
+      "<div class=\"row\">\n" +
+      picture(folder + "residuals.png",
+              "Signed distances to the proxy: blue behind its faces, red in front, grey farther than 10 cm, black no "
+              "return") +
+      "</div>\n<details><summary>the proxy's faces against the scan</summary><table><tr><th>face</th><th>offset "
+      "mm</th><th>sigma mm</th><th>tilt deg</th><th>area m2</th><th>samples</th></tr>\n";
+  for (const auto& face : faces["faces"])
+    html += fmt::format(
+        "<tr><th>{}</th><td>{:+.1f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.1f}</td><td>{}</td></tr>\n",
+        escape(face["face"].get<std::string>()), 1000 * face["offset_m"].get<double>(),
+        1000 * face["sigma_m"].get<double>(), face["tilt_deg"].get<double>(), face["area_m2"].get<double>(),
+        face["samples"].get<std::int64_t>());
+  return html +
+         fmt::format("</table><p>Above 0 the scan lies in front of the face, below 0 behind it. {}; {}.</p></details>\n",
+                     faces["solved_with_the_pose"].get<bool>()
+                         ? "The faces do not agree, so that the pose was solved with their offsets"
+                         : "The faces agree",
+                     escape(faces["unobservable"].get<std::string>()));
+}
+
+// The table of registration reports: how each two scans lie against each other.
+std::string pair_section(const Json& summary) {
+  if (!summary.contains("joint")) return "";
+  const auto& joint = summary["joint"];
+  std::string html =
+      "<h2>Scan to scan</h2>\n<table><tr><th>scans</th><th>overlap %</th><th>planes</th><th>distance mm, "
+      "before</th><th>after</th><th>median mm</th><th>strength %</th></tr>\n";
+  for (const auto& pair : joint["pairs"])
+    html += fmt::format(
+        "<tr><th>{} - {}</th><td>{:.0f}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f}</td>"
+        "</tr>\n",
+        escape(pair["a"].get<std::string>()), escape(pair["b"].get<std::string>()),
+        100 * pair["overlap"].get<double>(), pair["planes"].get<int>(),
+        1000 * pair["distance_before_m"].get<double>(), 1000 * pair["distance_m"].get<double>(),
+        1000 * pair["median_m"].get<double>(), 100 * pair["strength"].get<double>());
+  return html +
+         "</table>\n<p>All poses were refined together. Overlap: share of the planar area of one scan on planes of the "
+         "other, the larger of both; distance: rms over it, before and after; strength: 100 % held alike in all "
+         "directions, 0 free to slide along one.</p>\n";
+}
+
+std::string scan_section(const Json& whole) {
+  Json scan = whole;
+  if (scan.contains("registration")) scan["registration"].erase("faces");  // a table of their own
+
   const std::string id = scan["id"].get<std::string>();
   const std::string folder = "../scans/" + id + "/";
   return fmt::format("<h2>Scan {}</h2>\n", escape(id)) + abstained_section(scan, folder) +
@@ -98,7 +147,7 @@ std::string scan_section(const Json& scan) {
          picture(folder + "classes.png",
                  "Superclusters (pastel), locally planar but too small (dark blue), non-planar "
                  "(dark green), undersampled (black)") +
-         "</div>\n" + table(scan);
+         "</div>\n" + face_section(whole, folder) + table(scan);
 }
 
 std::string pair_picture(const Json& view) {
@@ -168,8 +217,9 @@ constexpr const char* kStyle =
 }  // namespace
 
 void write_report(device::Queue& queue, const batch::SceneRun& run, const std::filesystem::path& out) {
-  const bool registered = std::any_of(run.registrations.begin(), run.registrations.end(),
-                                      [](const auto& registration) { return registration.has_value(); });
+  const bool registered =
+      run.model && std::any_of(run.registrations.begin(), run.registrations.end(),
+                               [](const auto& registration) { return registration.has_value(); });
   std::string body = failure_section(run);
   if (registered) {
     write_registration_figures(queue, run, out / "report");
@@ -178,6 +228,7 @@ void write_report(device::Queue& queue, const batch::SceneRun& run, const std::f
                     "Before ICP: retained samples of every scan, each in its colour, on the proxy") +
             picture("registration-after.png", "After ICP") + "</div>\n";
   }
+  body += pair_section(run.summary);
   const auto& views = run.summary["views"];
   if (!std::all_of(views.begin(), views.end(), is_leave_one_out)) body += view_section(views);
   body += leave_one_out_section(run.summary);
