@@ -83,6 +83,7 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
   ScanRegistration& one = *abstentions[scan];
   if (!best->accepted) {
     one.neighbour_reason = fmt::format("against scan {}: {}", products_[by].id, best->reason);
+    one.neighbour = std::move(best);
     return false;
   }
   one.how = "neighbour";

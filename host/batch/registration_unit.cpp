@@ -222,7 +222,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                  {"how", registration.how},
                  {"status", "abstained"}};
     json.update(automatic_json(*registration.automatic));
-    if (!registration.neighbour_reason.empty()) json["neighbours"] = registration.neighbour_reason;
+    if (registration.neighbour) json["neighbour"] = automatic_json(*registration.neighbour);
     return json;
   }
   const auto& icp = registration.icp;

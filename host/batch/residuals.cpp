@@ -105,18 +105,19 @@ Image8 residual_picture(const ScanProduct& product, const std::vector<float>& di
                         const ResidualHistogram& histogram) {
   constexpr int kWidth = 1600, kMargin = 20;
   const RangeImage& image = product.image;
-  const int thin = std::max(1, image.cols / kWidth), enlarge = std::max(1, kWidth / 2 / std::max(image.cols, 1));
+  const int thin = std::max(1, image.cols / kWidth), enlarge = std::max(1, kWidth / std::max(image.cols, 1));
   const int cols = (image.cols + thin - 1) / thin, rows = (image.rows + thin - 1) / thin;
   const int legend = static_cast<int>(histogram.counts.size()) * kBinWidth;
   const int width = std::max(cols * enlarge, legend + 2 * kMargin);
   Image8 picture(width, rows * enlarge + kLegend, 3);
   fill(picture, 0, 0, picture.width, picture.height, kPaper);
+  const int left = (width - cols * enlarge) / 2;
   for (int row = 0; row < rows; ++row)
     for (int col = 0; col < cols; ++col) {
       const std::size_t i = image.index(row * thin, col * thin);
       const double d = distance_m[i];
       const Ink ink = image.mask[i] != kMeasured ? kNone : std::abs(d) <= kNear_m ? ink_of(d) : kFar;
-      fill(picture, col * enlarge, row * enlarge, (col + 1) * enlarge, (row + 1) * enlarge, ink);
+      fill(picture, left + col * enlarge, row * enlarge, left + (col + 1) * enlarge, (row + 1) * enlarge, ink);
     }
   draw_legend(picture, (width - legend) / 2, rows * enlarge + kMargin, histogram);
   return picture;

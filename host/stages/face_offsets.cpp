@@ -17,7 +17,7 @@ namespace {
 constexpr double kSamePlane_m = 0.01, kOtherPlane_m = 0.03;
 // Of the offsets: a finer spread would lock onto floor and ceiling, which are most of the area, and drop walls.
 constexpr double kLeastSpread_m = 0.015;
-constexpr double kAgreeingShare = 0.5;  // of the area
+constexpr double kAgreeingShare = 0.5, kNearlyAll = 0.8;  // of the area
 constexpr double kHeldShare = 0.01, kHeldOfAll = 0.3;  // of icp_step.hpp's resistance; of that of all faces
 constexpr int kMaxIterations = 40;
 constexpr double kSettledAngleRad = 1e-7, kSettledDistanceM = 1e-6;
@@ -132,6 +132,7 @@ bool faces_agree(const ScanEvidence& scan, const std::vector<TilePair>& pairs, c
     for (const auto& [t, share] : on.tiles) add_tile(scan.tiles[t], pairs[t], pose, pivot, share, sums);
   }
   if (!(sums.weight > 0) || sums.weight < kAgreeingShare * all.weight) return false;
+  if (sums.weight >= kNearlyAll * all.weight) return true;
   const double radius = pose.scale * std::max(scan.reach_m, 1e-6);
   // Where all faces together leave a direction open, the agreeing ones may.
   return least_share(sums, radius) >= std::min(kHeldShare, kHeldOfAll * least_share(all, radius));

@@ -51,8 +51,8 @@ inline constexpr const char* kUnobservable =
 Pose solve_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
                         const PolygonModel& model, const Pose& start, const FaceOffsetOptions& options = {});
 
-// The offsets under a pose. `agree`: planes on at least half of the area lie on their faces, tilt included,
-// within agree_m, and hold all six directions.
+// The offsets under a pose. `agree`: planes on most of the area (80 %; or half, if they hold all six directions)
+// lie on their faces within agree_m, tilt included.
 FaceOffsets measure_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
                                  const PolygonModel& model, const Pose& world_from_scan,
                                  const FaceOffsetOptions& options = {});

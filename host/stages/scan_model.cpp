@@ -9,7 +9,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kStraighten = 4;  // sample spacings
+constexpr double kStraighten[] = {4, 2, 0.75, 0};  // sample spacings: the first that leaves a simple polygon
 constexpr double kLeastArea_m2 = 0.02;
 
 void append(const PolygonModel& from, std::uint32_t id, PolygonModel& to) {
@@ -29,7 +29,11 @@ void append(const PolygonModel& from, std::uint32_t id, PolygonModel& to) {
 PolygonModel model_of_scan(const RangeImage& image, const PlaneSegmentation& segmentation) {
   PolygonModel model;
   for (const Supercluster& one : segmentation.superclusters) {
-    PolygonModel polygons = polygons_of(flat_rings(image, one, kStraighten));
+    PolygonModel polygons;
+    for (const double straighten : kStraighten) {
+      polygons = polygons_of(flat_rings(image, one, straighten));
+      if (!polygons.faces.empty()) break;
+    }
     std::erase_if(polygons.faces, [&](const Face& face) { return face_area_m2(polygons, face) < kLeastArea_m2; });
     append(polygons, one.id, model);
   }
