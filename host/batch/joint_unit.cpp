@@ -14,6 +14,14 @@ using Json = nlohmann::ordered_json;
 // ICP to the proxy from a neighbour's pose is believed where it stays this near.
 constexpr double kStays_m = 0.1, kStaysDeg = 1;
 
+// What the model's faces are off, by the scan that shows it best; 0 where they agree.
+double face_sigma_m(const Registrations& registrations) {
+  double sigma = 0;
+  for (const auto& one : registrations)
+    if (one && one->solved_with_faces) sigma = std::max(sigma, one->faces->disagreement_m);
+  return sigma;
+}
+
 Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& ids) {
   return {{"a", ids[pair.a]},
           {"b", ids[pair.b]},
@@ -129,7 +137,8 @@ void NeighbourRegistration::refine(Registrations& registrations) {
   for (std::size_t i = 0; i < products_.size(); ++i) {
     if (!registrations[i]) continue;
     const ScanRegistration& one = *registrations[i];
-    stages::JointScan scan{&one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {}};
+    stages::JointScan scan{&one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {},
+                           face_sigma_m(registrations)};
     if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = one.icp.covariance;
     scans.push_back(scan);
     index.push_back(i);

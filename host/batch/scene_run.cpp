@@ -328,6 +328,16 @@ class Run {
     }
   }
 
+  // Without a model the first scan is the frame: its true pose brings the others into the truth's.
+  Pose in_truth_s_frame(const ScanRegistration& registration) const {
+    if (run_.model || !run_.registrations[0]) return registration.world_from_scan();
+    for (const auto& truth : truth_->scans)
+      if (truth.id == run_.products[0].id)
+        return truth.world_from_scan * run_.registrations[0]->world_from_scan().inverse() *
+               registration.world_from_scan();
+    return registration.world_from_scan();
+  }
+
   Json scan_summary(std::size_t i) const {
     Json json = scan_figures(run_.products[i]);
     const auto& registration = run_.registrations[i];
@@ -335,9 +345,10 @@ class Run {
     if (run_.abstentions[i]) json["registration"] = registration_figures(*run_.abstentions[i]);
     if (truth_)
       for (const auto& truth : truth_->scans)
-        if (truth.id == run_.products[i].id)
-          json["truth"] = truth_figures(truth, run_.products[i],
-                                        registration ? &registration->world_from_scan() : nullptr);
+        if (truth.id == run_.products[i].id) {
+          const auto pose = registration ? std::optional(in_truth_s_frame(*registration)) : std::nullopt;
+          json["truth"] = truth_figures(truth, run_.products[i], pose ? &*pose : nullptr);
+        }
     return json;
   }
 

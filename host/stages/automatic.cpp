@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::size_t kNamedRivals = 8;
 
-// What a scan did not see is no evidence at all; what a proxy lacks is a little.
-double nothing_says(const AutomaticOptions& options) {
-  return options.of_scan ? 0 : 0.05;
-}
-
 MarginRule rule_of(const AutomaticOptions& options) {
   return {options.least_gap, options.least_consistency, options.least_without_largest, options.least_firm,
           options.least_single};
@@ -40,7 +35,7 @@ std::vector<RivalPose> rivals_of(const ScanEvidence& scan, const Search& search,
     RivalPose rival;
     rival.world_from_scan = search.finalists[k].fit.world_from_scan;
     rival.words = motion_in_words(best.fit.world_from_scan, rival.world_from_scan);
-    rival.comparison = compare(scan.rays, best.lines, search.finalists[k].lines, nothing_says(options));
+    rival.comparison = compare(scan.rays, best.lines, search.finalists[k].lines);
     rival.strength = strength(rival.comparison, rule_of(options));
     rivals.push_back(std::move(rival));
   }
@@ -50,7 +45,7 @@ std::vector<RivalPose> rivals_of(const ScanEvidence& scan, const Search& search,
 }
 
 // The pose whose weakest comparison is strongest: the score alone lets one large doubtful face decide.
-std::size_t choose(const ScanEvidence& scan, const Search& search, const AutomaticOptions& options) {
+std::size_t choose(const ScanEvidence& scan, const Search& search) {
   std::size_t best = 0;
   double best_strength = -std::numeric_limits<double>::infinity();
   // Poses far below the best score cannot win.
@@ -60,9 +55,7 @@ std::size_t choose(const ScanEvidence& scan, const Search& search, const Automat
     for (std::size_t l = 0; l < search.finalists.size(); ++l)
       if (l != k && !is_near(scan, search.finalists[k], search.finalists[l]))
         weakest =
-            std::min(weakest, compare(scan.rays, search.finalists[k].lines, search.finalists[l].lines,
-                                      nothing_says(options))
-                                  .gap());
+            std::min(weakest, compare(scan.rays, search.finalists[k].lines, search.finalists[l].lines).gap());
     const double upright = search.finalists[k].fit.world_from_scan.rotate(Vec3::UnitZ()).z();
     weakest += 1e-6 * upright;  // of equals the one that stands
     if (weakest > best_strength) {
@@ -125,7 +118,7 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   }
   const Pose first = search.finalists[0].fit.world_from_scan;
   add_symmetric_rivals(caster, scan, shapes, first, options, search);
-  const std::size_t chosen = choose(scan, search, options);
+  const std::size_t chosen = choose(scan, search);
   const Finalist& best = search.finalists[chosen];
   result.finalists = static_cast<int>(search.finalists.size());
   result.world_from_scan = best.fit.world_from_scan;

@@ -7,7 +7,7 @@
 namespace hybrid::stages {
 namespace {
 
-double contradiction(Sight sight, double nothing) {
+double contradiction(Sight sight) {
   switch (sight) {
     case Sight::through:
       return 1;
@@ -15,7 +15,7 @@ double contradiction(Sight sight, double nothing) {
     case Sight::behind:
       return 0.5;
     case Sight::nothing:
-      return nothing;
+      return 0.05;
     default:
       return 0;
   }
@@ -30,16 +30,16 @@ struct Said {
 }  // namespace
 
 Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLine>& pose,
-                   const std::vector<SightLine>& other, double nothing) {
+                   const std::vector<SightLine>& other) {
   std::map<std::uint32_t, Said> by_plane;
   double total = 0, against = 0;
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const double area = rays[k].area_m2;
     total += area;
-    if (other[k].sight == Sight::supported) against += area * contradiction(pose[k].sight, nothing);
+    if (other[k].sight == Sight::supported) against += area * contradiction(pose[k].sight);
     if (pose[k].sight != Sight::supported) continue;
     Said& said = by_plane[rays[k].plane];
-    said.all += area * contradiction(other[k].sight, nothing);
+    said.all += area * contradiction(other[k].sight);
     if (other[k].sight == Sight::through) said.through += area;
     if (other[k].sight == Sight::in_front) said.in_front += area;
     if (other[k].sight == Sight::supported) said.shared += area;
@@ -49,7 +49,7 @@ Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLin
   for (auto& [plane, said] : by_plane) {
     double firm = said.through;
     if (said.shared >= said.in_front) {
-      said.all += (1 - contradiction(Sight::in_front, nothing)) * said.in_front;
+      said.all += (1 - contradiction(Sight::in_front)) * said.in_front;
       firm += said.in_front;
     }
     result.for_it += said.all / total;

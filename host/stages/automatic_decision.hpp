@@ -9,7 +9,7 @@ namespace hybrid::stages {
 // What the lines of sight say for one pose against another, as shares of the planar area. A line speaks for a
 // pose only where that pose has a face right where the sample is and the other pose clearly contradicts it:
 // the line would pass through the other's face (counts whole), end in front of it or look at its back (half).
-// Where the other has no face it says next to nothing (`nothing`, a twentieth), as a model is never complete; samples
+// Where the other has no face it says next to nothing (a twentieth), as a model is never complete; samples
 // within SightOptions::clear_m of the other's face say nothing, because faces are off by centimetres.
 struct Comparison {
   double for_it = 0, against_it = 0;
@@ -27,7 +27,7 @@ struct Comparison {
   }
 };
 Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLine>& pose,
-                   const std::vector<SightLine>& other, double nothing = 0.05);
+                   const std::vector<SightLine>& other);
 
 // The least that must speak for a pose against every rival, shares of the planar area. More than one plane
 // must speak (`least_without_largest`), as one piece of furniture can look like a wall; or one plane firmly

@@ -25,6 +25,8 @@ constexpr double kSettledAngleRad = 1e-7, kSettledDistanceM = 1e-6;
 constexpr double kLeastReach_m = 0.03;  // of matches in the last rounds
 // A start is never known better than this: the segmentation's errors are not in its covariance.
 constexpr double kLeastPrior_m = 1e-4, kLeastPriorRad = 1e-5;
+// And never worse: neighbours' planes lie within reach of it. Weak against any pair of planes.
+constexpr double kMostPrior_m = 0.1, kMostPriorRad = 0.02;
 
 Pose stepped(const Pose& pose, const Step& step) {
   const Vec3 turn(step[0], step[1], step[2]);
@@ -88,16 +90,27 @@ Matrix6 about(const Vec3& place) {
   return m;
 }
 
-Matrix6 root_information(const std::array<double, 36>& covariance, const Vec3& place) {
-  const Matrix6 move = about(place);
-  Matrix6 c = move * Eigen::Map<const Matrix6>(covariance.data()) * move.transpose();
-  for (int k = 0; k < 6; ++k) {
-    const double least = k < 3 ? kLeastPriorRad : kLeastPrior_m;
-    c(k, k) += least * least;
+// Root of the information about a start. Directions that nothing else holds keep to it.
+Matrix6 root_information(const JointScan& scan, const Vec3& place) {
+  Matrix6 information = Matrix6::Zero();
+  if (scan.covariance) {
+    const Matrix6 move = about(place);
+    Matrix6 c = move * Eigen::Map<const Matrix6>(scan.covariance->data()) * move.transpose();
+    const double reach = std::max(scan.evidence->reach_m, 1e-3);
+    for (int k = 0; k < 6; ++k) {
+      const double least = k < 3 ? std::hypot(kLeastPriorRad, scan.face_sigma_m / reach)
+                                 : std::hypot(kLeastPrior_m, scan.face_sigma_m);
+      c(k, k) += least * least;
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(c);
+    const Vector6 inverse = solver.eigenvalues().cwiseMax(1e-12).cwiseInverse();
+    information = solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(c);
-  const Vector6 root = solver.eigenvalues().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  return root.asDiagonal() * solver.eigenvectors().transpose();
+  for (int k = 0; k < 6; ++k) {
+    const double most = k < 3 ? kMostPriorRad : kMostPrior_m;
+    information(k, k) += 1 / (most * most);
+  }
+  return information.llt().matrixU();
 }
 
 Vector6 moved_since(const Pose& start, const Pose& now) {
@@ -140,9 +153,9 @@ class Problem {
       : steps_(scans.size(), Step{}) {
     for (const JointMatch& match : matches) add(scans, poses, match, sigma_m);
     for (std::size_t i = 0; i < scans.size(); ++i) {
-      if (scans[i].covariance && !fixed[i]) {
+      if (!fixed[i] && (scans[i].covariance || used_.count(i))) {
         auto* prior = new ceres::AutoDiffCostFunction<StartPrior, 6, 6>(
-            new StartPrior{root_information(*scans[i].covariance, poses[i].translation),
+            new StartPrior{root_information(scans[i], poses[i].translation),
                            moved_since(scans[i].start, poses[i])});
         problem_.AddResidualBlock(prior, nullptr, steps_[i].data());
         used_.insert(i);

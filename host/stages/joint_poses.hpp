@@ -16,6 +16,8 @@ struct JointScan {
   // What is known of the start without the other scans: 6x6 as Registration::covariance. Nothing for a scan
   // that only its neighbours hold.
   std::optional<std::array<double, 36>> covariance;
+  // What faces of the model are off, as other scans show: a scan that sees few of them cannot tell.
+  double face_sigma_m = 0;
 };
 
 struct JointOptions {
