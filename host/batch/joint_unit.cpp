@@ -79,9 +79,9 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
   std::size_t by = 0;
   for (std::size_t other = 0; other < products_.size(); ++other) {
     if (!registrations[other] || seen(other).model.faces.empty()) continue;
-    auto found =
-        stages::align_automatically(queue_, abstentions[scan]->evidence, seen(other).model, options);
-    const bool better = !best || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);
+    auto found = stages::align_automatically(queue_, abstentions[scan]->evidence, seen(other).model, options);
+    const bool better =
+        !best || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);
     if (better) {
       best = std::move(found);
       by = other;
@@ -137,8 +137,8 @@ void NeighbourRegistration::refine(Registrations& registrations) {
   for (std::size_t i = 0; i < products_.size(); ++i) {
     if (!registrations[i]) continue;
     const ScanRegistration& one = *registrations[i];
-    stages::JointScan scan{&one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {},
-                           face_sigma_m(registrations)};
+    stages::JointScan scan{
+        &one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
     if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = one.icp.covariance;
     scans.push_back(scan);
     index.push_back(i);
@@ -159,9 +159,12 @@ void NeighbourRegistration::refine(Registrations& registrations) {
     if (one.faces) stages::add_pose_sigma(one.icp.covariance, *one.faces);
   }
   for (const auto& pair : joint.pairs) pairs.push_back(pair_json(pair, ids));
-  figures_ = {{"scans", ids},         {"frame", model_ ? "model" : ids.front()},
-              {"iterations", joint.iterations}, {"converged", joint.converged},
-              {"plane_sigma_m", joint.sigma_m}, {"moved", moved},
+  figures_ = {{"scans", ids},
+              {"frame", model_ ? "model" : ids.front()},
+              {"iterations", joint.iterations},
+              {"converged", joint.converged},
+              {"plane_sigma_m", joint.sigma_m},
+              {"moved", moved},
               {"pairs", pairs}};
 }
 

@@ -12,8 +12,8 @@ using Registrations = std::vector<std::optional<ScanRegistration>>;
 
 // The scans of one scene among each other (METHOD 7). A scan without a pose of its own, because the alignment
 // to the model abstained or there is no model, is aligned to the planes of those that have one; what abstains
-// there, too, stays without. Without a model the first scan is the frame: its pose is the scene file's or none.
-// Then all poses are refined together. Takes scans from `abstentions` to `registrations`.
+// there, too, stays without. Without a model the first scan is the frame: its pose is the scene file's or
+// none. Then all poses are refined together. Takes scans from `abstentions` to `registrations`.
 class NeighbourRegistration {
  public:
   // `model` may be null. The references must outlive it.

@@ -138,7 +138,7 @@ stages::FaceOffsets faces_under(const PolygonModel& model, const StageOptions& o
 }  // namespace
 
 void refine_to_model(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
-            const ScanProduct& product, ScanRegistration& result) {
+                     const ScanProduct& product, ScanRegistration& result) {
   const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
                                                      options.icp.max_samples, options.icp.seed);
   Pose start = result.start;
@@ -252,7 +252,8 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                          {"leave_one_out_m", registration.landmarks->leave_one_out_m}};
   }
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
-  if (registration.faces) json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
+  if (registration.faces)
+    json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
   if (!registration.signed_distance_m.empty()) json["residuals"] = histogram_json(registration.residuals);
   return json;
 }
@@ -282,7 +283,8 @@ Json registration_figures(const ScanRegistration& registration) {
     json["overlap"] = registration.icp.overlap;
     json["degenerate"] = registration.icp.degenerate;
   }
-  if (registration.faces) json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
+  if (registration.faces)
+    json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
   return json;
 }
 

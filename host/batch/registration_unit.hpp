@@ -34,7 +34,8 @@ struct ScanRegistration {
   // Per node, to the closest compatible face, under the final pose; NaN where not measured.
   std::vector<float> distance_m, signed_distance_m;
   ResidualHistogram residuals;
-  // Aligned to another scan, not to the model: to which, and what spoke for it; why not, where that abstained.
+  // Aligned to another scan, not to the model: to which, and what spoke for it; why not, where that
+  // abstained.
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
   bool held_by_model = true;  // by what it sees of the model; else by its neighbours alone

@@ -41,12 +41,15 @@ void draw_legend(Image8& picture, int left, int top, const ResidualHistogram& hi
   const auto bins = static_cast<int>(histogram.counts.size());
   const double most = static_cast<double>(
       std::max<std::int64_t>(1, *std::max_element(histogram.counts.begin(), histogram.counts.end())));
-  const auto centre = [](int b) { return -ResidualHistogram::kReach_m + (b + 0.5) * ResidualHistogram::kBin_m; };
+  const auto centre = [](int b) {
+    return -ResidualHistogram::kReach_m + (b + 0.5) * ResidualHistogram::kBin_m;
+  };
   const int base = top + kBars;
   for (int b = 0; b < bins; ++b) {
     const int x = left + b * kBinWidth;
     const double share = static_cast<double>(histogram.counts[static_cast<std::size_t>(b)]) / most;
-    fill(picture, x, base - static_cast<int>(std::lround(share * kBars)), x + kBinWidth - 2, base, {90, 90, 90});
+    fill(picture, x, base - static_cast<int>(std::lround(share * kBars)), x + kBinWidth - 2, base,
+         {90, 90, 90});
     fill(picture, x, base + 2, x + kBinWidth, base + 2 + kScaleHeight, ink_of(centre(b)));
   }
   const int below = base + kScaleHeight + 8;
@@ -117,7 +120,8 @@ Image8 residual_picture(const ScanProduct& product, const std::vector<float>& di
       const std::size_t i = image.index(row * thin, col * thin);
       const double d = distance_m[i];
       const Ink ink = image.mask[i] != kMeasured ? kNone : std::abs(d) <= kNear_m ? ink_of(d) : kFar;
-      fill(picture, left + col * enlarge, row * enlarge, left + (col + 1) * enlarge, (row + 1) * enlarge, ink);
+      fill(picture, left + col * enlarge, row * enlarge, left + (col + 1) * enlarge, (row + 1) * enlarge,
+           ink);
     }
   draw_legend(picture, (width - legend) / 2, rows * enlarge + kMargin, histogram);
   return picture;

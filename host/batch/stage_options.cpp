@@ -13,8 +13,13 @@ using Json = nlohmann::ordered_json;
 // Landmark options and what the pipeline itself decides: the rows of [register] that are not ICP's.
 const std::vector<OptionRow<StageOptions>>& register_rows() {
   static const std::vector<OptionRow<StageOptions>> rows = {
-      {"explain_m", "m", &StageOptions::explain_m, 0.001, 10,
-       "a planar sample this near a face is explained by it", {}},
+      {"explain_m",
+       "m",
+       &StageOptions::explain_m,
+       0.001,
+       10,
+       "a planar sample this near a face is explained by it",
+       {}},
       {"joint", "", &StageOptions::joint, 0, 0, "refine the poses of all scans together", {}},
       {"automatic",
        "",

@@ -94,25 +94,27 @@ std::string abstained_section(const Json& scan, const std::string& folder) {
 std::string face_section(const Json& scan, const std::string& folder) {
   if (!scan.contains("registration") || !scan["registration"].contains("faces")) return "";
   const auto& faces = scan["registration"]["faces"];
-  std::string html =
-      "<div class=\"row\">\n" +
-      picture(folder + "residuals.png",
-              "Signed distances to the proxy: blue behind its faces, red in front, grey farther than 10 cm, black no "
-              "return") +
-      "</div>\n<details><summary>the proxy's faces against the scan</summary><table><tr><th>face</th><th>offset "
-      "mm</th><th>sigma mm</th><th>tilt deg</th><th>area m2</th><th>samples</th></tr>\n";
+  std::string html = "<div class=\"row\">\n" +
+                     picture(folder + "residuals.png",
+                             "Signed distances to the proxy: blue behind its faces, red in front, grey "
+                             "farther than 10 cm, black no "
+                             "return") +
+                     "</div>\n<details><summary>the proxy's faces against the "
+                     "scan</summary><table><tr><th>face</th><th>offset "
+                     "mm</th><th>sigma mm</th><th>tilt deg</th><th>area m2</th><th>samples</th></tr>\n";
   for (const auto& face : faces["faces"])
     html += fmt::format(
         "<tr><th>{}</th><td>{:+.1f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.1f}</td><td>{}</td></tr>\n",
         escape(face["face"].get<std::string>()), 1000 * face["offset_m"].get<double>(),
         1000 * face["sigma_m"].get<double>(), face["tilt_deg"].get<double>(), face["area_m2"].get<double>(),
         face["samples"].get<std::int64_t>());
-  return html +
-         fmt::format("</table><p>Above 0 the scan lies in front of the face, below 0 behind it. {}; {}.</p></details>\n",
-                     faces["solved_with_the_pose"].get<bool>()
-                         ? "The faces do not agree, so that the pose was solved with their offsets"
-                         : "The faces agree",
-                     escape(faces["unobservable"].get<std::string>()));
+  return html + fmt::format(
+                    "</table><p>Above 0 the scan lies in front of the face, below 0 behind it. {}; "
+                    "{}.</p></details>\n",
+                    faces["solved_with_the_pose"].get<bool>()
+                        ? "The faces do not agree, so that the pose was solved with their offsets"
+                        : "The faces agree",
+                    escape(faces["unobservable"].get<std::string>()));
 }
 
 // The table of registration reports: how each two scans lie against each other.
@@ -124,15 +126,18 @@ std::string pair_section(const Json& summary) {
       "before</th><th>after</th><th>median mm</th><th>strength %</th></tr>\n";
   for (const auto& pair : joint["pairs"])
     html += fmt::format(
-        "<tr><th>{} - {}</th><td>{:.0f}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f}</td>"
+        "<tr><th>{} - "
+        "{}</th><td>{:.0f}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f}</td>"
         "</tr>\n",
         escape(pair["a"].get<std::string>()), escape(pair["b"].get<std::string>()),
         100 * pair["overlap"].get<double>(), pair["planes"].get<int>(),
         1000 * pair["distance_before_m"].get<double>(), 1000 * pair["distance_m"].get<double>(),
         1000 * pair["median_m"].get<double>(), 100 * pair["strength"].get<double>());
   return html +
-         "</table>\n<p>All poses were refined together. Overlap: share of the planar area of one scan on planes of the "
-         "other, the larger of both; distance: rms over it, before and after; strength: 100 % held alike in all "
+         "</table>\n<p>All poses were refined together. Overlap: share of the planar area of one scan on "
+         "planes of the "
+         "other, the larger of both; distance: rms over it, before and after; strength: 100 % held alike in "
+         "all "
          "directions, 0 free to slide along one.</p>\n";
 }
 

@@ -126,16 +126,15 @@ std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeIma
   for (const Tile& tile : make_tiles(image.rows, image.cols, tile_side))
     measure.measure({image, segmentation, tile, nullptr}, triangles, measure.triangles().size(), 0, tile,
                     image.cols, distances, &heights);
-  for (std::size_t i = 0; i < distances.size(); ++i)
-    distances[i] = std::copysign(distances[i], heights[i]);
+  for (std::size_t i = 0; i < distances.size(); ++i) distances[i] = std::copysign(distances[i], heights[i]);
   return distances;
 }
 
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
                                      const PlaneSegmentation& segmentation, const PolygonModel& model,
                                      const Pose& world_from_scan, double normal_deg, int tile_side) {
-  auto distances = signed_distance_to_model(queue, image, segmentation, model, world_from_scan, normal_deg,
-                                            tile_side);
+  auto distances =
+      signed_distance_to_model(queue, image, segmentation, model, world_from_scan, normal_deg, tile_side);
   for (float& distance : distances) distance = std::abs(distance);
   return distances;
 }

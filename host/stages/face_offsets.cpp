@@ -15,7 +15,8 @@ namespace {
 
 // Pieces of one plane: whole within the first, none of it beyond the second.
 constexpr double kSamePlane_m = 0.01, kOtherPlane_m = 0.03;
-// Of the offsets: a finer spread would lock onto floor and ceiling, which are most of the area, and drop walls.
+// Of the offsets: a finer spread would lock onto floor and ceiling, which are most of the area, and drop
+// walls.
 constexpr double kLeastSpread_m = 0.015;
 constexpr double kAgreeingShare = 0.5, kNearlyAll = 0.8;  // of the area
 constexpr double kHeldShare = 0.01, kHeldOfAll = 0.3;  // of icp_step.hpp's resistance; of that of all faces
@@ -118,7 +119,8 @@ Pose solve_jointly(const PlaneSegmentation& segmentation, const ScanEvidence& sc
   return pose;
 }
 
-// Whether planes that lie on their faces within agree_m, tilt included, are most of the area and hold the pose.
+// Whether planes that lie on their faces within agree_m, tilt included, are most of the area and hold the
+// pose.
 bool faces_agree(const ScanEvidence& scan, const std::vector<TilePair>& pairs, const FaceMap& faces,
                  const Pose& pose, const FaceOffsetOptions& options) {
   PlaneSums sums, all;
@@ -160,8 +162,7 @@ FaceOffset describe(const PlaneSegmentation& segmentation, const ScanEvidence& s
   result.centre = pose * moments.mean;
   result.tilt_deg =
       std::acos(std::clamp(std::abs(fit.plane.normal.dot(n)), 0.0, 1.0)) * 180 / std::numbers::pi;
-  result.sigma_m =
-      pose.scale * std::sqrt(std::max(n.dot(moments.scatter * n) + noise, 0.0) / moments.weight);
+  result.sigma_m = pose.scale * std::sqrt(std::max(n.dot(moments.scatter * n) + noise, 0.0) / moments.weight);
   result.samples = std::llround(samples);
   return result;
 }

@@ -38,7 +38,8 @@ std::vector<JointMatch> find_matches(const std::vector<JointScan>& scans, const 
       const auto pairs = find_tile_pairs(evidence, *scans[to].shapes, to_from, std::max(reach_m, kBeside_m));
       for (std::size_t t = 0; t < pairs.size(); ++t) {
         const FaceShape* face = pairs[t].face;
-        if (!face || std::abs(pairs[t].height_m) > reach_m || face->outside_m(pairs[t].centroid) > kBeside_m ||
+        if (!face || std::abs(pairs[t].height_m) > reach_m ||
+            face->outside_m(pairs[t].centroid) > kBeside_m ||
             face->plane.normal.dot(to_from.rotate(evidence.tiles[t].normal)) < along)
           continue;
         matches.push_back({from, to, t, face, pairs[t].rms_m, 0});
@@ -98,8 +99,7 @@ std::vector<PairReport> report_pairs(const std::vector<JointScan>& scans, const 
     report.distance_m = std::sqrt(sums.square / report.area_m2);
     report.start_distance_m = std::sqrt(sums.start_square / report.area_m2);
     report.median_m = median_by_area(sums.distances);
-    report.strength =
-        3 * Eigen::SelfAdjointEigenSolver<Mat3>(sums.facing / report.area_m2).eigenvalues()(0);
+    report.strength = 3 * Eigen::SelfAdjointEigenSolver<Mat3>(sums.facing / report.area_m2).eigenvalues()(0);
     report.planes = static_cast<int>(sums.planes.size());
     reports.push_back(report);
   }

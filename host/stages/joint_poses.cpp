@@ -37,8 +37,8 @@ Pose stepped(const Pose& pose, const Step& step) {
   return moved;
 }
 
-// Heights of a tile over a plane of another scan, exact over its samples: of the centroid, and of one standard
-// deviation along the tile's two axes.
+// Heights of a tile over a plane of another scan, exact over its samples: of the centroid, and of one
+// standard deviation along the tile's two axes.
 struct TileOnPlane {
   Vec3 centroid;               // of the tile, turned into the world, from its scanner
   std::array<Vec3, 2> spread;  // the same, deviations
@@ -120,8 +120,8 @@ Vector6 moved_since(const Pose& start, const Pose& now) {
   return moved;
 }
 
-// Weights from the robust scale; every pair of superclusters counts by its area, all together as the number of
-// independent planes that the areas amount to.
+// Weights from the robust scale; every pair of superclusters counts by its area, all together as the number
+// of independent planes that the areas amount to.
 void weigh(const std::vector<JointScan>& scans, double scale, std::vector<JointMatch>& matches) {
   using Planes = std::tuple<std::size_t, std::size_t, std::uint32_t, std::uint32_t>;
   std::map<std::pair<std::size_t, std::size_t>, std::map<Planes, double>> areas;
@@ -154,9 +154,8 @@ class Problem {
     for (const JointMatch& match : matches) add(scans, poses, match, sigma_m);
     for (std::size_t i = 0; i < scans.size(); ++i) {
       if (!fixed[i] && (scans[i].covariance || used_.count(i))) {
-        auto* prior = new ceres::AutoDiffCostFunction<StartPrior, 6, 6>(
-            new StartPrior{root_information(scans[i], poses[i].translation),
-                           moved_since(scans[i].start, poses[i])});
+        auto* prior = new ceres::AutoDiffCostFunction<StartPrior, 6, 6>(new StartPrior{
+            root_information(scans[i], poses[i].translation), moved_since(scans[i].start, poses[i])});
         problem_.AddResidualBlock(prior, nullptr, steps_[i].data());
         used_.insert(i);
       }
@@ -210,9 +209,9 @@ class Problem {
     const auto& from = poses[match.from];
     cost->centroid = from.scale * from.rotate(tile.centroid);
     for (int a = 0; a < 2; ++a)
-      cost->spread[static_cast<std::size_t>(a)] =
-          from.scale * std::sqrt(std::max(axes.eigenvalues()(1 + a), 0.0)) *
-          from.rotate(axes.eigenvectors().col(1 + a));
+      cost->spread[static_cast<std::size_t>(a)] = from.scale *
+                                                  std::sqrt(std::max(axes.eigenvalues()(1 + a), 0.0)) *
+                                                  from.rotate(axes.eigenvectors().col(1 + a));
     cost->from = from.translation;
     cost->to = poses[match.to].translation;
     cost->normal = poses[match.to].rotate(match.face->plane.normal);

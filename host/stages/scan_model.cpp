@@ -35,7 +35,8 @@ PolygonModel model_of_scan(const RangeImage& image, const PlaneSegmentation& seg
       if (!polygons.faces.empty() && can_be_triangulated(polygons)) break;
       polygons = {};
     }
-    std::erase_if(polygons.faces, [&](const Face& face) { return face_area_m2(polygons, face) < kLeastArea_m2; });
+    std::erase_if(polygons.faces,
+                  [&](const Face& face) { return face_area_m2(polygons, face) < kLeastArea_m2; });
     append(polygons, one.id, model);
   }
   return model;

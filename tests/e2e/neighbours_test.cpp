@@ -28,7 +28,8 @@ std::string scene_without_landmarks(bool of_the_first_too, bool model) {
   }
   if (const auto at = text.find("[model]"); !model) text.erase(at, text.find("\n\n", at) - at);
   const auto absolute = [&](const std::string& from, const fs::path& to) {
-    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.string().size() + 1))
+    for (auto at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.string().size() + 1))
       text.replace(at, from.size(), '"' + to.string());
   };
   absolute("\"scans", room() / "scans");

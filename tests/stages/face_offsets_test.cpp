@@ -1,4 +1,5 @@
-// Faces of a proxy that are off, each by its own offset: the pose and the offsets are those of the true planes.
+// Faces of a proxy that are off, each by its own offset: the pose and the offsets are those of the true
+// planes.
 #include "stages/face_offsets.hpp"
 
 #include <gtest/gtest.h>
@@ -51,9 +52,9 @@ std::vector<int> faces_of(const PolygonModel& exact_proxy, const testing::TrialS
   return faces;
 }
 
-// The optimum that the issue asks for: the pose that lays the true planes, as far as the scan sees them, on the
-// proxy's faces with the least squares by area. Correspondences and planes from the truth, no noise. Written
-// on its own: plain Gauss-Newton on samples, nothing of the stage.
+// The optimum that the issue asks for: the pose that lays the true planes, as far as the scan sees them, on
+// the proxy's faces with the least squares by area. Correspondences and planes from the truth, no noise.
+// Written on its own: plain Gauss-Newton on samples, nothing of the stage.
 Pose best_fit_of_true_planes(const PolygonModel& exact_proxy, const PolygonModel& proxy,
                              const testing::TrialScan& scan) {
   const auto faces = faces_of(exact_proxy, scan);
@@ -104,13 +105,15 @@ TEST(FaceOffsets, the_pose_is_the_best_fit_of_the_true_planes_to_a_proxy_with_wr
       start.rotation = Eigen::AngleAxisd(2 * kDegree, random_direction(draw)) * start.rotation;
       const Pose pose = stages::solve_face_offsets(scan.segmentation, evidence_of(scan), room.proxy, start);
       const auto apart = difference(best_fit_of_true_planes(exact_proxy, room.proxy, scan), pose);
-      EXPECT_FALSE(stages::measure_face_offsets(scan.segmentation, evidence_of(scan), room.proxy, pose).agree);
+      EXPECT_FALSE(
+          stages::measure_face_offsets(scan.segmentation, evidence_of(scan), room.proxy, pose).agree);
       EXPECT_LT(apart.distance_m, 0.002) << kind << " " << seed;
       EXPECT_LT(apart.angle_rad, 0.02 * kDegree) << kind << " " << seed;
     }
 }
 
-// One wall moved as a whole: its offset is found, on the right side, and a recess 8 cm behind it is no part of it.
+// One wall moved as a whole: its offset is found, on the right side, and a recess 8 cm behind it is no part
+// of it.
 TEST(FaceOffsets, a_wall_that_was_drawn_too_far_in_is_reported_behind) {
   for (const double shift : {0.012, -0.025}) {
     const auto exact = testing::make_trial_room("niche", 4200);
@@ -131,7 +134,8 @@ TEST(FaceOffsets, a_wall_that_was_drawn_too_far_in_is_reported_behind) {
       EXPECT_LT(face.tilt_deg, 0.05) << face.name;
       EXPECT_EQ(room.proxy.faces[face.face].name, face.name);
       const std::string words = stages::offset_in_words(face);
-      EXPECT_EQ(words.find(shift > 0 ? "scan lies 12.0 mm behind, sigma" : "scan lies 25.0 mm in front, sigma") == 0,
+      EXPECT_EQ(words.find(shift > 0 ? "scan lies 12.0 mm behind, sigma"
+                                     : "scan lies 25.0 mm in front, sigma") == 0,
                 face.name == "wall-2")
           << words;
     }

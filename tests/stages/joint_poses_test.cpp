@@ -79,7 +79,8 @@ Pose disturbed(const Pose& pose, double distance_m, double deg, std::uint32_t se
 
 // Root mean square of what the poses are off after one common rigid motion: the first scan's, which is the
 // frame, takes no part in the mean of the others.
-std::pair<double, double> errors_in_frame_of_first(const std::vector<Seen>& scans, const std::vector<Pose>& poses) {
+std::pair<double, double> errors_in_frame_of_first(const std::vector<Seen>& scans,
+                                                   const std::vector<Pose>& poses) {
   double shift = 0, turn = 0;
   for (std::size_t i = 1; i < scans.size(); ++i) {
     const auto apart = difference(scans[0].scan.world_from_scan.inverse() * scans[i].scan.world_from_scan,
@@ -129,8 +130,10 @@ TEST(JointPoses, six_scans_fall_together_without_a_model) {
     for (std::uint32_t k = 0; k < 6; ++k) seen.push_back(see(room, 6200 + k));
     std::vector<stages::JointScan> scans;
     for (std::size_t k = 0; k < seen.size(); ++k)
-      scans.push_back({&seen[k].evidence, &seen[k].shapes,
-                       disturbed(seen[k].scan.world_from_scan, k ? 0.05 : 0, k ? 0.5 : 0, 77 + static_cast<std::uint32_t>(k)),
+      scans.push_back({&seen[k].evidence,
+                       &seen[k].shapes,
+                       disturbed(seen[k].scan.world_from_scan, k ? 0.05 : 0, k ? 0.5 : 0,
+                                 77 + static_cast<std::uint32_t>(k)),
                        false,
                        {},
                        0});
@@ -162,8 +165,12 @@ TEST(JointPoses, a_scan_that_is_known_stays_and_the_one_that_is_not_comes_to_it)
   std::array<double, 36> known{};
   for (std::size_t k = 0; k < 6; ++k) known[7 * k] = 1e-10;
   stages::JointScan a{&seen[0].evidence, &seen[0].shapes, seen[0].scan.world_from_scan, false, known, 0};
-  stages::JointScan b{&seen[1].evidence, &seen[1].shapes,
-                      disturbed(seen[1].scan.world_from_scan, 0.05, 0.5, 5), false, {}, 0};
+  stages::JointScan b{&seen[1].evidence,
+                      &seen[1].shapes,
+                      disturbed(seen[1].scan.world_from_scan, 0.05, 0.5, 5),
+                      false,
+                      {},
+                      0};
   const auto joint = stages::refine_jointly({b, a});
   EXPECT_LT(difference(joint.world_from_scan[1], a.start).distance_m, 5e-4);
   EXPECT_LT(difference(joint.world_from_scan[0], seen[1].scan.world_from_scan).distance_m, 1e-3);
@@ -177,8 +184,9 @@ TEST(JointPoses, scans_that_share_nothing_stay_where_they_are) {
                             see(testing::make_trial_room("hall", 6301), 6301)};
   Pose far = seen[1].scan.world_from_scan;
   far.translation += Vec3(100, 0, 0);
-  const auto joint = stages::refine_jointly({{&seen[0].evidence, &seen[0].shapes, seen[0].scan.world_from_scan, false, {}, 0},
-                                             {&seen[1].evidence, &seen[1].shapes, far, false, {}, 0}});
+  const auto joint = stages::refine_jointly(
+      {{&seen[0].evidence, &seen[0].shapes, seen[0].scan.world_from_scan, false, {}, 0},
+       {&seen[1].evidence, &seen[1].shapes, far, false, {}, 0}});
   EXPECT_TRUE(joint.pairs.empty());
   EXPECT_EQ(row_major(joint.world_from_scan[1]), row_major(far));
   EXPECT_TRUE(stages::refine_jointly({}).world_from_scan.empty());
