@@ -20,11 +20,25 @@ fs::path scan_folder(const fs::path& results, const TrueScan& scan, const TrueSa
   return ours ? results : fs::path();
 }
 
-Normals normals_in_scan(const SceneTruth& truth, const Similarity& world_from_scan) {
+std::map<std::uint32_t, Plane> planes_in_scan(const SceneTruth& truth, const Similarity& world_from_scan) {
+  std::map<std::uint32_t, Plane> planes;
+  for (const auto& [id, plane] : truth.planes) {
+    const auto& [normal, offset_m] = plane.in_world;
+    planes[id] = {world_from_scan.rotation.transpose() * normal,
+                  (offset_m - normal.dot(world_from_scan.translation)) / world_from_scan.scale};
+  }
+  return planes;
+}
+
+Normals normals_of(const std::map<std::uint32_t, Plane>& planes) {
   Normals normals;
-  for (const auto& [id, plane] : truth.planes)
-    normals[id] = world_from_scan.rotation.transpose() * plane.in_world.normal;
+  for (const auto& [id, plane] : planes) normals[id] = plane.normal;
   return normals;
+}
+
+const HooverScore& hoover_at(const PlaneScore& score, double overlap) {
+  return *std::find_if(score.hoover.begin(), score.hoover.end(),
+                       [&](const HooverScore& row) { return row.overlap == overlap; });
 }
 
 void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueScan& scan,
@@ -39,7 +53,11 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
     for (const auto& [id, plane] : *planes) region_normals[id] = plane.plane.normal;
   else
     region_normals = fit_region_normals(grid);
-  score.planes = score_planes(joined, region_normals, normals_in_scan(truth, scan.world_from_scan));
+  const auto true_planes = planes_in_scan(truth, scan.world_from_scan);
+  score.planes = score_planes(joined, region_normals, normals_of(true_planes));
+  if (!grid.point.empty())
+    score.planes->normals =
+        score_normals(grid, samples, hoover_at(*score.planes, 0.80), region_normals, true_planes);
   score.planes->normals_from = planes ? "planes.json" : "fit to the labelled samples";
   if (!options.decimation) return;
   const auto kept = read_kept_points(folder);

@@ -8,6 +8,7 @@
 #include "score/measure/boundary.hpp"
 #include "score/measure/decimation.hpp"
 #include "score/measure/labels.hpp"
+#include "score/measure/normals.hpp"
 #include "score/measure/openings.hpp"
 #include "score/measure/picture_quality.hpp"
 #include "score/measure/planes_hoover.hpp"
@@ -28,6 +29,7 @@ struct PlaneScore {
   std::vector<HooverScore> hoover;  // one per kHooverOverlaps
   std::string normals_from;         // "planes.json", "fit to the labelled samples" or why there are none
   BoundaryScore boundary;
+  std::optional<NormalScore> normals;  // where truth and result have ranges and points
 };
 
 // What is not in the results is absent.

@@ -42,6 +42,17 @@ Json unexplained_json(const stages::ContourFaces& faces) {
   return list;
 }
 
+Json sample_file_json(const io::SampleFileSize& size) {
+  const auto per = [](std::uint64_t bytes, std::int64_t samples) {
+    return samples > 0 ? static_cast<double>(bytes) / static_cast<double>(samples) : 0.0;
+  };
+  return {{"samples", size.samples},
+          {"bytes", size.bytes},
+          {"bytes_per_sample", per(size.bytes, size.samples)},
+          {"discarded", size.discarded},
+          {"bytes_per_discarded_point", per(size.discarded_bytes, size.discarded)}};
+}
+
 }  // namespace
 
 Json planes_json(const ScanProduct& product) {
@@ -92,7 +103,7 @@ Json scan_figures(const ScanProduct& product) {
     return count;
   };
   const auto extra = static_cast<std::int64_t>(image.extra.size());
-  return {
+  Json figures = {
       {"id", product.id},
       {"input_samples", product.input_samples},
       {"input_returns", product.input_returns},
@@ -125,6 +136,8 @@ Json scan_figures(const ScanProduct& product) {
          {{"between_surfaces", strays(stages::kBetweenSurfaces)}, {"isolated", strays(stages::kIsolated)}}}}},
       {"unexplained_planes", unexplained_json(product.contour_faces)},
       {"notes", product.notes}};
+  if (product.sample_file) figures["lossless"] = sample_file_json(*product.sample_file);
+  return figures;
 }
 
 }  // namespace hybrid::batch

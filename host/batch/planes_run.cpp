@@ -21,12 +21,12 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
   if (request.scanner) io::place_scanner(scan, *request.scanner);
   if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
     log::warning("scan {}: {}", id, doubt);
-  const auto product = process_scan(queue, id, scan, request.options, progress);
+  auto [product, remains] = process_scan(queue, id, std::move(scan), request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;
-  const auto remains = keep_remains(std::move(scan), product.image);
   write_plane_outputs(folder, product, remains, {{"source", file.filename().string()}, {"hash", print.xxh3}});
   write_detail(folder, product, remains, nullptr);
+  if (request.options.lossless) product.sample_file = write_samples(folder, product, remains);
   write_references(folder, file, index, request.salvage);
   Json figures = scan_figures(product);
   figures["file"] = file.filename().string();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "batch/orthophotos.hpp"
 #include "batch/planes_json.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
@@ -85,11 +86,19 @@ void write_extra(const std::filesystem::path& folder, const ScanRemains& scan) {
   io::write_ply(file, scan.extra, content);
 }
 
+ScanRemains keep_remains(Scan scan, const RangeImage& image) {
+  ScanRemains remains{.intensity = !scan.intensity.empty(), .colour = !scan.rgb.empty(), .crs = scan.crs};
+  for (const std::uint32_t source : image.extra) remains.extra.push_back(sample_point(scan, source));
+  if (!scan.origin.isZero()) remains.georeferenced = std::move(scan);
+  return remains;
+}
+
 }  // namespace
 
-ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
-                         const StageOptions& options, Progress& progress) {
-  ScanProduct product;
+ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
+                           const StageOptions& options, Progress& progress) {
+  ProcessedScan processed;
+  ScanProduct& product = processed.product;
   product.id = id;
   product.input_samples = static_cast<std::int64_t>(scan.points.size());
   product.input_returns = count_returns(scan);
@@ -99,6 +108,7 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
 
   progress.step("resample", unit);
   product.image = stages::resample_scan(queue, scan, options.resample);
+  processed.remains = keep_remains(std::move(scan), product.image);
   progress.step("square planes", unit);
   const auto squares = fit_squares(queue, product.image, options);
   product.sigma_m = squares.sigma_m;
@@ -113,7 +123,7 @@ ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan
       stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
   product.stray = stages::find_stray_samples(queue, product.image, product.segmentation.sample_label,
                                              product.sigma_m, options.stray);
-  return product;
+  return processed;
 }
 
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
@@ -126,25 +136,20 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
       [&] { io::write_range_exr(folder / "range.exr", image, attributes); },
       [&] { write_extra(folder, scan); },
       [&] { io::write_png(folder / "range.png", stages::range_picture(image)); },
-      [&] { io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation)); },
+      [&] {
+        auto picture = stages::class_picture(image, product.segmentation);
+        io::write_png(folder / "classes.png", picture);
+        stages::draw_intersections(image, product.intersections, picture);
+        io::write_png(folder / "intersections.png", picture);
+      },
       [&] {
         io::write_exr(folder / "labels.exr", image.cols, image.rows,
                       {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
       },
       [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); },
       [&] { io::write_text(folder / "intersections.obj", intersections_obj(product)); },
-      [&] {
-        io::write_png(folder / "intersections.png",
-                      stages::intersection_picture(image, product.segmentation, product.intersections));
-      }};
+      [&] { write_orthophotos(folder, product); }};
   parallel_for(std::size(writers), [&](std::size_t i) { writers[i](); });
-}
-
-ScanRemains keep_remains(Scan scan, const RangeImage& image) {
-  ScanRemains remains{.intensity = !scan.intensity.empty(), .colour = !scan.rgb.empty()};
-  for (const std::uint32_t source : image.extra) remains.extra.push_back(sample_point(scan, source));
-  if (!scan.origin.isZero()) remains.georeferenced = std::move(scan);
-  return remains;
 }
 
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,
@@ -155,23 +160,46 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
   content.colour = colours != nullptr || scan.colour;
   content.stray = true;
   content.double_precision = scan.georeferenced.has_value();
-  std::vector<io::PlyPoint> points;
-  for (std::size_t i = 0; i < image.count(); ++i) {
-    if (product.decimation.fate[i] <= stages::kDiscarded) continue;
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < image.count(); ++i)
+    if (product.decimation.fate[i] > stages::kDiscarded) kept.push_back(static_cast<std::uint32_t>(i));
+  const auto point_at = [&](std::size_t k) {
+    if (k >= kept.size()) {  // samples that no grid node took are data too: without a colour from photographs
+      io::PlyPoint extra = scan.extra[k - kept.size()];
+      if (colours) extra.rgb = {};
+      return extra;
+    }
+    const std::size_t i = kept[k];
     auto point =
         scan.georeferenced ? sample_point(*scan.georeferenced, image.source[i]) : node_point(image, i);
     point.stray = product.stray[i];
     if (colours)
       for (std::size_t channel = 0; channel < 3; ++channel)
         point.rgb[channel] = srgb_byte_from_linear(colours->colour.pixels[3 * i + channel]);
-    points.push_back(point);
+    return point;
+  };
+  io::write_ply(folder / "detail.ply", kept.size() + scan.extra.size(), point_at, content);
+}
+
+io::SampleFileSize write_samples(const std::filesystem::path& folder, const ScanProduct& product,
+                                 const ScanRemains& scan) {
+  const auto& image = product.image;
+  std::vector<std::uint8_t> discarded(image.count());
+  for (std::size_t i = 0; i < discarded.size(); ++i)
+    discarded[i] = product.decimation.fate[i] == stages::kDiscarded;
+  io::SampleFileInput input{.image = image,
+                            .planes = product.segmentation.superclusters,
+                            .label = product.segmentation.sample_label,
+                            .discarded = discarded,
+                            .georeferenced = scan.georeferenced ? &*scan.georeferenced : nullptr,
+                            .world_from_scan = product.recorded_pose,
+                            .crs = scan.crs};
+  for (const io::PlyPoint& point : scan.extra) {
+    input.extra.push_back(point.position);
+    if (scan.intensity) input.extra_intensity.push_back(point.intensity);
+    if (scan.colour) input.extra_rgb.push_back(point.rgb);
   }
-  // Samples that no grid node took are data too: they stay, without a colour from photographs (black).
-  for (io::PlyPoint point : scan.extra) {
-    if (colours) point.rgb = {};
-    points.push_back(point);
-  }
-  io::write_ply(folder / "detail.ply", points, content);
+  return io::write_sample_file(folder / "samples.hsf", input);
 }
 
 void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product,

@@ -10,6 +10,7 @@
 #include "geometry/image.hpp"
 #include "geometry/scan.hpp"
 #include "io/ply.hpp"
+#include "io/samples/sample_file.hpp"
 #include "stages/contour_faces.hpp"
 #include "stages/intersections.hpp"
 #include "stages/stray_samples.hpp"
@@ -26,39 +27,49 @@ struct ScanProduct {
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
   std::vector<stages::Intersection> intersections;
   stages::Decimation decimation;
-  std::vector<std::uint8_t> stray;     // per node: stages::Stray
-  stages::ContourFaces contour_faces;  // after registration: what no proxy face explains
-  std::vector<std::uint8_t> drawn;     // per node: stages::Drawn; after registration
-  double sigma_m = 0;                  // range noise used
-  std::optional<Pose> recorded_pose;   // as the file gave it
+  std::vector<std::uint8_t> stray;                // per node: stages::Stray
+  stages::ContourFaces contour_faces;             // after registration: what no proxy face explains
+  std::vector<std::uint8_t> drawn;                // per node: stages::Drawn; after registration
+  double sigma_m = 0;                             // range noise used
+  std::optional<Pose> recorded_pose;              // as the file gave it
+  std::optional<io::SampleFileSize> sample_file;  // lossless = true
   std::vector<std::string> notes;
 };
-
-// METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
-// for no surface.
-ScanProduct process_scan(device::Queue& queue, const std::string& id, const Scan& scan,
-                         const StageOptions& options, Progress& progress);
 
 // What detail.ply needs of a scan and its range image does not hold. A georeferenced scan stays whole: the
 // image's floats are too coarse for its coordinates.
 struct ScanRemains {
   bool intensity = false, colour = false;
+  std::string crs{};
   std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
   std::optional<Scan> georeferenced{};
 };
-ScanRemains keep_remains(Scan scan, const RangeImage& image);
+
+// METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
+// for no surface. The scan itself goes as soon as its range image stands, georeferenced ones excepted: half
+// of the memory that the stages need.
+struct ProcessedScan {
+  ScanProduct product;
+  ScanRemains remains;
+};
+ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
+                           const StageOptions& options, Progress& progress);
 
 // Colours of the range image's nodes, when photographs were projected on them.
 using NodeColours = stages::Renderer::ColouredRange;
 
 // scans/<id>/: range.exr, extra.ply (where samples lie beside the grid), range.png, classes.png, labels.exr,
-// planes.json, intersections.obj and .png. `attributes` and the recorded pose go to range.exr's header.
+// planes.json, intersections.obj and .png, planes/ (orthophotos). `attributes` and the recorded pose go to
+// range.exr's header.
 void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct& product,
                          const ScanRemains& scan, std::map<std::string, std::string> attributes);
 // scans/<id>/detail.ply: the retained measured samples and the input's extra samples, scan frame; colours
 // when given. The property `stray` says why a sample is not drawn (stages::Stray), 0 for the others.
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,
                   const NodeColours* colours);
+// scans/<id>/samples.hsf: every sample of the input that has a point, exactly.
+io::SampleFileSize write_samples(const std::filesystem::path& folder, const ScanProduct& product,
+                                 const ScanRemains& scan);
 // scans/<id>/colour.exr.
 void write_node_colours(const std::filesystem::path& folder, const ScanProduct& product,
                         const NodeColours& colours);

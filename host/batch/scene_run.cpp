@@ -195,8 +195,9 @@ class Run {
       if (entry.scanner) io::place_scanner(scan, *entry.scanner);
       if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
         log::warning("scan {}: {}", id, doubt);
-      run_.products.push_back(process_scan(queue_, id, scan, options_, progress_));
-      remains_.push_back(keep_remains(std::move(scan), run_.products.back().image));
+      auto [product, remains] = process_scan(queue_, id, std::move(scan), options_, progress_);
+      run_.products.push_back(std::move(product));
+      remains_.push_back(std::move(remains));
       entries_.push_back(in_scan_frame(entry));
       indices_.push_back(scan_entry.index);
     });
@@ -278,6 +279,8 @@ class Run {
         if (wants("planes"))
           write_plane_outputs(scan_folder(product.id), product, remains_[i], exr_attributes(i));
         write_detail(scan_folder(product.id), product, remains_[i], nullptr);
+        if (options_.lossless && wants("planes"))
+          run_.products[i].sample_file = write_samples(scan_folder(product.id), product, remains_[i]);
         write_references(scan_folder(product.id), entries_[i].file, indices_[i], request_.salvage);
       });
   }

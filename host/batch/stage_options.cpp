@@ -32,6 +32,14 @@ const std::vector<OptionRow<StageOptions>>& register_rows() {
   return rows;
 }
 
+const std::vector<OptionRow<StageOptions>>& planes_rows() {
+  static const std::vector<OptionRow<StageOptions>> rows = {
+      {"lossless", "", &StageOptions::lossless, 0, 0,
+       "also write scans/<id>/samples.hsf: every sample exactly, the discarded ones by their planes"},
+  };
+  return rows;
+}
+
 const std::vector<OptionRow<stages::LandmarkOptions>>& landmark_rows() {
   static const std::vector<OptionRow<stages::LandmarkOptions>> rows = {
       {"snap_tolerance_m", "m", &stages::LandmarkOptions::snap_tolerance_m, 0, 1000,
@@ -55,7 +63,8 @@ bool apply_planes(StageOptions& options, const std::string& key, const OptionVal
     options.set_square(value);
     return true;
   }
-  return apply(key, value, options.resample, stages::resample_option_table()) ||
+  return apply(key, value, options, planes_rows()) ||
+         apply(key, value, options.resample, stages::resample_option_table()) ||
          apply(key, value, options.squares, stages::square_plane_option_table()) ||
          apply(key, value, options.superclusters, stages::supercluster_option_table());
 }
@@ -98,6 +107,7 @@ const std::vector<Section>& sections() {
   static const std::vector<Section> all = {
       {"planes", &io::SceneFile::planes, apply_planes,
        names_of({{"square"},
+                 option_names(planes_rows()),
                  option_names(stages::resample_option_table()),
                  option_names(stages::square_plane_option_table()),
                  option_names(stages::supercluster_option_table())})},
@@ -195,6 +205,7 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   planes.update(describe_table(options.squares, stages::square_plane_option_table()));
   planes.update(describe_table(options.superclusters, stages::supercluster_option_table()));
   if (options.auto_square) planes["square"] = "auto";
+  planes.update(describe_table(options, planes_rows()));
   Json registration = describe_table(options.icp, stages::icp_option_table());
   registration.update(describe_table(options.landmarks, landmark_rows()));
   registration.update(describe_table(options, register_rows()));

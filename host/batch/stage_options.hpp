@@ -24,6 +24,7 @@ namespace hybrid::batch {
 // seed and square.
 struct StageOptions {
   bool auto_square = true;  // square = "auto": the side follows from noise and sample spacing
+  bool lossless = false;    // also write every sample exactly, the discarded ones by their planes
   stages::ResampleOptions resample;
   stages::SquarePlaneOptions squares;
   stages::SuperclusterOptions superclusters;

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "geometry/scan.hpp"
@@ -31,5 +32,8 @@ struct PlyContent {
 // Binary little-endian PLY, written by rename when complete.
 void write_ply(const std::filesystem::path& file, const std::vector<PlyPoint>& points,
                const PlyContent& content);
+// Points made as they are written, on all threads; at most a few thousand are in memory.
+void write_ply(const std::filesystem::path& file, std::size_t count,
+               const std::function<PlyPoint(std::size_t)>& point, const PlyContent& content);
 
 }  // namespace hybrid::io

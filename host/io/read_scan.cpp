@@ -12,6 +12,7 @@
 #include "io/ply.hpp"
 #include "io/pts.hpp"
 #include "io/ptx.hpp"
+#include "io/samples/sample_file.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -79,6 +80,7 @@ constexpr ScanFormat kFormats[] = {
     {".pts", list_pts, read_pts},
     {".las", list_las, read_las},
     {".exr", list_exr, read_exr},
+    {".hsf", list_sample_file, read_one<read_sample_file>},
 };
 
 // Formats that are known and not read, and what to do.

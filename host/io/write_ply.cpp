@@ -1,10 +1,10 @@
 #include <bit>
-#include <cstring>
 
 #include "core/error.hpp"
 #include "io/output.hpp"
 #include "io/output_file.hpp"
 #include "io/ply.hpp"
+#include "io/record_blocks.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -23,42 +23,36 @@ std::string header(std::size_t count, const PlyContent& content) {
   return text + "end_header\n";
 }
 
-template <typename T>
-void append(std::string& bytes, const T& value) {
-  char raw[sizeof(T)];
-  std::memcpy(raw, &value, sizeof(T));
-  bytes.append(raw, sizeof(T));
-}
-
 void append_point(std::string& bytes, const PlyPoint& point, const PlyContent& content) {
   for (const double coordinate : point.position) {
     if (content.double_precision)
-      append(bytes, coordinate);
+      append_raw(bytes, coordinate);
     else
-      append(bytes, static_cast<float>(coordinate));
+      append_raw(bytes, static_cast<float>(coordinate));
   }
-  if (content.intensity) append(bytes, point.intensity);
-  if (content.colour) append(bytes, point.rgb);
-  if (content.stray) append(bytes, point.stray);
+  if (content.intensity) append_raw(bytes, point.intensity);
+  if (content.colour) append_raw(bytes, point.rgb);
+  if (content.stray) append_raw(bytes, point.stray);
 }
 
 }  // namespace
 
-void write_ply(const std::filesystem::path& file, const std::vector<PlyPoint>& points,
-               const PlyContent& content) {
-  constexpr std::size_t kBlock = 1 << 20;
+void write_ply(const std::filesystem::path& file, std::size_t count,
+               const std::function<PlyPoint(std::size_t)>& point, const PlyContent& content) {
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);
-    std::string bytes = header(points.size(), content);
-    for (const PlyPoint& point : points) {
-      append_point(bytes, point, content);
-      if (bytes.size() < kBlock) continue;
-      out.write(bytes.data(), bytes.size());
-      bytes.clear();
-    }
-    out.write(bytes.data(), bytes.size());
+    const std::string front = header(count, content);
+    out.write(front.data(), front.size());
+    write_records(out, count,
+                  [&](std::size_t i, std::string& bytes) { append_point(bytes, point(i), content); });
     out.close();
   });
+}
+
+void write_ply(const std::filesystem::path& file, const std::vector<PlyPoint>& points,
+               const PlyContent& content) {
+  write_ply(
+      file, points.size(), [&](std::size_t i) { return points[i]; }, content);
 }
 
 }  // namespace hybrid::io

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "stages/node_lookup.hpp"
 
 namespace hybrid::stages {
 namespace {
+
+constexpr std::size_t kManySamples = 2'000'000;  // say what the percentiles are
 
 using Colour = std::array<std::uint8_t, 3>;
 
@@ -39,27 +41,6 @@ Colour class_colour(std::uint8_t square_class) {
   }
 }
 
-// Of ascending or descending angles the index of the nearest.
-int nearest(const std::vector<double>& angles, double angle) {
-  const bool ascends = angles.front() <= angles.back();
-  const auto before = [&](double a, double b) { return ascends ? a < b : a > b; };
-  const auto next = std::lower_bound(angles.begin(), angles.end(), angle, before);
-  if (next == angles.begin()) return 0;
-  if (next == angles.end()) return static_cast<int>(angles.size()) - 1;
-  const bool here = std::abs(*next - angle) < std::abs(*(next - 1) - angle);
-  return static_cast<int>(next - angles.begin()) - (here ? 0 : 1);
-}
-
-// The node that looks at the point; straight above and below, any of its row.
-std::array<int, 2> node_at(const RangeImage& image, const Vec3& point) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  const double elevation = std::atan2(point.z(), std::hypot(point.x(), point.y()));
-  double azimuth = std::atan2(point.y(), point.x());
-  const double first = image.azimuth_rad.front() - std::abs(image.azimuth_step_rad()) / 2;
-  azimuth = first + std::fmod(std::fmod(azimuth - first, kTurn) + kTurn, kTurn);
-  return {nearest(image.elevation_rad, elevation), nearest(image.azimuth_rad, azimuth)};
-}
-
 }  // namespace
 
 Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentation) {
@@ -83,36 +64,35 @@ Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentat
   return picture;
 }
 
-Image8 intersection_picture(const RangeImage& image, const PlaneSegmentation& segmentation,
-                            const std::vector<Intersection>& intersections) {
-  Image8 picture = class_picture(image, segmentation);
-  if (image.count() == 0) return picture;
+void draw_intersections(const RangeImage& image, const std::vector<Intersection>& intersections,
+                        Image8& picture) {
+  if (image.count() == 0) return;
+  const NodeLookup lookup(image);
   for (const Intersection& segment : intersections) {
     const Colour colour = segment.angle_deg < 180 ? Colour{200, 0, 0} : Colour{0, 0, 200};
     // Halved until the ends of a piece are neighbours.
     std::vector<std::array<double, 2>> pieces = {{0, 1}};
-    const auto at = [&](double t) { return node_at(image, segment.from + t * (segment.to - segment.from)); };
+    const auto at = [&](double t) { return lookup.towards(segment.from + t * (segment.to - segment.from)); };
     while (!pieces.empty()) {
       const auto [from, to] = pieces.back();
       pieces.pop_back();
       const auto a = at(from), b = at(to);
-      std::copy(colour.begin(), colour.end(), picture.at(a[1], a[0]));
-      std::copy(colour.begin(), colour.end(), picture.at(b[1], b[0]));
-      int cols = std::abs(a[1] - b[1]);
+      std::copy(colour.begin(), colour.end(), picture.at(a.col, a.row));
+      std::copy(colour.begin(), colour.end(), picture.at(b.col, b.row));
+      int cols = std::abs(a.col - b.col);
       if (image.wraps) cols = std::min(cols, image.cols - cols);
-      if (std::max(std::abs(a[0] - b[0]), cols) <= 1 || to - from < 1e-6) continue;
+      if (std::max(std::abs(a.row - b.row), cols) <= 1 || to - from < 1e-6) continue;
       pieces.push_back({(from + to) / 2, to});
       pieces.push_back({from, (from + to) / 2});
     }
   }
-  return picture;
 }
 
 Image8 range_picture(const RangeImage& image) {
   Image8 picture(image.cols, image.rows, 1);
   std::vector<float> ranges;
-  for (const float range : image.range_m)
-    if (range > 0 && std::isfinite(range)) ranges.push_back(range);
+  for (std::size_t i = 0; i < image.count(); i += 1 + image.count() / kManySamples)
+    if (const float range = image.range_m[i]; range > 0 && std::isfinite(range)) ranges.push_back(range);
   if (ranges.empty()) return picture;
   const auto percentile = [&](std::size_t percent) {
     const auto at = ranges.begin() + static_cast<std::ptrdiff_t>((ranges.size() - 1) * percent / 100);

@@ -11,9 +11,9 @@ namespace hybrid::stages {
 // supercluster's square), black = undersampled or no return.
 Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentation);
 
-// The same with the lines in which planes meet: red in corners, blue on edges that stand out.
-Image8 intersection_picture(const RangeImage& image, const PlaneSegmentation& segmentation,
-                            const std::vector<Intersection>& intersections);
+// Draws the lines in which planes meet on it: red in corners, blue on edges that stand out.
+void draw_intersections(const RangeImage& image, const std::vector<Intersection>& intersections,
+                        Image8& picture);
 
 // Figure 2(a), one grey pixel per node: near bright, far dark, by the logarithm of the range between its 1st
 // and 99th percentile; black = no return.

@@ -37,34 +37,36 @@ using Tree =
 constexpr int kBand = 3;
 
 // All nodes up to `reach` rows and columns away have this node's label.
-bool within(const RangeImage& image, const std::vector<std::uint32_t>& labels, int row, int col, int reach) {
+template <typename Label>
+bool within(const RangeImage& image, const Label& label_of, int row, int col, int reach) {
   if (row < reach || row + reach >= image.rows) return false;
-  const std::uint32_t label = labels[image.index(row, col)];
+  const std::uint32_t label = label_of(image.index(row, col));
   const bool inside = col >= reach && col + reach < image.cols;
   if (!inside && !image.wraps) return false;
   for (int r = row - reach; r <= row + reach; ++r)
     for (int c = col - reach; c <= col + reach; ++c) {
       const int at = inside ? c : (c % image.cols + image.cols) % image.cols;
-      if (labels[image.index(r, at)] != label) return false;
+      if (label_of(image.index(r, at)) != label) return false;
     }
   return true;
 }
 
-std::vector<std::vector<std::uint64_t>> rim_samples(const RangeImage& image,
-                                                    const std::vector<std::uint32_t>& members,
+template <typename Member>
+std::vector<std::vector<std::uint64_t>> rim_samples(const RangeImage& image, const Member& member,
                                                     const std::vector<std::uint32_t>& mask,
                                                     std::size_t label_count) {
+  const auto cleaned = [&](std::size_t i) { return mask[i]; };
   std::vector<std::vector<std::uint64_t>> rows(static_cast<std::size_t>(image.rows));
   parallel_for(rows.size(), [&](std::size_t r) {
     const int row = static_cast<int>(r);
     for (int col = 0; col < image.cols; ++col)
-      if (members[image.index(row, col)] != 0 && !within(image, members, row, col, 1) &&
-          !within(image, mask, row, col, kBand))
+      if (member(image.index(row, col)) != 0 && !within(image, member, row, col, 1) &&
+          !within(image, cleaned, row, col, kBand))
         rows[r].push_back(image.index(row, col));
   });
   std::vector<std::vector<std::uint64_t>> of_label(label_count);
   for (const auto& row : rows)
-    for (const std::uint64_t sample : row) of_label[members[sample] - 1].push_back(sample);
+    for (const std::uint64_t sample : row) of_label[member(sample) - 1].push_back(sample);
   return of_label;
 }
 
@@ -190,17 +192,19 @@ std::vector<std::uint8_t> trace_contours(device::Queue& queue, const RangeImage&
   if (image.count() == 0) return boundary;
   const std::size_t count = segmentation.superclusters.size();
   const auto mask = clean_labels(image, segmentation.sample_label, options.least_patch);
-  std::vector<std::uint32_t> members(image.count());
+  // The label of a measured sample that the mask keeps.
+  const auto member = [&](std::size_t i) {
+    const std::uint32_t label = image.mask[i] == kMeasured ? segmentation.sample_label[i] : 0;
+    return label == mask[i] ? label : 0;
+  };
   parallel_for(
       image.count(),
       [&](std::size_t i) {
-        const std::uint32_t label = image.mask[i] == kMeasured ? segmentation.sample_label[i] : 0;
-        members[i] = label == mask[i] ? label : 0;
-        boundary[i] = label != members[i];
+        boundary[i] = image.mask[i] == kMeasured && segmentation.sample_label[i] != member(i);
       },
       1 << 14);
   const ContourCells cells = find_contour_cells(queue, image, mask, count, options.tile);
-  const auto rims = rim_samples(image, members, mask, count);
+  const auto rims = rim_samples(image, member, mask, count);
   parallel_for(count, [&](std::size_t i) {
     Supercluster& supercluster = segmentation.superclusters[i];
     supercluster.contours =

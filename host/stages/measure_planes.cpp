@@ -1,15 +1,19 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/parallel.hpp"
+#include "stages/noise_model.hpp"
 #include "stages/sample_labels.hpp"
 
 namespace hybrid::stages {
 namespace {
 
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
-constexpr double kAreaCosine = 0.02;   // c of the area: grazing samples cover no infinite area
+constexpr double kBiweight = 3.5;      // standard deviations beyond which a sample has no say
+constexpr int kRounds = 2;
+constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
 
 // Sums over the measured samples of one band of rows, one entry per label that occurs there.
 template <typename Sum>
@@ -20,9 +24,9 @@ struct Band {
 
 // Forms Sum::add(sample, plane) per band of `square` rows anchored at row 0 and label, then merges the bands
 // from top to bottom: the same bits for any number of threads.
-template <typename Sum>
+template <typename Sum, typename Planes>
 std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
-                              const std::vector<Plane>& planes) {
+                              const Planes& planes) {
   const int count = (image.rows + square - 1) / square;
   std::vector<Band<Sum>> bands(static_cast<std::size_t>(count));
   parallel_for(bands.size(), [&](std::size_t b) {
@@ -81,6 +85,35 @@ struct WeightedMoments {
   }
 };
 
+// Normal equations of a correction to m = normal / offset that minimises the weighted squares of the
+// residuals along the rays, r (1 - m . p), in the plane's own axes.
+struct RayEquations {
+  std::array<double, 9> sum{};  // matrix xx xy xz yy yz zz, right side
+
+  struct Frame {
+    Mat3 axes;  // rows: normal and two across
+    Vec3 m;
+    const RangeNoise* noise;
+  };
+  void add(const RangeImage& image, std::size_t i, const Frame& frame) {
+    const Vec3 point = image.point(i);
+    const double range = point.norm(), reached = frame.m.dot(point);
+    const double residual = range * (1 - reached);
+    const double sigma = frame.noise->at(range, std::abs(frame.axes.row(0).dot(point)) / range);
+    const double u = residual / (kBiweight * sigma);
+    if (!(std::abs(u) < 1)) return;
+    const double weight = (1 - u * u) * (1 - u * u) / (sigma * sigma);
+    const Vec3 slope = range * (frame.axes * point);
+    const double terms[9] = {slope.x() * slope.x(), slope.x() * slope.y(), slope.x() * slope.z(),
+                             slope.y() * slope.y(), slope.y() * slope.z(), slope.z() * slope.z(),
+                             slope.x() * residual,  slope.y() * residual,  slope.z() * residual};
+    for (std::size_t k = 0; k < 9; ++k) sum[k] += weight * terms[k];
+  }
+  void merge(const RayEquations& other) {
+    for (std::size_t k = 0; k < 9; ++k) sum[k] += other.sum[k];
+  }
+};
+
 struct Measures {
   std::int64_t samples = 0;
   Vec3 first = Vec3::Zero();
@@ -121,6 +154,35 @@ void refit_planes(const RangeImage& image, int square, const std::vector<std::ui
     if (!(sums[i].sum[0] >= 3)) continue;  // no weight is below 1
     const auto moments = sums[i].about(planes[i].offset_m * planes[i].normal);
     planes[i] = fit_plane(moments).plane;
+  }
+}
+
+void polish_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
+                   const RangeNoise& noise, std::vector<Plane>& planes) {
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<RayEquations::Frame> frames(planes.size());
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      const Vec3 across = planes[i].normal.unitOrthogonal();
+      frames[i].axes.row(0) = planes[i].normal;
+      frames[i].axes.row(1) = across;
+      frames[i].axes.row(2) = planes[i].normal.cross(across);
+      frames[i].m = planes[i].normal / planes[i].offset_m;
+      frames[i].noise = &noise;
+    }
+    const auto sums = sum_by_label<RayEquations>(image, square, labels, frames);
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      const auto& s = sums[i].sum;
+      Mat3 matrix;
+      matrix << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+      const Eigen::LDLT<Mat3> solver(matrix);
+      const Vec3 pivots = solver.vectorD();
+      if (!(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) continue;
+      const Vec3 m = frames[i].m + frames[i].axes.transpose() * solver.solve(Vec3(s[6], s[7], s[8]));
+      const double length = m.norm();
+      if (!std::isfinite(length) || !(length > 0)) continue;
+      const double side = planes[i].offset_m < 0 ? -1 : 1;
+      planes[i] = {side * m / length, side / length};
+    }
   }
 }
 

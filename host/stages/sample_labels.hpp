@@ -27,6 +27,12 @@ std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage&
 void refit_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
                   std::vector<Plane>& planes);
 
+// The last word on each plane: least squares along the rays over its labelled samples, each weighted by its
+// own noise and by Tukey's biweight, so that strangers among them (relief, the foot of a step, mixed samples)
+// have little say; starts from the plane given. Planes whose samples fix no plane stay.
+void polish_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
+                   const RangeNoise& noise, std::vector<Plane>& planes);
+
 // Samples, centroid, rms and area of each region over its measured samples; `id` and `squares` are left
 // alone.
 std::vector<Supercluster> measure_planes(const RangeImage& image, int square,

@@ -248,7 +248,7 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   const auto compete = [&] {
     labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
                            planes, options);
-    refit_planes(image, squares.square, labels, planes);
+    polish_planes(image, squares.square, labels, squares.noise, planes);
   };
   compete();
   const std::int64_t least = least_plane_samples(image, options);

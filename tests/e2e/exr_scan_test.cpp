@@ -145,4 +145,32 @@ TEST_F(ExrScene, scores_as_the_ptx_does) {
   }
 }
 
+// lossless = true: the sample file holds what the range image holds, and gives the same planes again.
+TEST_F(ExrScene, sample_file_holds_every_sample_and_gives_the_same_again) {
+  const Scratch scratch;
+  const auto scan_folder = scratch / "first" / "scans" / "nave";
+  auto outcome = run("hybrid planes " + scan("ptx", "nave").string() +
+                     " --set planes.lossless=true --json --quiet --out " + (scratch / "first").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto figures = nlohmann::json::parse(outcome.out)["scans"][0];
+  const auto lossless = figures["lossless"];
+  EXPECT_EQ(lossless["bytes"], fs::file_size(scan_folder / "samples.hsf"));
+  EXPECT_EQ(lossless["samples"], figures["nodes"]["measured"]);
+  EXPECT_EQ(lossless["discarded"], figures["decimation"]["discarded"]);
+  for (const char* from : {"range", "samples"}) {
+    const std::string extension = from == std::string("range") ? ".exr" : ".hsf";
+    outcome = run("hybrid convert --quiet " + (scan_folder / (from + extension)).string() + " " +
+                  (scratch / (from + std::string(".ply"))).string());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  EXPECT_EQ(io::read_text(scratch / "samples.ply"), io::read_text(scratch / "range.ply"));
+  outcome = run("hybrid planes " + (scan_folder / "samples.hsf").string() + " --quiet --out " +
+                (scratch / "second").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* same : {"labels.exr", "detail.ply", "classes.png"})
+    EXPECT_EQ(io::read_text(scratch / "second" / "scans" / "samples" / same),
+              io::read_text(scan_folder / same))
+        << same;
+}
+
 }  // namespace hybrid::e2e

@@ -17,7 +17,7 @@ fuzz=$dir/build/bin/hybrid_fuzz
 export ASAN_OPTIONS=allocator_may_return_null=0:detect_leaks=0:quarantine_size_mb=16:malloc_context_size=8
 export UBSAN_OPTIONS=print_stacktrace=1
 
-scans="ptx pts ply_ascii ply_binary pcd_ascii pcd_binary pcd_compressed las foreign_exr range_exr e57 e57_xml e57_bits"
+scans="samples ptx pts ply_ascii ply_binary pcd_ascii pcd_binary pcd_compressed las foreign_exr range_exr e57 e57_xml e57_bits"
 limit() { "$fuzz" --list | awk -v name="$1" '$1 == name { print $2 }'; }
 
 run_one() {  # until the executions of all runs together are reached, or a finding stops it

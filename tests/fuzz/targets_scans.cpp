@@ -1,5 +1,9 @@
 // Text and binary scans and range images, each from files that other programs or our writers make.
 #include <ImfChannelList.h>
+#include <xxhash.h>
+
+#include <cstring>
+#include <fstream>
 
 #include "fuzz/check_scan.hpp"
 #include "fuzz/targets.hpp"
@@ -8,6 +12,7 @@
 #include "io/range_exr.hpp"
 #include "io/read_scan.hpp"
 #include "io/reader_rows.hpp"
+#include "io/samples/sample_file.hpp"
 #include "io/scan_samples.hpp"
 
 namespace hybrid::testing {
@@ -173,6 +178,54 @@ Seeds range_exr(const fs::path& scratch) {
   return seeds;
 }
 
+Seeds samples(const fs::path& scratch) {
+  Seeds seeds;
+  for (const int rows : {1, 70}) {
+    RangeImage image = make_range_image(rows, 6);
+    for (std::size_t i = 0; i < image.elevation_rad.size(); ++i)
+      image.elevation_rad[i] = 0.5 - 0.01 * double(i);
+    for (std::size_t i = 0; i < image.azimuth_rad.size(); ++i) image.azimuth_rad[i] = 0.0625 * double(i);
+    std::vector<std::uint32_t> label(image.count());
+    std::vector<std::uint8_t> discarded(image.count());
+    for (std::size_t i = 0; i < image.count(); ++i) {
+      image.mask[i] = static_cast<std::uint8_t>(i % 3 != 0);
+      image.x[i] = 2 + 0.001f * static_cast<float>(i % 7);
+      image.y[i] = image.z[i] = 0.5f;
+      label[i] = static_cast<std::uint32_t>(i % 3);
+      discarded[i] = i % 2 == 0;
+    }
+    std::vector<Supercluster> planes(2);
+    planes[0].plane = {{-1, 0, 0}, -2};
+    io::SampleFileInput input{image, planes, label, discarded};
+    if (rows == 70) {
+      image.intensity.assign(image.count(), 0.25f);
+      image.rgb.assign(image.count(), {1, 128, 255});
+      input.extra = {{1, 2, 3}};
+      input.world_from_scan = Pose{};
+    }
+    io::write_sample_file(scratch / "seed.hsf", input);
+    seeds.push_back(file_bytes(scratch / "seed.hsf"));
+  }
+  return seeds;
+}
+
+// A file whose blocks have the checksums they should: else mutations would only test these.
+void read_sealed(const fs::path& file, std::string_view bytes) {
+  std::string sealed(bytes);
+  for (std::size_t at = 12; at + 16 <= sealed.size();) {
+    std::uint64_t size = 0;
+    std::memcpy(&size, sealed.data() + at, sizeof size);
+    if (size > sealed.size() - at - 16) break;
+    const std::uint64_t sum = XXH3_64bits(sealed.data() + at + 16, size);
+    std::memcpy(sealed.data() + at + 8, &sum, sizeof sum);
+    at += 16 + size;
+  }
+  const fs::path twin = fs::path(file).replace_extension(".sealed.hsf");
+  std::ofstream(twin, std::ios::binary) << sealed;
+  read_both_ways(file, bytes);
+  read_both_ways(twin, sealed);
+}
+
 }  // namespace
 
 std::vector<FuzzTarget> scan_fuzz_targets() {
@@ -185,7 +238,8 @@ std::vector<FuzzTarget> scan_fuzz_targets() {
           {"pcd_compressed", "scan.pcd", 1024, pcd_compressed, read_both_ways},
           {"las", "scan.las", 2048, las, read_both_ways},
           {"foreign_exr", "scan.exr", 4096, foreign_exr, read_both_ways},
-          {"range_exr", "scan.exr", 4096, range_exr, read_both_ways}};
+          {"range_exr", "scan.exr", 4096, range_exr, read_both_ways},
+          {"samples", "scan.hsf", 4096, samples, read_sealed}};
 }
 
 }  // namespace hybrid::testing

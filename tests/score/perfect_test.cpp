@@ -21,6 +21,8 @@ TEST_F(PerfectRoom, the_truth_itself_gets_perfect_marks) {
         EXPECT_EQ(hoover[fault], 0);
       EXPECT_LT(hoover["mean_angle_deg"], 1e-6);
     }
+    EXPECT_EQ(planes["normals"]["planes"], planes["normals"]["within_3_bounds"]);
+    EXPECT_LT(planes["normals"]["largest_of_bound"], 0.001);
     EXPECT_LT(scan["pose"]["rotation_deg"], 1e-6);
     EXPECT_LT(scan["pose"]["translation_mm"], 1e-9);
     EXPECT_NEAR(scan["pose"]["scale_error"], 0, 1e-12);

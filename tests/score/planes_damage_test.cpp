@@ -36,7 +36,7 @@ TEST_F(PerfectRoom, a_plane_in_two_regions_is_over_segmented) {
   EXPECT_EQ(marks["scans"][0]["planes"]["hoover"][6]["over_segmented"], 1);
   EXPECT_EQ(marks["scans"][0]["planes"]["planar_samples_right_share"], 1.0);
   expect_others_hold(marks, {of_planes("hoover/*/correct"), of_planes("hoover/*/over_segmented"),
-                             of_planes("hoover/*/mean_angle_deg")});
+                             of_planes("hoover/*/mean_angle_deg"), of_planes("normals/*")});
 }
 
 TEST_F(PerfectRoom, two_planes_in_one_region_are_under_segmented) {
@@ -53,8 +53,9 @@ TEST_F(PerfectRoom, two_planes_in_one_region_are_under_segmented) {
   EXPECT_EQ(planes["planes_found"], planes["planes"].get<int>() - 1);
   EXPECT_EQ(planes["planes_lost"][0], largest[1]);
   EXPECT_GT(marks["scans"][0]["decimation"]["largest_mm"], 100);  // its samples stand on the wrong polygon
-  expect_others_hold(marks, {of_planes("hoover/*"), of_planes("planar_samples_right*"), of_planes("planes_*"),
-                             of_planes("boundary/*"), "/scans/0/decimation/*_mm"});
+  expect_others_hold(marks,
+                     {of_planes("hoover/*"), of_planes("normals/*"), of_planes("planar_samples_right*"),
+                      of_planes("planes_*"), of_planes("boundary/*"), "/scans/0/decimation/*_mm"});
 }
 
 TEST_F(PerfectRoom, a_plane_without_labels_is_missed) {
@@ -72,10 +73,10 @@ TEST_F(PerfectRoom, a_plane_without_labels_is_missed) {
   EXPECT_EQ(planes["planes_lost"][0], plane);
   EXPECT_GT(planes["boundary"]["not_compared"], 0);
   EXPECT_GT(marks["scans"][0]["decimation"]["discarded_without_polygon"], 100);
-  expect_others_hold(marks,
-                     {of_planes("hoover/*"), of_planes("planar_samples_right*"), of_planes("planes_*"),
-                      of_planes("boundary/*/borders"), of_planes("boundary/not_compared"),
-                      "/scans/0/decimation/discarded_without_polygon", "/scans/0/decimation/percentile*"});
+  expect_others_hold(
+      marks, {of_planes("hoover/*"), of_planes("normals/*"), of_planes("planar_samples_right*"),
+              of_planes("planes_*"), of_planes("boundary/*/borders"), of_planes("boundary/not_compared"),
+              "/scans/0/decimation/discarded_without_polygon", "/scans/0/decimation/percentile*"});
 }
 
 TEST_F(PerfectRoom, a_column_called_planar_is_noise) {
@@ -101,7 +102,10 @@ TEST_F(PerfectRoom, a_turned_plane_has_an_angle) {
   const auto marks = marks_of(results);
   const auto& hoover = marks["scans"][0]["planes"]["hoover"][0];
   EXPECT_NEAR(hoover["mean_angle_deg"], 3.0 / hoover["planes"].get<int>(), 1e-6);
-  expect_others_hold(marks, {of_planes("hoover/*/mean_angle_deg"), "/scans/0/decimation/*_mm"});
+  const auto& normals = marks["scans"][0]["planes"]["normals"];
+  EXPECT_EQ(normals["within_3_bounds"], normals["planes"].get<int>() - 1);
+  expect_others_hold(
+      marks, {of_planes("hoover/*/mean_angle_deg"), of_planes("normals/*"), "/scans/0/decimation/*_mm"});
 }
 
 TEST_F(PerfectRoom, borders_two_samples_off_are_displaced) {

@@ -1,6 +1,8 @@
 #include "box_room.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -137,6 +139,32 @@ SquareRecord fit_square(const std::vector<Vec3>& points, int nodes, double sigma
 
 }  // namespace
 
+RoomScore score_room(const RoomScan& scan, const PlaneSegmentation& segmentation) {
+  using Counts = std::array<std::int64_t, 16>;
+  std::vector<Counts> votes(segmentation.superclusters.size() + 1);
+  for (std::size_t i = 0; i < scan.truth.size(); ++i)
+    if (scan.image.mask[i] == kMeasured) votes[segmentation.sample_label[i]][scan.truth[i]] += 1;
+  RoomScore result;
+  Counts total{}, right{};
+  for (std::size_t k = 0; k < votes.size(); ++k) {
+    const auto most =
+        static_cast<std::size_t>(std::max_element(votes[k].begin(), votes[k].end()) - votes[k].begin());
+    if (k > 0) result.majority.push_back(most);
+    if (k > 0) right[most] += votes[k][most];
+    for (std::size_t t = 0; t < total.size(); ++t) total[t] += votes[k][t];
+  }
+  std::int64_t all = 0, all_right = 0;
+  for (std::size_t face = 1; face <= kScoredPlanes; ++face) {
+    all += total[face];
+    all_right += right[face];
+    result.found += total[face] > 0 && 2 * right[face] >= total[face];
+  }
+  result.right = static_cast<double>(all_right) / static_cast<double>(all);
+  if (total[kColumn] > 0)
+    result.curved_planar = 1 - static_cast<double>(votes[0][kColumn]) / static_cast<double>(total[kColumn]);
+  return result;
+}
+
 RoomScan scan_room(const BoxRoom& room) {
   RoomScan scan;
   RangeImage& image = scan.image;
@@ -161,7 +189,7 @@ RoomScan scan_room(const BoxRoom& room) {
     const double az =
         image.azimuth_rad[i % static_cast<std::size_t>(room.cols)] + sideways * image.azimuth_step_rad();
     const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
-    const Hit hit = cast(room, ray);
+    const Hit hit = cast(room, room.turned * ray);
     const double range = hit.range + room.noise_m * noise(random);
     if (uniform(random) < room.dropouts) continue;
     const Vec3 point = range * ray;

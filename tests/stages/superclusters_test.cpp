@@ -15,40 +15,6 @@
 namespace hybrid::testing {
 namespace {
 
-using Counts = std::array<std::int64_t, 16>;
-
-struct Score {
-  double right = 0;          // share of scored planar samples with their supercluster's majority label
-  double curved_planar = 0;  // share of the column's samples with any label
-  std::vector<std::size_t> majority;  // truth per supercluster
-  int found = 0;                      // planes with at least half of their samples right
-};
-
-Score score(const RoomScan& scan, const PlaneSegmentation& segmentation) {
-  std::vector<Counts> votes(segmentation.superclusters.size() + 1);
-  for (std::size_t i = 0; i < scan.truth.size(); ++i)
-    if (scan.image.mask[i] == kMeasured) votes[segmentation.sample_label[i]][scan.truth[i]] += 1;
-  Score result;
-  Counts total{}, right{};
-  for (std::size_t k = 0; k < votes.size(); ++k) {
-    const auto most =
-        static_cast<std::size_t>(std::max_element(votes[k].begin(), votes[k].end()) - votes[k].begin());
-    if (k > 0) result.majority.push_back(most);
-    if (k > 0) right[most] += votes[k][most];
-    for (std::size_t t = 0; t < total.size(); ++t) total[t] += votes[k][t];
-  }
-  std::int64_t all = 0, all_right = 0;
-  for (std::size_t face = 1; face <= kScoredPlanes; ++face) {
-    all += total[face];
-    all_right += right[face];
-    result.found += total[face] > 0 && 2 * right[face] >= total[face];
-  }
-  result.right = static_cast<double>(all_right) / static_cast<double>(all);
-  if (total[kColumn] > 0)
-    result.curved_planar = 1 - static_cast<double>(votes[0][kColumn]) / static_cast<double>(total[kColumn]);
-  return result;
-}
-
 PlaneSegmentation segment(const RoomScan& scan, double sigma, const stages::SuperclusterOptions& options = {},
                           int square = 5) {
   return stages::grow_superclusters(queue(), scan.image, fit_squares(scan.image, square, sigma), options);
@@ -97,7 +63,7 @@ TEST(Superclusters, box_room_gives_exactly_its_planes) {
     room.noise_m = noise;
     const auto scan = scan_room(room);
     const auto segmentation = segment(scan, noise);
-    const auto result = score(scan, segmentation);
+    const auto result = score_room(scan, segmentation);
     EXPECT_EQ(result.found, kScoredPlanes) << noise;
     EXPECT_GT(result.right, 0.995) << noise;  // measured: 0.9999, 0.9993, 0.9979
     EXPECT_LT(result.curved_planar, 0.01) << noise;
@@ -117,7 +83,7 @@ TEST(Superclusters, dense_scan_with_its_slivers_near_the_zenith) {
   room.cols = 1440;
   const auto scan = scan_room(room);
   const auto segmentation = segment(scan, room.noise_m);
-  const auto result = score(scan, segmentation);
+  const auto result = score_room(scan, segmentation);
   EXPECT_EQ(result.found, kScoredPlanes);
   EXPECT_GT(result.right, 0.995);  // measured: 0.9995; without absorb_squares 0.915
   EXPECT_LT(result.curved_planar, 0.01);
@@ -136,14 +102,14 @@ TEST(Superclusters, large_squares_that_straddle_corners_make_no_facet_of_the_flo
   const auto segmentation = segment(scan, room.noise_m, {}, 16);
   ASSERT_FALSE(segmentation.superclusters.empty());
   EXPECT_NEAR(segmentation.superclusters[0].plane.offset_m, -1.6, 1e-3);
-  EXPECT_GT(score(scan, segmentation).right, 0.99);
+  EXPECT_GT(score_room(scan, segmentation).right, 0.99);
 }
 
 TEST(Superclusters, planes_are_accurate_and_described) {
   const BoxRoom room;
   const auto scan = scan_room(room);
   const auto segmentation = segment(scan, room.noise_m);
-  const auto faces = score(scan, segmentation).majority;
+  const auto faces = score_room(scan, segmentation).majority;
   std::int64_t before = std::numeric_limits<std::int64_t>::max();
   std::vector<std::int64_t> labelled(segmentation.superclusters.size() + 1, 0);
   for (const std::uint32_t label : segmentation.sample_label) labelled[label] += 1;
@@ -199,7 +165,7 @@ TEST(Superclusters, plane_broken_by_an_occluder_is_one) {
   BoxRoom room;
   room.occluder = true;
   const auto scan = scan_room(room);
-  const auto result = score(scan, segment(scan, room.noise_m));
+  const auto result = score_room(scan, segment(scan, room.noise_m));
   EXPECT_EQ(std::count(result.majority.begin(), result.majority.end(), std::size_t{kWallNorth}), 1);
   EXPECT_EQ(result.found, kScoredPlanes);
 }
@@ -209,7 +175,7 @@ TEST(Superclusters, coplanar_parts_with_a_view_between_them_stay_two) {
   room.panel_m = 0.1;
   room.panel_gap_m = 0.4;
   const auto scan = scan_room(room);
-  const auto result = score(scan, segment(scan, room.noise_m));
+  const auto result = score_room(scan, segment(scan, room.noise_m));
   EXPECT_EQ(std::count(result.majority.begin(), result.majority.end(), std::size_t{kPanel}), 2);
 }
 
@@ -217,7 +183,7 @@ TEST(Superclusters, noise_free_room) {
   BoxRoom room;
   room.noise_m = 0;
   const auto scan = scan_room(room);
-  const auto result = score(scan, segment(scan, 0));
+  const auto result = score_room(scan, segment(scan, 0));
   EXPECT_EQ(result.found, kScoredPlanes);
   EXPECT_GT(result.right, 0.995);
   EXPECT_LT(result.curved_planar, 0.01);
@@ -231,7 +197,7 @@ TEST(Superclusters, part_of_a_turn_and_other_squares) {
   room.highest_deg = 45;
   const auto scan = scan_room(room);
   for (const int square : {4, 7}) {
-    const auto result = score(scan, segment(scan, room.noise_m, {}, square));
+    const auto result = score_room(scan, segment(scan, room.noise_m, {}, square));
     EXPECT_GT(result.right, 0.99) << square;
   }
 }

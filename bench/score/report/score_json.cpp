@@ -34,6 +34,15 @@ Json distances_json(const BoundaryScore::Distances& distances) {
           {"share_beyond_1_sample", distances.share_beyond_1}};
 }
 
+Json normals_json(const NormalScore& score) {
+  return {{"planes", score.planes},
+          {"within_3_bounds", score.within_3},
+          {"median_of_bound", score.median},
+          {"percentile_95_of_bound", score.percentile_95},
+          {"largest_of_bound", score.largest},
+          {"median_bound_deg", score.median_bound_deg}};
+}
+
 Json pose_json(const PoseScore& score) {
   return {{"status", score.accepted ? "accepted" : "abstained"},
           {"wrong", score.wrong},
@@ -120,6 +129,7 @@ Json planes_json(const PlaneScore& score) {
             {"invented", distances_json(score.boundary.invented)},
             {"not_compared", score.boundary.not_compared}}},
           {"normals_from", score.normals_from},
+          {"normals", score.normals ? normals_json(*score.normals) : Json()},
           {"hoover", hoover}};
 }
 

@@ -53,8 +53,15 @@ std::string hoover_table(const std::string& id, const PlaneScore& score) {
                     fmt::format("{}", h.over_segmented), fmt::format("{}", h.under_segmented),
                     fmt::format("{}", h.missed), fmt::format("{}", h.noise),
                     h.angles > 0 ? fmt::format("{:.4f}", h.mean_angle_deg) : "-"});
-  return aligned(
+  std::string text = aligned(
       fmt::format("planes of {} as Hoover et al. count them (normals: {})", id, score.normals_from), rows);
+  if (const auto& n = score.normals; n && n->planes > 0)
+    text += fmt::format(
+        "  normals of those correct at 80 %: {} of {} within 3 times their Cramer-Rao bound (error over "
+        "bound: "
+        "median {:.2f}, 95th percentile {:.1f}, largest {:.1f}; median bound {:.4f} deg)\n\n",
+        n->within_3, n->planes, n->median, n->percentile_95, n->largest, n->median_bound_deg);
+  return text;
 }
 
 std::string poses_table(const std::vector<ScanScore>& scans) {
