@@ -15,6 +15,25 @@ constexpr std::uint8_t kDigits[10][7] = {{14, 17, 19, 21, 25, 17, 14}, {4, 12, 4
                                          {14, 17, 17, 14, 17, 17, 14}, {14, 17, 17, 15, 1, 2, 12}};
 constexpr int kCols = 5, kRows = 7;
 
+struct Glyph {
+  char letter;
+  std::uint8_t rows[kRows];
+};
+constexpr Glyph kLetters[] = {{'a', {0, 0, 14, 1, 15, 17, 15}},    {'b', {16, 16, 30, 17, 17, 17, 30}},
+                              {'c', {0, 0, 14, 16, 16, 17, 14}},   {'d', {1, 1, 15, 17, 17, 17, 15}},
+                              {'e', {0, 0, 14, 17, 31, 16, 14}},   {'f', {6, 8, 28, 8, 8, 8, 8}},
+                              {'h', {16, 16, 22, 25, 17, 17, 17}}, {'i', {4, 0, 12, 4, 4, 4, 14}},
+                              {'m', {0, 0, 26, 21, 21, 21, 21}},   {'n', {0, 0, 22, 25, 17, 17, 17}},
+                              {'o', {0, 0, 14, 17, 17, 17, 14}},   {'r', {0, 0, 22, 25, 16, 16, 16}},
+                              {'t', {8, 8, 28, 8, 8, 9, 6}},       {'-', {0, 0, 0, 14, 0, 0, 0}}};
+
+const std::uint8_t* rows_of(char c) {
+  if (c >= '0' && c <= '9') return kDigits[c - '0'];
+  for (const Glyph& glyph : kLetters)
+    if (glyph.letter == c) return glyph.rows;
+  return nullptr;
+}
+
 void put(Image8& picture, int x, int y, const Ink& ink) {
   if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return;
   std::copy(ink.begin(), ink.end(), picture.at(x, y));
@@ -48,15 +67,23 @@ NumberSize number_size(int number, int cell) {
 }
 
 void draw_number(Image8& picture, int x, int y, int number, int cell, const Ink& ink) {
-  for (const char c : std::to_string(number)) {
-    if (c < '0' || c > '9') continue;
-    for (int row = 0; row < kRows; ++row)
+  draw_text(picture, x, y, std::to_string(number), cell, ink);
+}
+
+void draw_text(Image8& picture, int x, int y, const std::string& text, int cell, const Ink& ink) {
+  for (const char c : text) {
+    const std::uint8_t* rows = rows_of(c);
+    for (int row = 0; rows != nullptr && row < kRows; ++row)
       for (int col = 0; col < kCols; ++col)
-        if (kDigits[c - '0'][row] >> (kCols - 1 - col) & 1)
+        if (rows[row] >> (kCols - 1 - col) & 1)
           for (int dy = 0; dy < cell; ++dy)
             for (int dx = 0; dx < cell; ++dx) put(picture, x + col * cell + dx, y + row * cell + dy, ink);
     x += (kCols + 1) * cell;
   }
+}
+
+int text_width(const std::string& text, int cell) {
+  return (static_cast<int>(text.size()) * (kCols + 1) - 1) * cell;
 }
 
 }  // namespace hybrid::batch

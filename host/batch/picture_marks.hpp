@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "geometry/image.hpp"
 #include "geometry/vectors.hpp"
@@ -19,5 +20,9 @@ struct NumberSize {
 };
 NumberSize number_size(int number, int cell);
 void draw_number(Image8& picture, int x, int y, int number, int cell, const Ink& ink);
+// A text of digits, minus signs, blanks and the letters of "behind", "in front of the face" and "mm"; others
+// are left blank. The same cells.
+void draw_text(Image8& picture, int x, int y, const std::string& text, int cell, const Ink& ink);
+int text_width(const std::string& text, int cell);
 
 }  // namespace hybrid::batch

@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include "batch/automatic_json.hpp"
+#include "batch/face_json.hpp"
 #include "core/log.hpp"
+#include "io/output.hpp"
+#include "io/picture.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -102,10 +105,8 @@ void find_start(device::Queue& queue, const io::SceneScan& entry, const PolygonM
     return;
   }
   if (options.automatic == "first" || (options.automatic == "missing" && !has_landmarks)) {
-    const auto evidence = stages::gather_evidence(product.image, product.segmentation, options.alignment.rays,
-                                                  options.alignment.seed);
     result.how = "automatic";
-    result.automatic = stages::align_automatically(queue, evidence, model, options.alignment);
+    result.automatic = stages::align_automatically(queue, result.evidence, model, options.alignment);
     result.start = result.automatic->world_from_scan;
     if (result.automatic->accepted) return;
     result.abstained = !has_landmarks;
@@ -120,36 +121,98 @@ void find_start(device::Queue& queue, const io::SceneScan& entry, const PolygonM
   result.start = result.landmarks->world_from_scan;
 }
 
+// Offsets go with the plane step and its robust weights: the paper's ICP, asked for, stays the paper's.
+bool may_solve_faces(const StageOptions& options) {
+  return options.faces.solve == "auto" && options.icp.step == "plane" && options.icp.robust == "tukey" &&
+         !options.icp.free_scale;
+}
+
+stages::FaceOffsets faces_under(const PolygonModel& model, const StageOptions& options,
+                                const ScanProduct& product, const ScanRegistration& registration) {
+  auto faces = stages::measure_face_offsets(product.segmentation, registration.evidence, model,
+                                            registration.world_from_scan(), options.faces);
+  if (!registration.fixed) stages::add_pose_sigma(registration.icp.covariance, faces);
+  return faces;
+}
+
 }  // namespace
 
-ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
-                               const StageOptions& options, ScanProduct& product, Progress& progress) {
+void refine_to_model(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+                     const ScanProduct& product, ScanRegistration& result) {
+  const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
+                                                     options.icp.max_samples, options.icp.seed);
+  Pose start = result.start;
+  if (may_solve_faces(options))
+    start = stages::solve_face_offsets(product.segmentation, result.evidence, model, start, options.faces);
+  result.icp = stages::register_to_model(queue, samples, model, start, options.icp);
+  result.held_by_model = true;
+  result.faces = faces_under(model, options, product, result);
+  if (!may_solve_faces(options) || result.faces->agree || result.faces->faces.empty()) return;
+  result.solved_with_faces = true;
+  const int iterations = result.icp.iterations;
+  result.icp = stages::assess_pose(queue, samples, model, start, options.icp);
+  result.icp.iterations = iterations;
+  result.faces = faces_under(model, options, product, result);
+}
+
+ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
+                           const StageOptions& options, const ScanProduct& product, Progress& progress) {
   const std::string unit = "scan " + product.id;
   ScanRegistration result;
   progress.step("landmarks", unit);
+  result.evidence = stages::gather_evidence(product.image, product.segmentation, options.alignment.rays,
+                                            options.alignment.seed);
   find_start(queue, entry, model, options, product, result);
   if (result.abstained) return result;
-
   progress.step("ICP", unit);
   result.icp.world_from_scan = result.start;
-  if (!result.fixed) {
-    const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
-                                                       options.icp.max_samples, options.icp.seed);
-    result.icp = stages::register_to_model(queue, samples, model, result.start, options.icp);
-    if (!result.icp.converged)
-      log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
+  if (result.fixed) {
+    result.faces = faces_under(model, options, product, result);
+    return result;
   }
-
-  progress.step("residuals", unit);
-  const auto distances = [&](const Pose& pose) {
-    return stages::distance_to_model(queue, product.image, product.segmentation, model, pose, kCompatibleDeg,
-                                     options.decimate.tile);
-  };
-  result.wall_before = wall_share(product, result.start, distances(result.start));
-  result.distance_m = distances(result.world_from_scan());
-  result.wall_after = wall_share(product, result.world_from_scan(), result.distance_m);
-  give_back_unexplained(result, options, product);
+  refine_to_model(queue, model, options, product, result);
+  if (!result.icp.converged)
+    log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
   return result;
+}
+
+void assess(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+            const ScanProduct& product, const Pose& pose, ScanRegistration& registration) {
+  const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
+                                                     options.icp.max_samples, options.icp.seed);
+  const int iterations = registration.icp.iterations;
+  registration.icp = stages::assess_pose(queue, samples, model, pose, options.icp);
+  registration.icp.iterations = iterations;
+  registration.faces = faces_under(model, options, product, registration);
+}
+
+void finish_registration(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+                         ScanProduct& product, ScanRegistration& result, Progress& progress) {
+  progress.step("residuals", "scan " + product.id);
+  const auto distances = [&](const Pose& pose) {
+    return stages::signed_distance_to_model(queue, product.image, product.segmentation, model, pose,
+                                            kCompatibleDeg, options.decimate.tile);
+  };
+  const auto sizes = [](std::vector<float> signed_m) {
+    for (float& d : signed_m) d = std::abs(d);
+    return signed_m;
+  };
+  result.wall_before = wall_share(product, result.start, sizes(distances(result.start)));
+  result.signed_distance_m = distances(result.world_from_scan());
+  result.distance_m = sizes(result.signed_distance_m);
+  result.wall_after = wall_share(product, result.world_from_scan(), result.distance_m);
+  result.residuals = residual_histogram(product, result.signed_distance_m);
+  give_back_unexplained(result, options, product);
+}
+
+void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& product,
+                        const ScanRegistration& registration) {
+  const auto picture = folder / "residuals.png";
+  if (registration.signed_distance_m.empty())
+    std::filesystem::remove(picture);  // of an earlier run
+  else
+    io::write_png(picture, residual_picture(product, registration.signed_distance_m, registration.residuals));
+  io::write_text(folder / "pose.json", pose_json(product, registration).dump(1) + "\n");
 }
 
 Json pose_json(const ScanProduct& product, const ScanRegistration& registration) {
@@ -159,6 +222,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                  {"how", registration.how},
                  {"status", "abstained"}};
     json.update(automatic_json(*registration.automatic));
+    if (registration.neighbour) json["neighbour"] = automatic_json(*registration.neighbour);
     return json;
   }
   const auto& icp = registration.icp;
@@ -168,7 +232,13 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                {"how", registration.how},
                {"status", "accepted"},
                {"start_world_from_scan", row_major(registration.start)}};
-  if (!registration.fixed) {
+  if (!registration.carried_by.empty()) {
+    json["aligned_to"] = registration.carried_by;
+    json["neighbour"] = automatic_json(*registration.neighbour);
+    json["held_by_model"] = registration.held_by_model && registration.faces.has_value();
+  }
+  if (!registration.fixed && !registration.faces) json["covariance"] = icp.covariance;
+  if (!registration.fixed && registration.faces) {
     json["rms_m"] = icp.rms_m;
     json["overlap"] = icp.overlap;
     json["iterations"] = icp.iterations;
@@ -182,6 +252,9 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                          {"leave_one_out_m", registration.landmarks->leave_one_out_m}};
   }
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
+  if (registration.faces)
+    json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
+  if (!registration.signed_distance_m.empty()) json["residuals"] = histogram_json(registration.residuals);
   return json;
 }
 
@@ -189,23 +262,29 @@ Json registration_figures(const ScanRegistration& registration) {
   if (registration.abstained) {
     Json json = {{"how", registration.how}, {"status", "abstained"}};
     json.update(automatic_json(*registration.automatic));
+    if (!registration.neighbour_reason.empty()) json["neighbours"] = registration.neighbour_reason;
     return json;
   }
   const auto moved = difference(registration.start, registration.world_from_scan());
   Json json = {{"how", registration.how},
                {"status", "accepted"},
-               {"moved_by_icp", {{"deg", moved.angle_rad * 180 / M_PI}, {"m", moved.distance_m}}},
-               {"wall_before_icp", share_json(registration.wall_before)},
-               {"wall_after_icp", share_json(registration.wall_after)}};
+               {"moved_by_icp", {{"deg", moved.angle_rad * 180 / M_PI}, {"m", moved.distance_m}}}};
+  if (!registration.carried_by.empty()) json["aligned_to"] = registration.carried_by;
+  if (registration.faces) {
+    json["wall_before_icp"] = share_json(registration.wall_before);
+    json["wall_after_icp"] = share_json(registration.wall_after);
+  }
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
   if (registration.landmarks) json["landmark_rms_m"] = registration.landmarks->rms_m;
-  if (!registration.fixed) {
+  if (!registration.fixed && registration.faces) {
     json["icp_rms_m"] = registration.icp.rms_m;
     json["icp_iterations"] = registration.icp.iterations;
     json["icp_converged"] = registration.icp.converged;
     json["overlap"] = registration.icp.overlap;
     json["degenerate"] = registration.icp.degenerate;
   }
+  if (registration.faces)
+    json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
   return json;
 }
 

@@ -3,8 +3,10 @@
 #include <optional>
 #include <string>
 
+#include "batch/residuals.hpp"
 #include "batch/scan_unit.hpp"
 #include "io/scene_file.hpp"
+#include "stages/face_offsets.hpp"
 
 namespace hybrid::batch {
 
@@ -16,27 +18,56 @@ struct WallShare {
 };
 
 struct ScanRegistration {
-  std::string how;  // "landmarks" | "automatic" | "given"
+  // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "frame" (the first, without a model)
+  std::string how;
   bool fixed = false;
   bool abstained = false;  // the automatic alignment did, and there are no landmarks: there is no pose
   Pose start;              // from landmarks, the automatic alignment or the scene file
   std::optional<stages::LandmarkFit> landmarks;
   std::optional<stages::AutomaticAlignment> automatic;
   stages::Registration icp;  // world_from_scan: the result
+  // Planes and lines of sight, for what follows: face offsets, neighbours, joint refinement.
+  stages::ScanEvidence evidence;
+  std::optional<stages::FaceOffsets> faces;  // nothing without a model
+  bool solved_with_faces = false;            // the pose was, as the faces do not agree
   WallShare wall_before, wall_after;
-  std::vector<float>
-      distance_m;  // per node, to the closest compatible face, after ICP; NaN where not measured
+  // Per node, to the closest compatible face, under the final pose; NaN where not measured.
+  std::vector<float> distance_m, signed_distance_m;
+  ResidualHistogram residuals;
+  // Aligned to another scan, not to the model: to which, and what spoke for it; why not, where that
+  // abstained.
+  std::string carried_by, neighbour_reason;
+  std::optional<stages::AutomaticAlignment> neighbour;
+  bool held_by_model = true;  // by what it sees of the model; else by its neighbours alone
   const Pose& world_from_scan() const { return icp.world_from_scan; }
 };
 
-// METHOD 5 to 7: landmarks, the scene's pose or the automatic alignment give the start, ICP on the planes the
-// result; a pose with fixed = true is final. A scan whose automatic alignment abstains and that has no
-// landmarks is returned as such, product unchanged. Then marks the planar samples that a proxy face explains,
-// turns superclusters without a face into their contour polygons and gives the other samples back (METHOD 4):
-// product.decimation and contour_faces change. Throws ErrorKind::input when neither landmarks nor a pose are
-// given and [register] automatic = "never".
-ScanRegistration register_scan(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
-                               const StageOptions& options, ScanProduct& product, Progress& progress);
+// METHOD 5 to 7: landmarks, the scene's pose or the automatic alignment give the start; tile ICP, then ICP on
+// the planar samples the result, or, where the proxy's faces are off, pose and face offsets together; a pose
+// with fixed = true is final. A scan whose automatic alignment abstains and that has no landmarks is returned
+// as such. Throws ErrorKind::input when neither landmarks nor a pose are given and [register] automatic =
+// "never".
+ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
+                           const StageOptions& options, const ScanProduct& product, Progress& progress);
+
+// From result.start, as find_pose does: icp, faces, solved_with_faces, held_by_model.
+void refine_to_model(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+                     const ScanProduct& product, ScanRegistration& result);
+
+// What is said of a pose that was found or changed otherwise (joint refinement, a neighbour): covariance,
+// overlap, face offsets.
+void assess(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+            const ScanProduct& product, const Pose& pose, ScanRegistration& registration);
+
+// Under the final pose: residuals; marks the planar samples that a proxy face explains, turns superclusters
+// without a face into their contour polygons and gives the other samples back (METHOD 4):
+// product.decimation and contour_faces change.
+void finish_registration(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+                         ScanProduct& product, ScanRegistration& registration, Progress& progress);
+
+// pose.json and residuals.png.
+void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& product,
+                        const ScanRegistration& registration);
 
 // pose.json of SCENE.md.
 nlohmann::ordered_json pose_json(const ScanProduct& product, const ScanRegistration& registration);

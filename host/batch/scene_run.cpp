@@ -6,6 +6,7 @@
 
 #include "batch/coverage_unit.hpp"
 #include "batch/drawn_samples.hpp"
+#include "batch/joint_unit.hpp"
 #include "batch/landmark_sheet.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
@@ -37,10 +38,11 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     stages.insert("planes");
     if (scene.model) stages.insert({"register", "edit", "render"});
   }
-  if ((stages.count("register") || stages.count("edit") || stages.count("render")) && !scene.model)
-    fail_input(
-        "{}: no [model]: registration, editing and rendering need one; add it, or use --only planes,report",
-        scene.path.string());
+  if ((stages.count("edit") || stages.count("render")) && !scene.model)
+    fail_input("{}: no [model]: editing and rendering need one; add it, or use --only planes,register,report",
+               scene.path.string());
+  if (stages.count("register") && !scene.model && scene.scans.empty())
+    fail_input("{}: no [model] and no [[scan]]: there is nothing to register", scene.path.string());
   const auto named = [&](const auto& view) { return view.name == request.only_view; };
   if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
     fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
@@ -208,20 +210,26 @@ class Run {
     run_.abstentions.resize(run_.products.size());
   }
 
+  // Each scan to the model; those that abstain to the others; all together.
   void register_all() {
+    NeighbourRegistration neighbours(queue_, run_.model ? &*run_.model : nullptr, options_, run_.products);
+    if (!run_.model)
+      neighbours.begin_without_model(entries_, run_.registrations, run_.abstentions);
+    else
+      for (std::size_t i = 0; i < run_.products.size(); ++i)
+        unit("scan " + run_.products[i].id, [&] {
+          auto found = find_pose(queue_, entries_[i], *run_.model, options_, run_.products[i], progress_);
+          auto& list = found.abstained ? run_.abstentions : run_.registrations;
+          list[i] = std::move(found);
+        });
+    unit("joint registration", [&] {
+      neighbours.carry(run_.registrations, run_.abstentions);
+      neighbours.refine(run_.registrations);
+      joint_ = neighbours.figures();
+    });
     for (std::size_t i = 0; i < run_.products.size(); ++i)
-      unit("scan " + run_.products[i].id, [&] {
-        auto registration =
-            register_scan(queue_, entries_[i], *run_.model, options_, run_.products[i], progress_);
-        if (wants("register"))
-          io::write_text(scan_folder(run_.products[i].id) / "pose.json",
-                         pose_json(run_.products[i], registration).dump(1) + "\n");
-        if (!registration.abstained) editing_.clip(run_.scene, registration, run_.products[i], remains_[i]);
-        auto& list = registration.abstained ? run_.abstentions : run_.registrations;
-        list[i] = std::move(registration);
-        if (run_.abstentions[i]) abstain(i);
-        if (wants("register")) remove_landmark_sheet(scan_folder(run_.products[i].id));
-      });
+      unit("scan " + run_.products[i].id, [&] { finish(i); });
+    if (!run_.model) return;
     unit("edit", [&] {
       editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations, *run_.model);
     });
@@ -238,6 +246,20 @@ class Run {
       io::write_obj(file, contours.model);
   }
 
+  // Scan i, whose pose is final now, if it has one.
+  void finish(std::size_t i) {
+    const auto& found = run_.abstentions[i] ? run_.abstentions[i] : run_.registrations[i];
+    if (!found) return;  // failed
+    const fs::path folder = scan_folder(run_.products[i].id);
+    if (run_.registrations[i] && run_.model)
+      finish_registration(queue_, *run_.model, options_, run_.products[i], *run_.registrations[i], progress_);
+    if (wants("register")) write_pose_outputs(folder, run_.products[i], *found);
+    if (run_.registrations[i])
+      editing_.clip(run_.scene, *run_.registrations[i], run_.products[i], remains_[i]);
+    if (run_.abstentions[i]) abstain(i);
+    if (wants("register")) remove_landmark_sheet(folder);
+  }
+
   std::vector<PlacedScan> placed_scans() const {
     std::vector<PlacedScan> scans;
     for (std::size_t i = 0; i < run_.products.size(); ++i)
@@ -250,10 +272,15 @@ class Run {
   // The scan takes no part in views; the sheet asks a person. The run's exit code tells.
   [[noreturn]] void abstain(std::size_t i) {
     const auto& alignment = *run_.abstentions[i]->automatic;
+    const auto& neighbours = run_.abstentions[i]->neighbour_reason;
+    if (!run_.model)
+      fail_input("no pose: {}; give a pose in the scene file, or a [model]",
+                 neighbours.empty() ? "there is no other scan to align to" : neighbours);
     if (wants("register"))
       write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,
                            alignment);
-    fail_input("no landmarks and no pose, and the automatic alignment abstains: {}", alignment.reason);
+    fail_input("no landmarks and no pose, and the automatic alignment abstains: {}{}", alignment.reason,
+               neighbours.empty() ? "" : "; " + neighbours);
   }
 
   void write_scans() {
@@ -350,28 +377,37 @@ class Run {
     return read_scene_scan(run_.products[i].id, entry, list_scene_scans(entry, request_.salvage).front());
   }
 
+  // Without a model the first scan is the frame: its true pose brings the others into the truth's.
+  Pose in_truth_s_frame(const ScanRegistration& registration) const {
+    if (run_.model || !run_.registrations[0]) return registration.world_from_scan();
+    for (const auto& truth : truth_->scans)
+      if (truth.id == run_.products[0].id)
+        return truth.world_from_scan * run_.registrations[0]->world_from_scan().inverse() *
+               registration.world_from_scan();
+    return registration.world_from_scan();
+  }
+
   Json scan_summary(std::size_t i) const {
     Json json = scan_figures(run_.products[i]);
     const auto& registration = run_.registrations[i];
     if (registration) {
       json["registration"] = registration_figures(*registration);
-      json["registration"]["residuals"] = residual_figures(run_.products[i], *registration);
+      if (!registration->distance_m.empty())
+        json["registration"]["residuals"] = residual_figures(run_.products[i], *registration);
     }
     if (run_.abstentions[i]) json["registration"] = registration_figures(*run_.abstentions[i]);
     if (truth_)
       for (const auto& truth : truth_->scans)
-        if (truth.id == run_.products[i].id)
-          json["truth"] = truth_figures(truth, run_.products[i],
-                                        registration ? &registration->world_from_scan() : nullptr);
+        if (truth.id == run_.products[i].id) {
+          const auto pose = registration ? std::optional(in_truth_s_frame(*registration)) : std::nullopt;
+          json["truth"] = truth_figures(truth, run_.products[i], pose ? &*pose : nullptr);
+        }
     return json;
   }
 
   void report() {
     make_summary();
     unit("report", [&] {
-      for (std::size_t i = 0; i < run_.products.size(); ++i)
-        if (run_.registrations[i])
-          write_residual_picture(scan_folder(run_.products[i].id), run_.products[i], *run_.registrations[i]);
       progress_.step("report", "scene " + run_.scene.name);
       write_report_(run_);
     });
@@ -397,6 +433,7 @@ class Run {
     if (!placed.empty()) run_.summary["photographs"] = placed;
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;
+    if (!joint_.is_null()) run_.summary["joint"] = joint_;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
   }
 
@@ -427,7 +464,7 @@ class Run {
   std::vector<std::size_t> indices_;    // one per product: which scan of its file
   std::optional<ScanNames> names_;
   std::optional<io::SceneTruth> truth_;
-  Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_;
+  Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, joint_;
   SceneRun run_;
 };
 

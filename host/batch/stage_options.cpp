@@ -13,8 +13,14 @@ using Json = nlohmann::ordered_json;
 // Landmark options and what the pipeline itself decides: the rows of [register] that are not ICP's.
 const std::vector<OptionRow<StageOptions>>& register_rows() {
   static const std::vector<OptionRow<StageOptions>> rows = {
-      {"explain_m", "m", &StageOptions::explain_m, 0.001, 10,
-       "a planar sample this near a face is explained by it"},
+      {"explain_m",
+       "m",
+       &StageOptions::explain_m,
+       0.001,
+       10,
+       "a planar sample this near a face is explained by it",
+       {}},
+      {"joint", "", &StageOptions::joint, 0, 0, "refine the poses of all scans together", {}},
       {"automatic",
        "",
        &StageOptions::automatic,
@@ -72,7 +78,8 @@ bool apply_register(StageOptions& options, const std::string& key, const OptionV
   return apply(key, value, options.landmarks, landmark_rows()) ||
          apply(key, value, options, register_rows()) ||
          apply(key, value, options.icp, stages::icp_option_table()) ||
-         apply(key, value, options.alignment, stages::automatic_option_table());
+         apply(key, value, options.alignment, stages::automatic_option_table()) ||
+         apply(key, value, options.faces, stages::face_offset_option_table());
 }
 
 bool apply_edit(StageOptions& options, const std::string& key, const OptionValue& value) {
@@ -122,7 +129,8 @@ const std::vector<Section>& sections() {
                  option_names(landmark_rows()),
                  option_names(register_rows()),
                  option_names(stages::icp_option_table()),
-                 option_names(stages::automatic_option_table())})},
+                 option_names(stages::automatic_option_table()),
+                 option_names(stages::face_offset_option_table())})},
       {"edit", &io::SceneFile::edit, apply_edit,
        names_of({option_names(stages::opening_option_table()),
                  option_names(stages::displacement_option_table()), io::scene_edit_keys()})},
@@ -225,6 +233,7 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   edit.update(describe_table(options.displacement, stages::displacement_option_table()));
   Json render = describe_table(options.render, stages::render_option_table());
   render.update(describe_table(options.coverage, stages::coverage_option_table()));
+  registration.update(describe_table(options.faces, stages::face_offset_option_table()));
   registration["scale"] = options.icp.free_scale ? "free" : "fixed";
   Json exporting = describe_table(options.exporting, export_option_table());
   exporting.update(describe_table(options.exporting.atlas, stages::atlas_option_table()));

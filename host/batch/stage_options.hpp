@@ -11,7 +11,9 @@
 #include "stages/coverage.hpp"
 #include "stages/decimate.hpp"
 #include "stages/displacement.hpp"
+#include "stages/face_offsets.hpp"
 #include "stages/icp.hpp"
+#include "stages/joint_poses.hpp"
 #include "stages/landmarks.hpp"
 #include "stages/openings.hpp"
 #include "stages/render.hpp"
@@ -37,6 +39,9 @@ struct StageOptions {
   stages::LandmarkOptions landmarks;
   stages::IcpOptions icp;
   stages::AutomaticOptions alignment;
+  stages::FaceOffsetOptions faces;
+  bool joint = true;  // refine the poses of all scans together
+  stages::JointOptions joint_poses;
   // Which scans are aligned without a start: those with neither landmarks nor pose; all but those with a
   // pose, landmarks deciding where it abstains; none.
   std::string automatic = "missing";  // "missing" | "first" | "never"

@@ -97,6 +97,29 @@ std::string residual_section(const Json& scan) {
       1000 * residuals["p95_m"].get<double>());
 }
 
+// Per proxy face where the scan lies.
+std::string face_table(const Json& scan) {
+  if (!scan.contains("/registration/faces/faces"_json_pointer)) return "";
+  const auto& faces = scan["registration"]["faces"];
+  Table table;
+  table.text("face")
+      .number("offset", "mm", 1, "above 0 the scan lies in front of the face, below 0 behind it")
+      .number("sigma", "mm", 1)
+      .number("tilt", "deg", 2)
+      .number("area", "m\u00b2", 1)
+      .number("samples", "", 0);
+  for (const auto& face : faces["faces"])
+    table.add({face["face"], cell(face, "/offset_m", 1000), cell(face, "/sigma_m", 1000), face["tilt_deg"],
+               face["area_m2"], face["samples"]});
+  return fmt::format(
+      "<details><summary>the proxy's faces against the scan</summary>\n{}<p>{}; {}.</p></details>\n",
+      table.html(),
+      faces["solved_with_the_pose"].get<bool>()
+          ? "The faces do not agree, so that the pose was solved with their offsets"
+          : "The faces agree",
+      escape(faces["unobservable"].get<std::string>()));
+}
+
 std::string notes_section(const Json& scan) {
   if (!scan.contains("notes") || scan["notes"].empty()) return "";
   std::string html = "<ul class=\"warn\">\n";
@@ -136,13 +159,15 @@ std::string scan_section(const fs::path& out, const Json& scan, std::size_t inde
          picture(out, folder + "classes.png",
                  "Superclusters (pastel), locally planar but too small (dark blue), non-planar (dark green), "
                  "undersampled (black)") +
-         picture(out, folder + "residual.png",
-                 "Distance from the model after ICP: pale 1 mm and less, over yellow and red to dark red, 10 "
-                 "cm and more; blue: planar, but no face is near; grey: not planar") +
+         picture(
+             out, folder + "residuals.png",
+             "Signed distances to the proxy: blue behind its faces, red in front, grey farther than 10 cm, "
+             "black no return") +
          picture(out, folder + "range.png", "Range image: near is bright") +
          picture(out, folder + "intersections.png",
                  "Lines in which planes meet: corners red, edges that stand out blue") +
-         residual_section(scan) + "</div>\n" + supercluster_table(out, folder, scan, planes, pose) +
+         residual_section(scan) + "</div>\n" + face_table(scan) +
+         supercluster_table(out, folder, scan, planes, pose) +
          "<details><summary>all figures</summary><div class=\"scroll\"><table>\n" + rows +
          "</table></div></details>\n";
 }

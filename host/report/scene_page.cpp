@@ -160,10 +160,29 @@ std::string landmark_table(const ScenePage& page) {
   return table.empty() ? "" : "<details><summary>Landmarks</summary>\n" + table.html() + "</details>\n";
 }
 
+// The table of registration reports: how each two scans lie against each other.
+std::string pair_table(const ScenePage& page) {
+  if (!page.summary.contains("joint")) return "";
+  Table table;
+  table.text("scan")
+      .text("and")
+      .number("overlap", "%", 0, "share of the planar area of one on planes of the other, the larger of both")
+      .number("planes", "", 0)
+      .number("before", "mm", 2, "rms distance over the overlap before the refinement")
+      .number("after", "mm", 2, "the same after it")
+      .number("median", "mm", 2)
+      .number("strength", "%", 0, "100: held alike in all directions, 0: free to slide along one");
+  for (const auto& pair : page.summary["joint"]["pairs"])
+    table.add({pair["a"], pair["b"], cell(pair, "/overlap", 100), pair["planes"],
+               cell(pair, "/distance_before_m", 1000), cell(pair, "/distance_m", 1000),
+               cell(pair, "/median_m", 1000), cell(pair, "/strength", 100)});
+  return table.empty() ? "" : "<h3>Scan to scan, all poses refined together</h3>\n" + table.html();
+}
+
 std::string registration_section(const ScenePage& page) {
   const std::string figures = registration_table(page);
   if (figures.empty()) return "";
-  return "<h2 id=\"registration\">Registration</h2>\n" + figures + landmark_table(page) +
+  return "<h2 id=\"registration\">Registration</h2>\n" + figures + pair_table(page) + landmark_table(page) +
          "<div class=\"row\">\n" +
          picture(page.out, "report/registration-before.png",
                  "Before ICP: retained samples of every scan, each in its colour, on the proxy") +

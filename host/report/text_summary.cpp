@@ -12,16 +12,23 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
     text += "  no pose: the automatic alignment abstains; see sheet/ in the scan's folder\n";
   else if (scan.contains("registration")) {
     const auto& pose = scan["registration"];
-    const auto& before = pose["wall_before_icp"];
-    const auto& after = pose["wall_after_icp"];
     if (pose.contains("icp_rms_m"))
       text += fmt::format("  ICP rms {:.2f} mm after {} iterations\n", 1000 * pose["icp_rms_m"].get<double>(),
                           pose["icp_iterations"].get<int>());
-    text += fmt::format(
-        "  wall samples within 5 / 10 cm of the proxy: {:.1f} / {:.1f} % before ICP, {:.1f} / {:.1f} % "
-        "after\n",
-        100 * before["within_5cm"].get<double>(), 100 * before["within_10cm"].get<double>(),
-        100 * after["within_5cm"].get<double>(), 100 * after["within_10cm"].get<double>());
+    if (pose.contains("aligned_to"))
+      text += fmt::format("  aligned to scan {}\n", pose["aligned_to"].get<std::string>());
+    if (pose.contains("wall_after_icp")) {
+      const auto& before = pose["wall_before_icp"];
+      const auto& after = pose["wall_after_icp"];
+      text += fmt::format(
+          "  wall samples within 5 / 10 cm of the proxy: {:.1f} / {:.1f} % before ICP, {:.1f} / {:.1f} % "
+          "after\n",
+          100 * before["within_5cm"].get<double>(), 100 * before["within_10cm"].get<double>(),
+          100 * after["within_5cm"].get<double>(), 100 * after["within_10cm"].get<double>());
+    }
+    if (pose.contains("faces") && pose["faces"]["solved_with_the_pose"])
+      text += fmt::format("  the proxy's faces are off by {:.1f} mm (1 sigma): solved with the pose\n",
+                          1000 * pose["faces"]["disagreement_m"].get<double>());
   }
   if (scan.contains("truth")) {
     const auto& truth = scan["truth"];
@@ -42,6 +49,13 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
 std::string text_summary(const batch::SceneRun& run, const std::filesystem::path& out) {
   std::string text;
   for (const auto& scan : run.summary["scans"]) text += scan_lines(scan);
+  if (run.summary.contains("joint"))
+    for (const auto& pair : run.summary["joint"]["pairs"])
+      text += fmt::format(
+          "scans {} - {}: overlap {:.0f} %, distance {:.2f} mm (before {:.2f}), strength {:.0f} %\n",
+          pair["a"].get<std::string>(), pair["b"].get<std::string>(), 100 * pair["overlap"].get<double>(),
+          1000 * pair["distance_m"].get<double>(), 1000 * pair["distance_before_m"].get<double>(),
+          100 * pair["strength"].get<double>());
   for (const auto& view : run.summary["views"])
     if (view.contains("left_out"))
       text += fmt::format(

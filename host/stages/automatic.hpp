@@ -27,6 +27,8 @@ struct AutomaticOptions {
   // Of the scene, not of the option table:
   bool levelled = false;
   bool free_scale = false;
+  // The model is another scan's planes: they have no backs, as what the other scan did not see is unknown.
+  bool of_scan = false;
 };
 const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table();
 

@@ -38,26 +38,6 @@ std::vector<std::uint32_t> merge_planes(const std::vector<Supercluster>& supercl
   return plane_of;
 }
 
-// Supercluster of each sample, found by its normal: samples come one supercluster after the other.
-class OwnerOf {
- public:
-  explicit OwnerOf(const std::vector<Supercluster>& superclusters) : superclusters_(superclusters) {}
-  std::size_t operator()(const std::array<float, 4>& normal) {
-    const auto is_its = [&] {
-      const Vec3f n = superclusters_[at_].plane.normal.cast<float>();
-      return n.x() == normal[0] && n.y() == normal[1] && n.z() == normal[2];
-    };
-    while (!is_its())
-      if (++at_ == superclusters_.size())
-        fail(ErrorKind::failed, "automatic alignment: a planar sample without a supercluster");
-    return at_;
-  }
-
- private:
-  const std::vector<Supercluster>& superclusters_;
-  std::size_t at_ = 0;
-};
-
 Vec3 point_of(const std::array<float, 4>& p) {
   return {p[0], p[1], p[2]};
 }
@@ -74,14 +54,14 @@ void add_tiles(const PlanarSamples& samples, const std::vector<Supercluster>& su
                const std::vector<std::uint32_t>& plane_of, ScanEvidence& evidence) {
   using Key = std::tuple<std::size_t, long, long>;
   std::map<Key, PlaneTile> tiles;
-  OwnerOf owner(superclusters);
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    const std::size_t s = owner(samples.normals[i]);
+    const std::size_t s = samples.supercluster[i];
     const Vec3 p = point_of(samples.points[i]);
     const auto [u, v] = in_plane(superclusters[s].plane.normal);
     PlaneTile& tile = tiles[{s, std::lround(u.dot(p) / kTileSide_m), std::lround(v.dot(p) / kTileSide_m)}];
     const double area = samples.points[i][3];
     tile.plane = plane_of[s];
+    tile.supercluster = static_cast<std::uint32_t>(s);
     tile.normal = superclusters[s].plane.normal;
     tile.area_m2 += area;
     tile.centroid += area * p;
@@ -96,9 +76,8 @@ void add_tiles(const PlanarSamples& samples, const std::vector<Supercluster>& su
 
 void add_rays(const PlanarSamples& samples, const std::vector<Supercluster>& superclusters,
               const std::vector<std::uint32_t>& plane_of, ScanEvidence& evidence) {
-  OwnerOf owner(superclusters);
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    const std::size_t s = owner(samples.normals[i]);
+    const std::size_t s = samples.supercluster[i];
     const Vec3 p = point_of(samples.points[i]);
     const double area = samples.points[i][3];
     evidence.rays.push_back({p.normalized(), p.norm(), superclusters[s].plane.normal, area, plane_of[s]});

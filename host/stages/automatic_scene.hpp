@@ -21,8 +21,9 @@ struct ScanPlane {
 // A piece of at most about 2 m of a scan plane, with the moments of its samples about its centroid: sums over
 // tiles are sums over all samples (FINDINGS.md).
 struct PlaneTile {
-  std::uint32_t plane = 0;  // index of the scan plane
-  Vec3 normal;              // of its supercluster
+  std::uint32_t plane = 0;         // index of the scan plane
+  std::uint32_t supercluster = 0;  // index: id - 1
+  Vec3 normal;                     // of its supercluster
   double area_m2 = 0;
   Vec3 centroid = Vec3::Zero();
   Mat3 scatter = Mat3::Zero();  // sum of area (p - centroid)(p - centroid)^T

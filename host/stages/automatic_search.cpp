@@ -96,6 +96,7 @@ SightOptions sight_options(const AutomaticOptions& options) {
   sight.tolerance_m = options.tolerance_m;
   sight.clear_m = std::max(options.clear_m, 2 * options.tolerance_m);
   sight.offset_m = options.face_offset_m;
+  sight.backs = !options.of_scan;
   return sight;
 }
 

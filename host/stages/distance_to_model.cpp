@@ -82,7 +82,8 @@ class Distances {
 
   // Of one tile, into the image's nodes.
   void measure(const TileQueries& queries, const device::Array<ProxyTriangle>& near, std::size_t near_count,
-               double gate_m, const Tile& tile, int image_cols, std::vector<float>& distances) {
+               double gate_m, const Tile& tile, int image_cols, std::vector<float>& distances,
+               std::vector<float>* heights = nullptr) {
     const std::size_t count = queries.values[0].size();
     const auto lanes = static_cast<std::size_t>(queue_.vector_width());
     device::Array<float> in[6];
@@ -95,9 +96,13 @@ class Distances {
                   closest_point_params(local_from_scan_, gate_m, normal_deg_, count, near_count), in[0],
                   in[1], in[2], in[3], in[4], in[5], near, distance, height, triangle, near_x, near_y,
                   near_z);
-    queue_.read_rect(distance, distances.data(), static_cast<std::size_t>(image_cols),
-                     {static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
-                      static_cast<std::size_t>(tile.rows), static_cast<std::size_t>(tile.cols)});
+    const auto read = [&](const device::Array<float>& from, std::vector<float>& to) {
+      queue_.read_rect(from, to.data(), static_cast<std::size_t>(image_cols),
+                       {static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
+                        static_cast<std::size_t>(tile.rows), static_cast<std::size_t>(tile.cols)});
+    };
+    read(distance, distances);
+    if (heights != nullptr) read(height, *heights);
   }
 
  private:
@@ -110,17 +115,27 @@ class Distances {
 
 }  // namespace
 
-std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
-                                     const PlaneSegmentation& segmentation, const PolygonModel& model,
-                                     const Pose& world_from_scan, double normal_deg, int tile_side) {
+std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeImage& image,
+                                            const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                            const Pose& world_from_scan, double normal_deg, int tile_side) {
   if (tile_side < 1)
     fail(ErrorKind::usage, "distance_to_model: expected a tile of at least 1, found {}", tile_side);
   Distances measure(queue, model, world_from_scan, normal_deg);
   const auto triangles = queue.array(measure.triangles());
-  std::vector<float> distances(image.count(), kNan);
+  std::vector<float> distances(image.count(), kNan), heights(image.count(), kNan);
   for (const Tile& tile : make_tiles(image.rows, image.cols, tile_side))
     measure.measure({image, segmentation, tile, nullptr}, triangles, measure.triangles().size(), 0, tile,
-                    image.cols, distances);
+                    image.cols, distances, &heights);
+  for (std::size_t i = 0; i < distances.size(); ++i) distances[i] = std::copysign(distances[i], heights[i]);
+  return distances;
+}
+
+std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
+                                     const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                     const Pose& world_from_scan, double normal_deg, int tile_side) {
+  auto distances =
+      signed_distance_to_model(queue, image, segmentation, model, world_from_scan, normal_deg, tile_side);
+  for (float& distance : distances) distance = std::abs(distance);
   return distances;
 }
 

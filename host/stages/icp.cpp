@@ -180,4 +180,16 @@ Registration register_to_model(device::Queue& queue, const PlanarSamples& sample
   return result;
 }
 
+Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
+                         const Pose& pose, const IcpOptions& options) {
+  check(samples, pose, options);
+  IcpPairs pairs(queue, samples, model, pose, options);
+  Cutoff cutoff(options);
+  Registration result;
+  result.world_from_scan = pose;
+  result.converged = true;
+  describe(pairs, samples, options, cutoff, result);
+  return result;
+}
+
 }  // namespace hybrid::stages

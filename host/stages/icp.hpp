@@ -31,6 +31,7 @@ const std::vector<OptionRow<IcpOptions>>& icp_option_table();
 struct PlanarSamples {
   std::vector<std::array<float, 4>> points;   // x y z, weight (area in m2 the sample stands for)
   std::vector<std::array<float, 4>> normals;  // of the supercluster, towards the scanner; w = 0
+  std::vector<std::uint32_t> supercluster;    // index of each sample's; ICP does not need it
 };
 
 // Measured planar samples, thinned by *area* (solid angle x r^2 / cos) to about max_samples (0 = all),
@@ -67,13 +68,23 @@ struct Registration {
 Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
                                const Pose& start, const IcpOptions& options = {});
 
+// What register_to_model() says of a pose, for one that was found otherwise: rms, overlap, covariance,
+// degenerate directions; converged, no iterations.
+Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
+                         const Pose& pose, const IcpOptions& options = {});
+
 // Distance from every measured node to the closest compatible face (NaN for nodes without a measured sample),
 // world scale, metres. `normal_deg` < 0 ignores normals; so do nodes outside superclusters, which have none.
-// NaN too where no face is compatible. Kernel: closest_point. Used for residual pictures, for the shares
+// NaN too where no face is compatible. Kernel: closest_point. Used for the shares
 // within 5 and 10 cm, and to see which planar samples a face explains. Same bytes for any `tile`.
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
                                      const PlaneSegmentation& segmentation, const PolygonModel& model,
                                      const Pose& world_from_scan, double normal_deg, int tile = 1024);
+
+// The same with a sign: above 0 in front of the face, below 0 behind it. For residual pictures.
+std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeImage& image,
+                                            const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                            const Pose& world_from_scan, double normal_deg, int tile = 1024);
 
 // The same for the `wanted` nodes (per node, 0 or 1) and the faces within `gate_m` (world scale, above 0);
 // NaN for the others. Looks at the faces near a tile only: for models of many faces.

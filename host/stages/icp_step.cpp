@@ -90,6 +90,10 @@ StepSize apply_plane_step(const PlaneSums& sums, const Vec3& pivot, double radiu
   return {rotation.norm(), translation.norm(), std::abs(relative_scale)};
 }
 
+double least_share(const PlaneSums& sums, double radius_m) {
+  return Solver(normalised(sums, units(radius_m, false))).eigenvalues()(0);
+}
+
 Pose horn_pose(const PointSums& sums, double scale, bool free_scale) {
   Pose pose;
   pose.rotation = horn_rotation(sums.cross);

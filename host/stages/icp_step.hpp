@@ -23,6 +23,10 @@ struct StepSize {
 StepSize apply_plane_step(const PlaneSums& sums, const Vec3& pivot, double radius_m, bool free_scale,
                           Pose& world_from_scan);
 
+// Least resistance of the pairs along any direction of movement, as a share of what they would resist facing
+// it all (kDeterminedShare has the scale). Needs pairs.
+double least_share(const PlaneSums& sums, double radius_m);
+
 // The pose of Horn's closed form on the pairs; with free_scale s = sum r'.R l' / sum |l'|^2 (METHOD 6).
 Pose horn_pose(const PointSums& sums, double scale, bool free_scale);
 

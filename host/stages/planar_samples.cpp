@@ -115,11 +115,13 @@ PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmenta
 
   PlanarSamples samples;
   for (const Chosen& one : chosen) {
-    const Plane& plane = segmentation.superclusters[segmentation.sample_label[one.node] - 1].plane;
+    const std::uint32_t supercluster = segmentation.sample_label[one.node] - 1;
+    const Plane& plane = segmentation.superclusters[supercluster].plane;
     const Vec3 p = image.point(one.node), on_plane = p - plane.distance(p) * plane.normal;
     const Vec3f point = on_plane.cast<float>(), normal = plane.normal.cast<float>();
     samples.points.push_back({point.x(), point.y(), point.z(), static_cast<float>(one.area)});
     samples.normals.push_back({normal.x(), normal.y(), normal.z(), 0});
+    samples.supercluster.push_back(supercluster);
   }
   return samples;
 }

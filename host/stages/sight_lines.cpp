@@ -49,6 +49,7 @@ std::map<std::uint32_t, double> face_offsets(const std::vector<SightRay>& rays, 
 
 Sight judge(const Hit& hit, double offset, const SightOptions& options) {
   if (!hit.any) return Sight::nothing;
+  if (!hit.front && !options.backs) return Sight::nothing;
   const double height = hit.height - offset;
   if (!hit.front) return std::abs(height) > options.clear_m ? Sight::behind : Sight::near;
   if (std::abs(height) < options.tolerance_m) return hit.compatible ? Sight::supported : Sight::near;

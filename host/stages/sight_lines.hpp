@@ -27,6 +27,7 @@ struct SightOptions {
   double clear_m = 0.15;      // beyond this a sample is clearly in front or behind
   double offset_m = 0.05;     // each face may be this far off: a pose is judged with the offsets that fit it
   double normal_deg = 25;     // between the sample's plane and the face
+  bool backs = true;          // a face has a back, from which nothing can be seen; else its back says nothing
 };
 
 // Traces lines of sight through the model on the device.

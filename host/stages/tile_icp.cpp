@@ -17,42 +17,10 @@ constexpr double kCompatible = 0.7071;  // cosine: 45 degrees
 constexpr double kScaleFloor_m = 0.015, kScaleStart_m = 0.15;
 constexpr double kReach_m = 1.5;  // a tile with no face this near has none
 
-struct TilePair {
-  const FaceShape* face = nullptr;
-  Vec3 centroid;  // world
-  double rms_m = 0;
-};
-
 Mat3 cross_matrix(const Vec3& n) {
   Mat3 m;
   m << 0, -n.z(), n.y(), n.z(), 0, -n.x(), -n.y(), n.x(), 0;
   return m;
-}
-
-std::vector<TilePair> find_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose) {
-  std::vector<TilePair> pairs(scan.tiles.size());
-  const Mat3 linear = pose.scale * pose.rotation.toRotationMatrix();
-  for (std::size_t t = 0; t < scan.tiles.size(); ++t) {
-    const PlaneTile& tile = scan.tiles[t];
-    TilePair& pair = pairs[t];
-    pair.centroid = pose * tile.centroid;
-    const Vec3 normal = pose.rotate(tile.normal);
-    double nearest2 = kReach_m * kReach_m;
-    for (const FaceShape& face : model.faces) {
-      const double height = face.plane.distance(pair.centroid);
-      if (height * height >= nearest2 || face.plane.normal.dot(normal) < kCompatible) continue;
-      const double outside = face.outside_m(pair.centroid);
-      const double distance2 = height * height + outside * outside;
-      if (distance2 >= nearest2) continue;
-      nearest2 = distance2;
-      pair.face = &face;
-    }
-    if (!pair.face) continue;
-    const Vec3 n = linear.transpose() * pair.face->plane.normal;
-    const double height = pair.face->plane.distance(pair.centroid);
-    pair.rms_m = std::sqrt(height * height + n.dot(tile.scatter * n) / tile.area_m2);
-  }
-  return pairs;
 }
 
 double median_rms(const ScanEvidence& scan, const std::vector<TilePair>& pairs) {
@@ -73,40 +41,70 @@ double median_rms(const ScanEvidence& scan, const std::vector<TilePair>& pairs) 
 PlaneSums sums_of(const ScanEvidence& scan, const std::vector<TilePair>& pairs, const Pose& pose,
                   const Vec3& pivot, double cutoff) {
   PlaneSums sums;
-  const Mat3 linear = pose.scale * pose.rotation.toRotationMatrix();
   for (std::size_t t = 0; t < pairs.size(); ++t) {
     if (!pairs[t].face || !(pairs[t].rms_m < cutoff)) continue;
     const double ratio = pairs[t].rms_m / cutoff, tukey = (1 - ratio * ratio) * (1 - ratio * ratio);
-    const double weight = tukey * scan.tiles[t].area_m2;
-    const Vec3 n = pairs[t].face->plane.normal, c = pairs[t].centroid - pivot;
-    // Moments of the samples about the pivot; height = n . (x - pivot) + h0.
-    const Mat3 second =
-        tukey * linear * scan.tiles[t].scatter * linear.transpose() + weight * c * c.transpose();
-    const double h0 = pairs[t].face->plane.distance(pivot);
-    const Mat3 nx = cross_matrix(n);  // x cross n = -nx x
-    sums.matrix.block<3, 3>(0, 0) += nx * second * nx.transpose();
-    const Vec3 turn = -weight * (nx * c);
-    sums.matrix.block<3, 3>(0, 3) += turn * n.transpose();
-    sums.matrix.block<3, 3>(3, 3) += weight * n * n.transpose();
-    sums.right.head<3>() -= nx * (second * n + weight * h0 * c);
-    sums.right.segment<3>(3) += weight * (n.dot(c) + h0) * n;
-    sums.weight += weight;
+    add_tile(scan.tiles[t], pairs[t], pose, pivot, tukey, sums);
     sums.inlier_area += scan.tiles[t].area_m2;
     sums.inlier_square += scan.tiles[t].area_m2 * pairs[t].rms_m * pairs[t].rms_m;
   }
-  sums.matrix.block<3, 3>(3, 0) = sums.matrix.block<3, 3>(0, 3).transpose();
   return sums;
 }
 
 void describe(const PlaneSums& sums, double radius, TileFit& fit) {
-  Eigen::Matrix<double, 6, 6> m = sums.matrix.topLeftCorner<6, 6>() / sums.weight;
-  m.topRows<3>() /= radius;
-  m.leftCols<3>() /= radius;
-  fit.least_share = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(m).eigenvalues()(0);
-  fit.weakest = Eigen::SelfAdjointEigenSolver<Mat3>(Mat3(m.block<3, 3>(3, 3))).eigenvectors().col(0);
+  fit.least_share = least_share(sums, radius);
+  fit.weakest =
+      Eigen::SelfAdjointEigenSolver<Mat3>(Mat3(sums.matrix.block<3, 3>(3, 3))).eigenvectors().col(0);
 }
 
 }  // namespace
+
+std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose,
+                                      double reach_m) {
+  std::vector<TilePair> pairs(scan.tiles.size());
+  const Mat3 linear = pose.scale * pose.rotation.toRotationMatrix();
+  for (std::size_t t = 0; t < scan.tiles.size(); ++t) {
+    const PlaneTile& tile = scan.tiles[t];
+    TilePair& pair = pairs[t];
+    pair.centroid = pose * tile.centroid;
+    const Vec3 normal = pose.rotate(tile.normal);
+    double nearest2 = reach_m * reach_m;
+    for (const FaceShape& face : model.faces) {
+      const double height = face.plane.distance(pair.centroid);
+      if (height * height >= nearest2 || face.plane.normal.dot(normal) < kCompatible) continue;
+      const double outside = face.outside_m(pair.centroid);
+      const double distance2 = height * height + outside * outside;
+      if (distance2 >= nearest2) continue;
+      nearest2 = distance2;
+      pair.face = &face;
+    }
+    if (!pair.face) continue;
+    const Vec3 n = linear.transpose() * pair.face->plane.normal;
+    pair.height_m = pair.face->plane.distance(pair.centroid);
+    const double thickness2 = n.dot(tile.scatter * n) / tile.area_m2;  // below 0 by rounding
+    pair.rms_m = std::sqrt(pair.height_m * pair.height_m + std::max(thickness2, 0.0));
+  }
+  return pairs;
+}
+
+void add_tile(const PlaneTile& tile, const TilePair& pair, const Pose& pose, const Vec3& pivot, double factor,
+              PlaneSums& sums) {
+  const Mat3 linear = pose.scale * pose.rotation.toRotationMatrix();
+  const double weight = factor * tile.area_m2;
+  const Vec3 n = pair.face->plane.normal, c = pair.centroid - pivot;
+  // Moments of the samples about the pivot; height = n . (x - pivot) + h0.
+  const Mat3 second = factor * linear * tile.scatter * linear.transpose() + weight * c * c.transpose();
+  const double h0 = pair.face->plane.distance(pivot);
+  const Mat3 nx = cross_matrix(n);  // x cross n = -nx x
+  sums.matrix.block<3, 3>(0, 0) += nx * second * nx.transpose();
+  const Vec3 turn = -weight * (nx * c);
+  sums.matrix.block<3, 3>(0, 3) += turn * n.transpose();
+  sums.matrix.block<3, 3>(3, 0) += n * turn.transpose();
+  sums.matrix.block<3, 3>(3, 3) += weight * n * n.transpose();
+  sums.right.head<3>() -= nx * (second * n + weight * h0 * c);
+  sums.right.segment<3>(3) += weight * (n.dot(c) + h0) * n;
+  sums.weight += weight;
+}
 
 TileFit fit_tiles(const ScanEvidence& scan, const ModelShapes& model, const Pose& start, int max_iterations) {
   TileFit fit;
@@ -122,7 +120,7 @@ TileFit fit_tiles(const ScanEvidence& scan, const ModelShapes& model, const Pose
   const double radius = start.scale * std::max(scan.reach_m, 1e-6);
   double scale = kScaleStart_m;
   for (bool settled = false; !settled && fit.iterations < max_iterations; ++fit.iterations) {
-    const auto pairs = find_pairs(scan, model, fit.world_from_scan);
+    const auto pairs = find_tile_pairs(scan, model, fit.world_from_scan, kReach_m);
     const double median = median_rms(scan, pairs);
     if (median < 0) return fit;
     const double wanted = std::max(1.4826 * median, kScaleFloor_m), last = scale;

@@ -9,7 +9,7 @@
 #include "io/picture.hpp"
 #include "report/previews.hpp"
 #include "report/scene_page.hpp"
-#include "stages/residual_picture.hpp"
+#include "stages/residual_histogram.hpp"
 
 namespace hybrid::report {
 namespace {
@@ -136,7 +136,7 @@ TEST(Previews, mean_light_of_blocks_the_last_ones_cut) {
   EXPECT_EQ(shrink(picture, 5).pixels, picture.pixels);
 }
 
-TEST(ResidualPicture, counts_and_colours_by_the_distance) {
+TEST(ResidualHistogram, counts_by_the_distance) {
   RangeImage image;
   image.rows = 1;
   image.cols = 6;
@@ -150,14 +150,6 @@ TEST(ResidualPicture, counts_and_colours_by_the_distance) {
   EXPECT_EQ(histogram.counts.back(), 1);
   EXPECT_EQ(histogram.without_face, 1);
   EXPECT_FLOAT_EQ(static_cast<float>(histogram.median_m), 0.0011f);
-  const auto picture = stages::residual_picture(image, segmentation, distance, 100);
-  ASSERT_EQ(picture.width, 6);
-  EXPECT_GT(picture.at(0, 0)[0], 200);  // pale
-  EXPECT_EQ(picture.at(2, 0)[0], 95);   // dark red
-  EXPECT_EQ(picture.at(3, 0)[2], 190);  // blue: no face
-  EXPECT_EQ(picture.at(4, 0)[0], 0);    // no return
-  EXPECT_EQ(picture.at(5, 0)[0], 105);  // not planar
-  EXPECT_EQ(stages::residual_picture(image, segmentation, distance, 3).width, 3);
   EXPECT_THROW(stages::residual_histogram(image, segmentation, {}), Error);
 }
 

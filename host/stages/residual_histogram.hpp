@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/image.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
 
@@ -24,11 +23,5 @@ struct ResidualHistogram {
 // column, so that at most about a million nodes are counted.
 ResidualHistogram residual_histogram(const RangeImage& image, const PlaneSegmentation& segmentation,
                                      const std::vector<float>& distance_m);
-
-// One RGB pixel per node, or per n x n nodes where the image is wider or higher than `largest_side`: from
-// pale (1 mm and less) over yellow and red to dark red (10 cm and more) by the logarithm of the distance;
-// blue = planar, but no face of a similar direction is near; grey = measured, not planar; black = no return.
-Image8 residual_picture(const RangeImage& image, const PlaneSegmentation& segmentation,
-                        const std::vector<float>& distance_m, int largest_side);
 
 }  // namespace hybrid::stages

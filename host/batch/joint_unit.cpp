@@ -1,0 +1,171 @@
+#include "batch/joint_unit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/log.hpp"
+#include "stages/scan_model.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// ICP to the proxy from a neighbour's pose is believed where it stays this near.
+constexpr double kStays_m = 0.1, kStaysDeg = 1;
+
+// What the model's faces are off, by the scan that shows it best; 0 where they agree.
+double face_sigma_m(const Registrations& registrations) {
+  double sigma = 0;
+  for (const auto& one : registrations)
+    if (one && one->solved_with_faces) sigma = std::max(sigma, one->faces->disagreement_m);
+  return sigma;
+}
+
+Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& ids) {
+  return {{"a", ids[pair.a]},
+          {"b", ids[pair.b]},
+          {"overlap", pair.overlap},
+          {"area_m2", pair.area_m2},
+          {"planes", pair.planes},
+          {"distance_before_m", pair.start_distance_m},
+          {"distance_m", pair.distance_m},
+          {"median_m", pair.median_m},
+          {"strength", pair.strength}};
+}
+
+}  // namespace
+
+NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const PolygonModel* model,
+                                             const StageOptions& options,
+                                             const std::vector<ScanProduct>& products)
+    : queue_(queue), model_(model), options_(options), products_(products), seen_(products.size()) {}
+
+const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan) {
+  if (!seen_[scan]) {
+    Seen made;
+    made.model = stages::model_of_scan(products_[scan].image, products_[scan].segmentation);
+    if (!made.model.faces.empty()) made.shapes = stages::measure_model(made.model);
+    seen_[scan] = std::move(made);
+  }
+  return *seen_[scan];
+}
+
+void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>& entries,
+                                                Registrations& registrations,
+                                                Registrations& abstentions) const {
+  for (std::size_t i = 0; i < products_.size(); ++i) {
+    ScanRegistration one;
+    one.evidence = stages::gather_evidence(products_[i].image, products_[i].segmentation,
+                                           options_.alignment.rays, options_.alignment.seed);
+    const bool given = entries[i].pose.has_value();
+    if (given) one.start = pose_from_row_major(*entries[i].pose);
+    one.how = given ? "given" : i == 0 ? "frame" : "neighbour";
+    one.fixed = entries[i].fixed || i == 0;
+    one.icp.world_from_scan = one.start;
+    one.icp.converged = true;
+    one.abstained = i > 0 && !given;
+    if (one.abstained) one.automatic = stages::AutomaticAlignment{};
+    auto& list = one.abstained ? abstentions : registrations;
+    list[i] = std::move(one);
+  }
+}
+
+bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrations,
+                                      Registrations& abstentions) {
+  stages::AutomaticOptions options = options_.alignment;
+  options.of_scan = true;
+  std::optional<stages::AutomaticAlignment> best;
+  std::size_t by = 0;
+  for (std::size_t other = 0; other < products_.size(); ++other) {
+    if (!registrations[other] || seen(other).model.faces.empty()) continue;
+    auto found = stages::align_automatically(queue_, abstentions[scan]->evidence, seen(other).model, options);
+    const bool better =
+        !best || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);
+    if (better) {
+      best = std::move(found);
+      by = other;
+    }
+  }
+  if (!best) return false;
+  ScanRegistration& one = *abstentions[scan];
+  if (!best->accepted) {
+    one.neighbour_reason = fmt::format("against scan {}: {}", products_[by].id, best->reason);
+    one.neighbour = std::move(best);
+    return false;
+  }
+  one.how = "neighbour";
+  one.carried_by = products_[by].id;
+  one.abstained = false;
+  one.start = registrations[by]->world_from_scan() * best->world_from_scan;
+  one.neighbour = std::move(best);
+  one.icp.world_from_scan = one.start;
+  one.icp.converged = true;
+  one.held_by_model = false;
+  if (model_ != nullptr) {
+    // What it sees of the proxy may hold it as well; where it does not, ICP leads away.
+    ScanRegistration own = one;
+    refine_to_model(queue_, *model_, options_, products_[scan], own);
+    const auto moved = difference(one.start, own.world_from_scan());
+    if (own.icp.degenerate.empty() && own.icp.converged && moved.distance_m < kStays_m &&
+        moved.angle_rad < kStaysDeg * M_PI / 180)
+      one = std::move(own);
+    else
+      assess(queue_, *model_, options_, products_[scan], one.start, one);
+  }
+  log::info("scan {}: aligned to scan {}", products_[scan].id, one.carried_by);
+  registrations[scan] = std::move(one);
+  abstentions[scan].reset();
+  return true;
+}
+
+void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
+  // One that was carried may carry others.
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < products_.size(); ++i)
+      if (abstentions[i]) again |= carry_one(i, registrations, abstentions);
+  }
+}
+
+void NeighbourRegistration::refine(Registrations& registrations) {
+  const auto posed = [](const auto& one) { return one.has_value(); };
+  if (!options_.joint || std::count_if(registrations.begin(), registrations.end(), posed) < 2) return;
+  std::vector<std::size_t> index;
+  std::vector<stages::JointScan> scans;
+  std::vector<std::string> ids;
+  for (std::size_t i = 0; i < products_.size(); ++i) {
+    if (!registrations[i]) continue;
+    const ScanRegistration& one = *registrations[i];
+    stages::JointScan scan{
+        &one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
+    if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = one.icp.covariance;
+    scans.push_back(scan);
+    index.push_back(i);
+    ids.push_back(products_[i].id);
+  }
+  const auto joint = stages::refine_jointly(scans, options_.joint_poses);
+  Json moved = Json::array(), pairs = Json::array();
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    const auto step = difference(scans[k].start, joint.world_from_scan[k]);
+    moved.push_back({{"scan", ids[k]}, {"mm", 1000 * step.distance_m}, {"deg", step.angle_rad * 180 / M_PI}});
+    ScanRegistration& one = *registrations[index[k]];
+    if (one.fixed || (step.distance_m == 0 && step.angle_rad == 0)) continue;
+    if (model_ != nullptr)
+      assess(queue_, *model_, options_, products_[index[k]], joint.world_from_scan[k], one);
+    else
+      one.icp.world_from_scan = joint.world_from_scan[k];
+    one.icp.covariance = joint.covariance[k];
+    if (one.faces) stages::add_pose_sigma(one.icp.covariance, *one.faces);
+  }
+  for (const auto& pair : joint.pairs) pairs.push_back(pair_json(pair, ids));
+  figures_ = {{"scans", ids},
+              {"frame", model_ ? "model" : ids.front()},
+              {"iterations", joint.iterations},
+              {"converged", joint.converged},
+              {"plane_sigma_m", joint.sigma_m},
+              {"moved", moved},
+              {"pairs", pairs}};
+}
+
+}  // namespace hybrid::batch
