@@ -16,6 +16,15 @@ Outcome killed(const std::string& point, const std::string& arguments) {
   return run("HYBRID_FAIL_AT=" + point + ":group setsid --wait hybrid batch " + arguments + " --quiet");
 }
 
+// Whole ones: a folder without its seal would not be one.
+std::ptrdiff_t objects_of(const fs::path& store) {
+  std::ptrdiff_t count = 0;
+  if (!fs::exists(store / "objects")) return 0;
+  for (const auto& entry : fs::recursive_directory_iterator(store / "objects"))
+    count += entry.path().filename() == "object.json";
+  return count;
+}
+
 }  // namespace
 
 TEST(ArchiveKills, resume_to_the_same_bytes) {
@@ -33,18 +42,18 @@ TEST(ArchiveKills, resume_to_the_same_bytes) {
   ASSERT_EQ(plan(archive, store).exit_code, 0);
   EXPECT_EQ(io::read_text(store / "manifest.json"), io::read_text(clean / "manifest.json"));
 
-  std::size_t made = 0;
+  std::ptrdiff_t made = 0;
   for (const char* point :
        {"object-begun:1", "unit-sent:1", "unit-begun:1", "object-made:1", "object-sealed:1", "object-named:1",
         "object-committed:1", "result-linked:1", "unit-begun:1"}) {
     EXPECT_EQ(killed(point, run_line).exit_code, 128 + SIGKILL) << point;
-    const auto verified = run("hybrid batch verify --json " + store.string());
-    EXPECT_EQ(verified.exit_code, 0) << point << verified.out;
-    const std::size_t objects = json_of(verified)["objects"];
+    const auto objects = objects_of(store);
     EXPECT_GE(objects, made) << point;
     made = objects;
   }
-  EXPECT_GT(made, 1u);
+  EXPECT_EQ(made, 3);  // all but the second scene and the report
+  const auto verified = run("hybrid batch verify " + store.string());
+  EXPECT_EQ(verified.exit_code, 0) << verified.out;
   const auto rest = run_store(store);
   EXPECT_EQ(rest.exit_code, 0) << rest.err;
   EXPECT_EQ(json_of(rest)["computed"], 5 - made);  // only what was not there

@@ -20,6 +20,21 @@ bool tells_of_the_run(const fs::path& file) {
   return name == "record.json" || is_timing(name) || name == "log.txt";
 }
 
+std::vector<std::string> made_in(const fs::path& folder) {
+  std::vector<std::string> lines;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && !tells_of_the_run(entry.path()))
+      lines.push_back(fs::relative(entry.path(), folder).string() + " " + io::fingerprint(entry.path()).xxh3);
+  return lines;
+}
+
+std::string join(std::vector<std::string> lines) {
+  std::sort(lines.begin(), lines.end());
+  std::string text;
+  for (const auto& line : lines) text += line + "\n";
+  return text;
+}
+
 // The lowest bit of a byte, counted from the file's end.
 void change_byte(const fs::path& file, std::size_t from_end) {
   std::string bytes = io::read_text(file);
@@ -71,19 +86,17 @@ nlohmann::json status_of(const fs::path& store) {
   return json_of(run("hybrid batch status '" + store.string() + "' --json"));
 }
 
+std::string made_for(const fs::path& store, const std::string& scene) {
+  return join(made_in(fs::canonical(store / "results" / scene / "scene")));
+}
+
 std::string results_of(const fs::path& store) {
-  std::vector<std::string> lines;
-  for (const auto& entry : fs::recursive_directory_iterator(store / "objects"))
-    if (entry.is_regular_file() && !tells_of_the_run(entry.path()))
-      lines.push_back(fs::relative(entry.path(), store).string() + " " + io::fingerprint(entry.path()).xxh3);
+  auto lines = made_in(store / "objects");
   for (const auto& entry : fs::recursive_directory_iterator(store / "results"))
     if (entry.is_symlink())
       lines.push_back(entry.path().lexically_relative(store).string() + " -> " +
                       fs::read_symlink(entry.path()).string());
-  std::sort(lines.begin(), lines.end());
-  std::string text;
-  for (const auto& line : lines) text += line + "\n";
-  return text;
+  return join(lines);
 }
 
 std::map<std::string, std::string> stamps_of(const fs::path& store) {

@@ -32,6 +32,8 @@ nlohmann::json status_of(const std::filesystem::path& store);
 // What must be the same after every way to the same end: path and content of each object's files and each
 // result's link, without what tells of the run itself.
 std::string results_of(const std::filesystem::path& store);
+// The same of the object that a scene's link leads to.
+std::string made_for(const std::filesystem::path& store, const std::string& scene);
 
 // Inode, modification and change times of every file: equal only where nothing was written.
 std::map<std::string, std::string> stamps_of(const std::filesystem::path& store);
