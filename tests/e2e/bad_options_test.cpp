@@ -164,12 +164,14 @@ TEST(Options, only_writes_the_stages_named) {
     return names;
   };
   const std::vector<std::pair<std::string, std::vector<std::string>>> expected = {
-      {"run SCENE --only register", {"scans/s/pose.json"}},
-      {"register SCENE", {"scans/s/pose.json"}},
+      {"run SCENE --only register", {"scans/s/pose.json", "scans/s/residuals.png"}},
+      {"register SCENE", {"scans/s/pose.json", "scans/s/residuals.png"}},
       {"render SCENE --view front", {"views/front.exr", "views/front.png"}},
       {"run SCENE --only planes",
        {"scans/s/classes.png", "scans/s/detail.ply", "scans/s/intersections.obj", "scans/s/intersections.png",
-        "scans/s/labels.exr", "scans/s/planes.json", "scans/s/range.exr", "scans/s/range.png"}},
+        "scans/s/labels.exr", "scans/s/planes.json", "scans/s/planes/0001.png", "scans/s/planes/0002.png",
+        "scans/s/planes/0003.png", "scans/s/planes/0004.png", "scans/s/planes/0005.png",
+        "scans/s/planes/0006.png", "scans/s/planes/index.json", "scans/s/range.exr", "scans/s/range.png"}},
   };
   for (auto [command, names] : expected) {
     const Scratch scratch;

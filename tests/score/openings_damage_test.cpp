@@ -24,7 +24,8 @@ TEST_F(PerfectRoom, an_opening_that_is_not_reported_is_counted) {
   results.reported.erase(results.reported.begin());
   const auto marks = marks_of(results);
   EXPECT_EQ(marks["openings"]["openings"][0]["reported_share"], 0.0);
-  expect_others_hold(marks, {"/openings/openings/0/reported_share"});
+  EXPECT_TRUE(marks["openings"]["openings"][0]["border_m"].is_null());
+  expect_others_hold(marks, {"/openings/openings/0/reported_share", "/openings/openings/0/border_m"});
 }
 
 TEST_F(PerfectRoom, an_opening_that_is_not_there_is_wrongly_reported) {
