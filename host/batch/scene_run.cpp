@@ -13,6 +13,7 @@
 #include "batch/residual_figures.hpp"
 #include "batch/scene_editing.hpp"
 #include "batch/scene_export.hpp"
+#include "batch/scene_request.hpp"
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
@@ -25,58 +26,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
-
-// The scene file with the request's options; checks what can be checked before any input is opened.
-io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options) {
-  auto scene = io::read_scene_file(request.scene_file);
-  options = read_stage_options(scene, request.assignments);
-  options.set_tile(request.tile);
-  if (request.seed) options.set_seed(*request.seed);
-  if (request.square) options.set_square(*request.square);
-  if (request.export_if_asked && scene.has_export) stages.insert("export");
-  if (stages.count("report")) {  // its page shows the others' files
-    stages.insert("planes");
-    if (scene.model) stages.insert({"register", "edit", "render"});
-  }
-  if ((stages.count("edit") || stages.count("render")) && !scene.model)
-    fail_input("{}: no [model]: editing and rendering need one; add it, or use --only planes,register,report",
-               scene.path.string());
-  if (stages.count("register") && !scene.model && scene.scans.empty())
-    fail_input("{}: no [model] and no [[scan]]: there is nothing to register", scene.path.string());
-  const auto named = [&](const auto& view) { return view.name == request.only_view; };
-  if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
-    fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
-  if (request.leave_one_out && !scene.photographs)
-    fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
-  check_output_folder(request.out, scene.name, request.force);
-  return scene;
-}
-
-// What the scene file says in the file's coordinates, in the scanner's frame.
-io::SceneScan in_scan_frame(io::SceneScan entry) {
-  if (entry.depth) {
-    const Pose camera_from_scan = io::camera_from_depth_scan();
-    for (io::SceneLandmark& landmark : entry.landmarks)
-      if (landmark.scan) landmark.scan = camera_from_scan.inverse() * *landmark.scan;
-    if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * camera_from_scan);
-  }
-  if (!entry.scanner) return entry;
-  for (io::SceneLandmark& landmark : entry.landmarks)
-    if (landmark.scan) *landmark.scan -= *entry.scanner;
-  if (entry.pose)
-    entry.pose =
-        row_major(pose_from_row_major(*entry.pose) * Pose{1, Eigen::Quaterniond::Identity(), *entry.scanner});
-  return entry;
-}
-
-PolygonModel read_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names) {
-  const double scale = section.unit == "mm" ? 0.001 : 1.0;
-  return io::read_obj(section.file, scale, section.up == "y", &names);
-}
-
-std::string relative_name(const fs::path& file, const io::SceneFile& scene) {
-  return fs::proximate(file, fs::absolute(scene.path).parent_path()).generic_string();
-}
 
 // Walks through the run; each method is one paragraph of run_scene().
 class Run {
@@ -120,7 +69,7 @@ class Run {
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
       std::vector<io::ObjFaceNames> names;
-      const PolygonModel model = read_model(*run_.scene.model, names);
+      const PolygonModel model = read_scene_model(*run_.scene.model, names);
       run_.model = editing_.edit(run_.scene, model, names);
       add_input(run_.scene.model->file);
     }

@@ -1,0 +1,62 @@
+#include "batch/scene_request.hpp"
+
+#include <algorithm>
+
+#include "batch/output_folder.hpp"
+#include "core/error.hpp"
+
+namespace hybrid::batch {
+
+namespace fs = std::filesystem;
+
+io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options) {
+  auto scene = io::read_scene_file(request.scene_file);
+  options = read_stage_options(scene, request.assignments);
+  options.set_tile(request.tile);
+  if (request.seed) options.set_seed(*request.seed);
+  if (request.square) options.set_square(*request.square);
+  if (request.export_if_asked && scene.has_export) stages.insert("export");
+  if (stages.count("report")) {  // its page shows the others' files
+    stages.insert("planes");
+    if (scene.model) stages.insert({"register", "edit", "render"});
+  }
+  if ((stages.count("edit") || stages.count("render")) && !scene.model)
+    fail_input("{}: no [model]: editing and rendering need one; add it, or use --only planes,register,report",
+               scene.path.string());
+  if (stages.count("register") && !scene.model && scene.scans.empty())
+    fail_input("{}: no [model] and no [[scan]]: there is nothing to register", scene.path.string());
+  const auto named = [&](const auto& view) { return view.name == request.only_view; };
+  if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
+    fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
+  if (request.leave_one_out && !scene.photographs)
+    fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
+  check_output_folder(request.out, scene.name, request.force);
+  return scene;
+}
+
+io::SceneScan in_scan_frame(io::SceneScan entry) {
+  if (entry.depth) {
+    const Pose camera_from_scan = io::camera_from_depth_scan();
+    for (io::SceneLandmark& landmark : entry.landmarks)
+      if (landmark.scan) landmark.scan = camera_from_scan.inverse() * *landmark.scan;
+    if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * camera_from_scan);
+  }
+  if (!entry.scanner) return entry;
+  for (io::SceneLandmark& landmark : entry.landmarks)
+    if (landmark.scan) *landmark.scan -= *entry.scanner;
+  if (entry.pose)
+    entry.pose =
+        row_major(pose_from_row_major(*entry.pose) * Pose{1, Eigen::Quaterniond::Identity(), *entry.scanner});
+  return entry;
+}
+
+PolygonModel read_scene_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names) {
+  const double scale = section.unit == "mm" ? 0.001 : 1.0;
+  return io::read_obj(section.file, scale, section.up == "y", &names);
+}
+
+std::string relative_name(const fs::path& file, const io::SceneFile& scene) {
+  return fs::proximate(file, fs::absolute(scene.path).parent_path()).generic_string();
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,28 @@
+#pragma once
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "batch/scene_run.hpp"
+#include "io/obj.hpp"
+#include "io/scene_file.hpp"
+
+namespace hybrid::batch {
+
+// What a run is asked for, before it opens any input.
+
+// The scene file with the request's options; checks what can be checked before any input is opened, and adds
+// to `stages` those that others need.
+io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options);
+
+// What the scene file says in the file's coordinates, in the scanner's frame.
+io::SceneScan in_scan_frame(io::SceneScan entry);
+
+// In metres, Z up; `names`: per face, what the file calls it.
+PolygonModel read_scene_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names);
+
+// As seen from the scene file: in summary.json no path may be absolute.
+std::string relative_name(const std::filesystem::path& file, const io::SceneFile& scene);
+
+}  // namespace hybrid::batch
