@@ -109,7 +109,9 @@ Image8 edited_model_picture(device::Queue& queue, const PolygonModel& before, co
 }
 
 Image8 clipped_picture(const RangeImage& image, const std::vector<std::uint8_t>& clipped) {
-  const Image8 before = stages::range_picture(image);
+  const Image8 grey = stages::range_picture(image);
+  Image8 before(grey.width, grey.height, 3);
+  for (std::size_t k = 0; k < before.pixels.size(); ++k) before.pixels[k] = grey.pixels[k / 3];
   Image8 after = before;
   for (std::size_t i = 0; i < clipped.size(); ++i)
     if (clipped[i]) {

@@ -41,7 +41,7 @@ class Run {
     read_inputs();
     begin_output(request_.out, run_.scene.name);
     for (const auto& entry : run_.scene.scans) process_file(entry);
-    check_edited_scans(run_.scene, names_->taken());
+    unit("edit", [&] { check_edited_scans(run_.scene, names_->taken()); });
     if (needs_poses()) register_all();
     if (wants("planes")) write_scans();
     if (wants("render")) render_all();

@@ -164,7 +164,7 @@ std::vector<SceneCase> scene_cases() {
        {"scene.toml:28: [[edit.holes]] 1", "neither"}},
       {"clip_of_no_scan",
        appended("[[edit.clip]]\nscan = \"t\"\nbox = [0, 0, 0, 1, 1, 1]\n"),
-       4,
+       3,
        {"scene.toml:28: [edit]: clip", "\"t\"", "s"}},
       {"clip_box_turned",
        appended("[[edit.clip]]\nbox = [1, 0, 0, 0, 1, 1]\n"),
@@ -176,7 +176,7 @@ std::vector<SceneCase> scene_cases() {
        {"scene.toml:28: [[edit.clip]] 1: expected one of box, plane and prism, found several"}},
       {"depth_edit_outside",
        appended("[[edit.depth]]\nscan = \"s\"\npolygon = [[0, 0], [0, 500], [5, 5]]\nby_m = 0.1\n"),
-       3,
+       4,
        {"scan s", "scene.toml:28: [edit]: depth", "[0, 500]: outside the range image"}},
 
       // Empty tables.
