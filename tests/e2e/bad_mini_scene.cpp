@@ -136,6 +136,7 @@ std::vector<std::string> mini_outputs() {
           "scans/s/detail.ply",
           "scans/s/colour.exr",
           "scans/s/pose.json",
+          "scans/s/residuals.png",
           "views/front.exr",
           "views/front.png",
           "views/left-out.exr",
