@@ -144,7 +144,6 @@ std::vector<std::string> mini_outputs() {
           "views/left-out-pair.png",
           "report/registration-before.png",
           "report/registration-after.png",
-          "scans/s/residuals.png",
           "report/pictures/scans/s/range.jpg",
           "report/pictures/scans/s/classes.jpg",
           "report/pictures/scans/s/residuals.jpg",
