@@ -80,8 +80,8 @@ TEST(ArchiveKills, a_signal_ends_a_run_cleanly) {
   write_small_archive(archive, 2);
   ASSERT_EQ(plan(archive, store).exit_code, 0);
   const auto ended = run("hybrid batch run --out " + store.string() +
-                         " --jobs 1 --quiet & pid=$!; while ! ls " + store.string() +
-                         "/work/*/log.txt >/dev/null 2>&1; do sleep 0.02; done; kill -TERM $pid; wait $pid");
+                         " --jobs 1 --quiet & pid=$!; while ! ls " + (store / "work").string() +
+                         "/*/log.txt >/dev/null 2>&1; do sleep 0.02; done; kill -TERM $pid; wait $pid");
   EXPECT_EQ(ended.exit_code, 130) << ended.err;
   EXPECT_TRUE(fs::is_empty(store / "work"));
   EXPECT_EQ(status_of(store)["units"]["planes"]["waiting"], 2);

@@ -63,9 +63,9 @@ TEST(ArchiveMachine, the_second_of_two_runs_refuses_or_waits) {
   write_small_archive(archive, 2);
   ASSERT_EQ(plan(archive, store).exit_code, 0);
   const std::string line = "hybrid batch run --out " + store.string() + " --jobs 1 --quiet";
-  const auto outcome = run(line + " >/dev/null & pid=$!; while ! ls " + store.string() +
-                           "/work/* >/dev/null 2>&1; do sleep 0.02; done; " + line + "; echo refused $?; " +
-                           line + " --wait --json; echo waited $?; wait $pid; echo first $?");
+  const auto outcome = run(line + " >/dev/null & pid=$!; while ! ls " + (store / "work").string() +
+                           "/* >/dev/null 2>&1; do sleep 0.02; done; " + line + "; echo refused $?; " + line +
+                           " --wait --json; echo waited $?; wait $pid; echo first $?");
   EXPECT_NE(outcome.out.find("refused 75"), std::string::npos) << outcome.out << outcome.err;
   EXPECT_NE(outcome.err.find("in use by a run (process "), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.out.find("waited 0"), std::string::npos) << outcome.out << outcome.err;
