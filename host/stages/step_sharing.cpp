@@ -71,7 +71,8 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
 StepVerdict StepSharing::share(const std::function<bool(std::size_t)>& is_free, std::int64_t least) {
   for (int round = 0; round < kRounds; ++round) {
     start_by_windows();
-    for (int sweep = 0; sweep < kSweeps; ++sweep) settle();
+    for (int sweep = 0; sweep < kSweeps && settle(); ++sweep) {
+    }
     if (!fit(least)) return StepVerdict::none;
   }
   measure_rings();
@@ -118,7 +119,9 @@ void StepSharing::start_by_windows() {
     }
 }
 
-void StepSharing::settle() {
+// False when nothing changed sides.
+bool StepSharing::settle() {
+  bool changed = false;
   for (int row = 0; row < rows_; ++row)
     for (int col = 0; col < cols_; ++col) {
       Sample& sample = samples_[at(row, col)];
@@ -128,8 +131,11 @@ void StepSharing::settle() {
         const double price = diagonal ? kBorderPrice / std::numbers::sqrt2 : kBorderPrice;
         gain += other.side == kPart ? price : -price;
       });
-      sample.side = gain > 0 ? kPart : kPlane;
+      const Side side = gain > 0 ? kPart : kPlane;
+      changed = changed || side != sample.side;
+      sample.side = side;
     }
+  return changed;
 }
 
 // False when too few samples make a part, or they fix no model.

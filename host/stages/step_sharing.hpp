@@ -96,7 +96,7 @@ class StepSharing {
   template <typename Visit>
   void for_neighbours(int row, int col, const Visit& visit) const;
   void start_by_windows();
-  void settle();
+  bool settle();
   bool fit(std::int64_t least);
   void measure_rings();
   Evidence weigh() const;
