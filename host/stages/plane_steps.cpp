@@ -142,7 +142,7 @@ void mark_cells(CellGrid& grid, double excess) {
 }
 
 // Touching marked cells of one plane.
-std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t least) {
+std::vector<StepProposal> find_proposals(const CellGrid& grid) {
   std::vector<StepProposal> proposals;
   std::vector<bool> seen(grid.cells.size());
   std::vector<std::size_t> group;
@@ -170,7 +170,7 @@ std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t leas
           group.push_back(other);
         }
     }
-    if (2 * proposal.mean.count < least) continue;
+    if (proposal.mean.count < kFewestInWindow) continue;
     for (int* edge : {&proposal.top, &proposal.left, &proposal.bottom, &proposal.right}) *edge *= grid.side;
     proposals.push_back(proposal);
   }
@@ -217,7 +217,7 @@ std::vector<std::uint32_t> split_steps(const RangeImage& image, const SquareGrid
   CellGrid cells = mean_heights(image, noise, std::max(square / kCellsPerSquare, 2), labels, planes, regions);
   const double excess = excess_scatter(cells);
   mark_cells(cells, excess);
-  const auto proposals = find_proposals(cells, least);
+  const auto proposals = find_proposals(cells);
   const auto parts = share_out(image, noise, labels, planes, regions, proposals, excess, least);
 
   struct Level {
