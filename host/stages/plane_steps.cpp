@@ -210,10 +210,9 @@ std::vector<Part> share_out(const RangeImage& image, const RangeNoise& noise,
 
 }  // namespace
 
-std::vector<std::uint32_t> split_steps(const RangeImage& image, const SquareGrid& grid, int square,
-                                       const RangeNoise& noise, std::int64_t least,
-                                       std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
-                                       PlaneRegions& regions) {
+StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int square, const RangeNoise& noise,
+                        std::int64_t least, std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
+                        PlaneRegions& regions) {
   CellGrid cells = mean_heights(image, noise, std::max(square / kCellsPerSquare, 2), labels, planes, regions);
   const double excess = excess_scatter(cells);
   mark_cells(cells, excess);
@@ -261,7 +260,7 @@ std::vector<std::uint32_t> split_steps(const RangeImage& image, const SquareGrid
     std::sort(of_part.begin(), of_part.end());
     of_part.erase(std::unique(of_part.begin(), of_part.end()), of_part.end());
   }
-  return changed;
+  return {std::move(changed), excess};
 }
 
 }  // namespace hybrid::stages

@@ -39,6 +39,13 @@ PlaneHeight height_over(const RangeImage& image, const RangeNoise& noise, const 
   return {plane.distance(point), 1 / (sigma * sigma)};
 }
 
+bool surface_goes_on(const Plane& plane, const Vec3& from, const Vec3& to, double slack_m) {
+  const Vec3 move = to - from, along = to * (plane.offset_m / plane.normal.dot(to)) - from;
+  const double out = std::abs(plane.normal.dot(move));
+  return out <= std::sqrt(std::max(move.squaredNorm() - out * out, 0.0)) + slack_m &&
+         move.norm() <= kMostStretch * along.norm() + slack_m;
+}
+
 StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
                          const std::vector<std::uint32_t>& labels, const Plane& plane,
                          const StepProposal& proposal, double excess)
@@ -210,14 +217,6 @@ bool StepSharing::is_sharp(const Evidence& evidence) const {
          (evidence.deep.count < kFewestNear || std::abs(evidence.deep.value_m() - step_m()) <= level);
 }
 
-// The surface goes on between two samples: by less than 45 degrees out of the plane, and not over a gap.
-bool StepSharing::goes_on(const Vec3& from, const Vec3& to, double slack_m) const {
-  const Vec3 move = to - from, along = to * (plane_.offset_m / plane_.normal.dot(to)) - from;
-  const double out = std::abs(plane_.normal.dot(move));
-  return out <= std::sqrt(std::max(move.squaredNorm() - out * out, 0.0)) + slack_m &&
-         move.norm() <= kMostStretch * along.norm() + slack_m;
-}
-
 // Samples of the part from which it goes on so for two samples, the first of which may be a noisy step away.
 std::int64_t StepSharing::smooth_rim(const std::function<bool(std::size_t)>& is_free) const {
   std::int64_t rim = 0;
@@ -228,8 +227,8 @@ std::int64_t StepSharing::smooth_rim(const std::function<bool(std::size_t)>& is_
       if (r < 0 || r >= image_.rows || c < 0 || c >= image_.cols) return false;
       const std::size_t first = image_.index(row + down, col + right), second = image_.index(r, c);
       return is_free(first) && is_free(second) &&
-             goes_on(image_.point(i), image_.point(first), kContinuitySigmas * sigma_m_) &&
-             goes_on(image_.point(first), image_.point(second), 0);
+             surface_goes_on(plane_, image_.point(i), image_.point(first), kContinuitySigmas * sigma_m_) &&
+             surface_goes_on(plane_, image_.point(first), image_.point(second), 0);
     };
     rim += beyond(1, 0) || beyond(-1, 0) || beyond(0, 1) || beyond(0, -1);
   });

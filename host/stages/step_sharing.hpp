@@ -17,6 +17,10 @@ struct PlaneHeight {
 };
 PlaneHeight height_over(const RangeImage& image, const RangeNoise& noise, const Plane& plane, std::size_t i);
 
+// Whether a surface may go on between two samples beside or on a plane: by less than 45 degrees and `slack_m`
+// out of the plane, and not over a gap.
+bool surface_goes_on(const Plane& plane, const Vec3& from, const Vec3& to, double slack_m);
+
 struct MeanHeight {
   double sum = 0, weight = 0;
   std::int64_t count = 0;
@@ -101,7 +105,6 @@ class StepSharing {
   void measure_rings();
   Evidence weigh() const;
   bool is_sharp(const Evidence& evidence) const;
-  bool goes_on(const Vec3& from, const Vec3& to, double slack_m) const;
   std::int64_t smooth_rim(const std::function<bool(std::size_t)>& is_free) const;
 
   const RangeImage& image_;

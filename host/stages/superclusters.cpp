@@ -13,6 +13,7 @@
 #include "stages/refuted_planes.hpp"
 #include "stages/sample_labels.hpp"
 #include "stages/small_planes.hpp"
+#include "stages/tangent_rims.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -254,8 +255,11 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   compete(2);
   const std::int64_t least = least_plane_samples(image, options);
   if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete(1);
-  const auto split = split_steps(image, grid, squares.square, squares.noise, least, labels, planes, regions);
-  if (!split.empty()) polish_planes(image, squares.square, labels, squares.noise, planes, 1, split);
+  auto [changed, excess] =
+      split_steps(image, grid, squares.square, squares.noise, least, labels, planes, regions);
+  const auto trimmed = trim_tangent_rims(image, squares.noise, excess, labels, planes, regions);
+  changed.insert(changed.end(), trimmed.begin(), trimmed.end());
+  if (!changed.empty()) polish_planes(image, squares.square, labels, squares.noise, planes, 1, changed);
   own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
   const auto ids = number_regions(measured, regions, least);

@@ -36,7 +36,8 @@ struct Wall {
   bool split() {
     const auto before = labels;
     const auto changed = stages::split_steps(image, stages::SquareGrid(image, squares), kSquare,
-                                             stages::RangeNoise{kSigma_m}, kLeast, labels, planes, regions);
+                                             stages::RangeNoise{kSigma_m}, kLeast, labels, planes, regions)
+                             .labels;
     EXPECT_EQ(changed.empty(), labels == before);
     return !changed.empty();
   }

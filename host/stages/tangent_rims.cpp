@@ -1,0 +1,239 @@
+#include "stages/tangent_rims.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "core/parallel.hpp"
+#include "geometry/tiles.hpp"
+#include "stages/step_sharing.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr int kTile = 32, kInwards = 14, kOnwards = 6;  // samples
+constexpr std::size_t kFewest = 12;                     // samples of a rim
+constexpr double kContinuitySigmas = 3;
+constexpr double kMostWidth = 0.35;     // of a rim, against its length
+constexpr int kStarts = 28;             // of the curve, that are tried
+constexpr double kMostSquares = 9;      // of a sample's residual, in sigmas
+constexpr double kMostChi2 = 2;         // per sample
+constexpr double kBetter = 8;           // of chi2, than a crease
+constexpr double kLeastGain = 40;       // of chi2, against the plane alone
+constexpr double kStraightest_m = 100;  // radius
+
+struct Sample {
+  std::uint32_t index;
+  Vec2 at;  // on the plane
+  double height_m, weight;
+};
+
+// The samples around a rim of one plane.
+struct Rim {
+  std::vector<std::uint32_t> rim;
+  std::vector<Sample> inside, outside;
+  Vec2 middle, outwards;  // of the rim
+};
+
+bool is_free(const RangeImage& image, const std::vector<std::uint32_t>& labels, const PlaneRegions& regions,
+             std::size_t i) {
+  return image.mask[i] == kMeasured && (labels[i] == 0 || regions.regions[labels[i] - 1].curved);
+}
+
+// The rim's line and the side on which the surface goes on; false where it is no line.
+bool orient(Rim& rim, const std::vector<Vec2>& points) {
+  rim.middle = Vec2::Zero();
+  for (const Vec2& point : points) rim.middle += point / static_cast<double>(points.size());
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const Vec2& point : points) scatter += (point - rim.middle) * (point - rim.middle).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scatter);
+  if (!(solver.eigenvalues()[0] < kMostWidth * kMostWidth * solver.eigenvalues()[1])) return false;
+  rim.outwards = solver.eigenvectors().col(0);
+  double side = 0;
+  for (const Sample& sample : rim.outside)
+    side += rim.outwards.dot(sample.at - rim.middle) / static_cast<double>(rim.outside.size());
+  for (const Sample& sample : rim.inside)
+    side -= rim.outwards.dot(sample.at - rim.middle) / static_cast<double>(rim.inside.size());
+  if (side < 0) rim.outwards = -rim.outwards;
+  return side != 0;
+}
+
+struct Fit {
+  double chi2 = 0, start_m = 0, rise = 0;  // height = level + rise * (s - start)^power
+};
+
+// The best start of a rise of this power; of power 0 the level alone.
+Fit fit_rise(const Rim& rim, int power, double first_m, double last_m) {
+  Fit best{std::numeric_limits<double>::infinity(), 0, 0};
+  for (int k = 0; k <= (power == 0 ? 0 : kStarts); ++k) {
+    const double start = first_m + (last_m - first_m) * k / kStarts;
+    const auto rise = [&](const Sample& sample) {
+      const double s = std::max(0.0, rim.outwards.dot(sample.at - rim.middle) - start);
+      return power == 2 ? s * s : power == 1 ? s : 0.0;
+    };
+    double w = 0, wx = 0, wxx = 0, wh = 0, wxh = 0;
+    for (const auto* side : {&rim.inside, &rim.outside})
+      for (const Sample& sample : *side) {
+        const double x = rise(sample);
+        w += sample.weight;
+        wx += sample.weight * x;
+        wxx += sample.weight * x * x;
+        wh += sample.weight * sample.height_m;
+        wxh += sample.weight * x * sample.height_m;
+      }
+    const double determinant = w * wxx - wx * wx;
+    const double slope = power > 0 && determinant > 0 ? (w * wxh - wx * wh) / determinant : 0;
+    const double level = (wh - slope * wx) / w;
+    double chi2 = 0;
+    for (const auto* side : {&rim.inside, &rim.outside})
+      for (const Sample& sample : *side) {
+        const double off = sample.height_m - level - slope * rise(sample);
+        chi2 += std::min(sample.weight * off * off, kMostSquares);
+      }
+    if (chi2 < best.chi2) best = {chi2, start, slope};
+  }
+  return best;
+}
+
+// Samples of the plane that lie beyond the start of a curve.
+std::vector<std::uint32_t> beyond_start(const Rim& rim) {
+  double first = 0, last = 0;
+  for (const Sample& sample : rim.inside) first = std::min(first, rim.outwards.dot(sample.at - rim.middle));
+  for (const Sample& sample : rim.outside) last = std::max(last, rim.outwards.dot(sample.at - rim.middle));
+  const auto count = static_cast<double>(rim.inside.size() + rim.outside.size());
+  const Fit flat = fit_rise(rim, 0, 0, 0), curve = fit_rise(rim, 2, first, last),
+            crease = fit_rise(rim, 1, first, last);
+            if (curve.chi2 > kMostChi2 * count || curve.chi2 > crease.chi2 - kBetter ||
+                curve.chi2 > flat.chi2 - kLeastGain || !(2 * std::abs(curve.rise) * kStraightest_m > 1))
+              return {};
+            std::vector<std::uint32_t> samples;
+            for (const Sample& sample : rim.inside)
+              if (rim.outwards.dot(sample.at - rim.middle) > curve.start_m) samples.push_back(sample.index);
+            return samples;
+}
+
+class RimFinder {
+ public:
+  RimFinder(const RangeImage& image, const RangeNoise& noise, double excess,
+            const std::vector<std::uint32_t>& labels, const std::vector<Plane>& planes,
+            const PlaneRegions& regions)
+      : image_(image), noise_(noise), excess_(excess), labels_(labels), planes_(planes), regions_(regions) {}
+
+  // Rims of the planes in a tile; samples of the rim lie in it.
+  std::vector<std::vector<std::uint32_t>> trimmed(const Tile& tile) const {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> rims;
+    for (int row = tile.row; row < tile.row + tile.rows; ++row)
+      for (int col = tile.col; col < tile.col + tile.cols; ++col) {
+        const auto i = static_cast<std::uint32_t>(image_.index(row, col));
+        const std::uint32_t label = labels_[i];
+        if (label != 0 && image_.mask[i] == kMeasured && !regions_.regions[label - 1].curved &&
+            goes_on_smoothly(row, col, planes_[label - 1]))
+          rims[label].push_back(i);
+      }
+    std::vector<std::vector<std::uint32_t>> lists;
+    for (const auto& [label, samples] : rims)
+      if (samples.size() >= kFewest)
+        if (auto list = trim(tile, label, samples); !list.empty()) lists.push_back(std::move(list));
+    return lists;
+  }
+
+ private:
+  bool free_at(int row, int col) const {
+    return row >= 0 && row < image_.rows && col >= 0 && col < image_.cols &&
+           is_free(image_, labels_, regions_, image_.index(row, col));
+  }
+  bool goes_on_smoothly(int row, int col, const Plane& plane) const {
+    constexpr std::array<std::array<int, 2>, 4> kSides = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    return std::any_of(kSides.begin(), kSides.end(), [&](const auto& side) {
+      if (!free_at(row + side[0], col + side[1]) || !free_at(row + 2 * side[0], col + 2 * side[1]))
+        return false;
+      const std::size_t i = image_.index(row, col), first = image_.index(row + side[0], col + side[1]),
+                        second = image_.index(row + 2 * side[0], col + 2 * side[1]);
+      const PlaneHeight height = height_over(image_, noise_, plane, i);
+      return height.weight > 0 &&
+             surface_goes_on(plane, image_.point(i), image_.point(first),
+                             kContinuitySigmas / std::sqrt(height.weight)) &&
+             surface_goes_on(plane, image_.point(first), image_.point(second), 0);
+    });
+  }
+
+  std::vector<std::uint32_t> trim(const Tile& tile, std::uint32_t label,
+                                  const std::vector<std::uint32_t>& rim_samples) const {
+    const Plane& plane = planes_[label - 1];
+    const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u),
+               origin = image_.point(rim_samples[0]);
+    const auto on_plane = [&](std::size_t i) {
+      const Vec3 arm = image_.point(i) - origin;
+      return Vec2(u.dot(arm), v.dot(arm));
+    };
+    Rim rim;
+    rim.rim = rim_samples;
+    std::vector<Vec2> points;
+    for (const std::uint32_t i : rim_samples) points.push_back(on_plane(i));
+    // How far each sample of the tile and its surroundings is from the rim.
+    const int top = std::max(tile.row - kInwards, 0), left = std::max(tile.col - kInwards, 0),
+              bottom = std::min(tile.row + tile.rows + kInwards, image_.rows),
+              right = std::min(tile.col + tile.cols + kInwards, image_.cols), width = right - left;
+    std::vector<std::uint8_t> reach(static_cast<std::size_t>(bottom - top) * static_cast<std::size_t>(width));
+    for (const std::uint32_t i : rim_samples) {
+      const int row = static_cast<int>(i) / image_.cols, col = static_cast<int>(i) % image_.cols;
+      for (int r = std::max(row - kInwards, top); r < std::min(row + kInwards + 1, bottom); ++r)
+        for (int c = std::max(col - kInwards, left); c < std::min(col + kInwards + 1, right); ++c) {
+          auto& near = reach[static_cast<std::size_t>((r - top) * width + c - left)];
+          const int away = std::max(std::abs(r - row), std::abs(c - col));
+          near = std::max<std::uint8_t>(near, static_cast<std::uint8_t>(kInwards + 1 - away));
+        }
+    }
+    for (int row = top; row < bottom; ++row)
+      for (int col = left; col < right; ++col) {
+        const int away = kInwards + 1 - reach[static_cast<std::size_t>((row - top) * width + col - left)];
+        const std::size_t i = image_.index(row, col);
+        const bool inside = labels_[i] == label;
+        if (away > (inside ? kInwards : kOnwards) || (!inside && !free_at(row, col))) continue;
+        const PlaneHeight height = height_over(image_, noise_, plane, i);
+        if (height.weight == 0) continue;
+        const Sample sample{static_cast<std::uint32_t>(i), on_plane(i), height.height_m,
+                            height.weight / (excess_ * excess_)};
+        (inside ? rim.inside : rim.outside).push_back(sample);
+      }
+    if (rim.inside.size() < kFewest || rim.outside.size() < kFewest || !orient(rim, points)) return {};
+    // Beyond the rim, and less than 45 degrees out of the plane.
+    std::erase_if(rim.outside, [&](const Sample& sample) {
+      const double s = rim.outwards.dot(sample.at - rim.middle);
+      return !(s > 0) || std::abs(sample.height_m) > s + kContinuitySigmas / std::sqrt(sample.weight);
+    });
+    if (rim.outside.size() < kFewest) return {};
+    return beyond_start(rim);
+  }
+
+  const RangeImage& image_;
+  const RangeNoise& noise_;
+  double excess_;
+  const std::vector<std::uint32_t>& labels_;
+  const std::vector<Plane>& planes_;
+  const PlaneRegions& regions_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const RangeNoise& noise, double excess,
+                                             std::vector<std::uint32_t>& labels,
+                                             const std::vector<Plane>& planes, const PlaneRegions& regions) {
+  const RimFinder finder(image, noise, excess, labels, planes, regions);
+  const auto tiles = make_tiles(image.rows, image.cols, kTile);
+  std::vector<std::vector<std::vector<std::uint32_t>>> trimmed(tiles.size());
+  parallel_for(tiles.size(), [&](std::size_t t) { trimmed[t] = finder.trimmed(tiles[t]); });
+  std::vector<std::uint32_t> changed;
+  for (const auto& lists : trimmed)
+    for (const auto& list : lists)
+      for (const std::uint32_t i : list) {
+        if (labels[i] == 0) continue;
+        if (changed.empty() || changed.back() != labels[i]) changed.push_back(labels[i]);
+        labels[i] = 0;
+      }
+  return changed;
+}
+
+}  // namespace hybrid::stages
