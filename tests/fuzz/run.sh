@@ -14,7 +14,7 @@ cmake -S "$root" -B "$dir/build" -G Ninja -DHYBRID_FUZZ=ON -DHYBRID_BENCH=OFF -D
   -DCMAKE_C_COMPILER=clang >"$dir/configure.log" || { cat "$dir/configure.log" >&2; exit 1; }
 nice -n 19 ninja -C "$dir/build" hybrid_fuzz >"$dir/build.log" || { tail -40 "$dir/build.log" >&2; exit 1; }
 fuzz=$dir/build/bin/hybrid_fuzz
-export ASAN_OPTIONS=allocator_may_return_null=0:detect_leaks=0:quarantine_size_mb=16:malloc_context_size=8
+export ASAN_OPTIONS=allocator_may_return_null=0:detect_leaks=0:quarantine_size_mb=1:malloc_context_size=0:max_allocation_size_mb=64
 export UBSAN_OPTIONS=print_stacktrace=1
 
 scans="samples ptx pts ply_ascii ply_binary pcd_ascii pcd_binary pcd_compressed las foreign_exr range_exr e57 e57_xml e57_bits"
