@@ -113,7 +113,12 @@ void NumberRows::Piece::parse(std::size_t columns) {
 }
 
 NumberRows::NumberRows(const InputFile& file, TextPlace from, std::uint64_t end, std::size_t columns)
-    : file_(file), place_(from), end_(end), columns_(columns), piece_bytes_(kPiece_bytes), pieces_(most_pieces()) {}
+    : file_(file),
+      place_(from),
+      end_(end),
+      columns_(columns),
+      piece_bytes_(kPiece_bytes),
+      pieces_(most_pieces()) {}
 
 NumberRows::~NumberRows() = default;
 

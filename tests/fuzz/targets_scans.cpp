@@ -155,7 +155,8 @@ Seeds foreign_exr(const fs::path& scratch) {
   return seeds;
 }
 
-// The same pixels in one smaller tile: the library's buffers for tiles of 256 x 256 took most of an execution.
+// The same pixels in one smaller tile: the library's buffers for tiles of 256 x 256 took most of an
+// execution.
 std::string with_small_tiles(std::string file) {
   const std::string large = raw(std::uint32_t{256}) + raw(std::uint32_t{256}),
                     small = raw(std::uint32_t{16}) + raw(std::uint32_t{16});
