@@ -73,7 +73,7 @@ const std::vector<Bits> kNew = {
 
 TEST(LasRecords, EveryBitOfEveryPointFormatIsInTheE57File) {
   const ScanFolder folder;
-  const auto out = folder.path() / "out.e57";
+  const auto out = folder.path("out.e57");
   for (int format = 0; format < io::kLasPointFormats; ++format) {
     SCOPED_TRACE(format);
     const auto& layout = io::las_point_format(format);
@@ -128,8 +128,8 @@ TEST(LasRecords, EveryBitOfEveryPointFormatIsInTheE57File) {
 
 TEST(LasRecords, TheScanIsTheSameAndRangeImagesKeepIt) {
   const ScanFolder folder;
-  const auto file = folder.write("a.las", las_sample(4)), direct = folder.path() / "direct.e57",
-             image = folder.path() / "a.exr", back = folder.path() / "back.e57";
+  const auto file = folder.write("a.las", las_sample(4)), direct = folder.path("direct.e57"),
+             image = folder.path("a.exr"), back = folder.path("back.e57");
   const io::LasAsE57 source(file);
   EXPECT_FALSE(has(source.contents().scans[0].points, "las:gpsTime")) << "no record has one";
   io::copy_e57(source, direct);
@@ -148,7 +148,7 @@ TEST(LasRecords, TheScanIsTheSameAndRangeImagesKeepIt) {
 
 TEST(LasRecords, NoPointsAndBadFiles) {
   const ScanFolder folder;
-  const auto out = folder.path() / "out.e57";
+  const auto out = folder.path("out.e57");
   std::vector<std::string> records;
   io::copy_e57(io::LasAsE57(folder.write("none.las", random_las(6, 0, 0, records))), out);
   EXPECT_EQ(io::E57File(out).contents().scans.at(0).points.count, 0u);
