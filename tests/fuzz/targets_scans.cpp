@@ -4,10 +4,12 @@
 
 #include <cstring>
 #include <fstream>
+#include <numeric>
 
 #include "fuzz/check_scan.hpp"
 #include "fuzz/targets.hpp"
 #include "io/foreign_exr.hpp"
+#include "io/las_records.hpp"
 #include "io/las_samples.hpp"
 #include "io/range_exr.hpp"
 #include "io/read_scan.hpp"
@@ -125,6 +127,22 @@ Seeds pcd_compressed(const fs::path&) {
 
 Seeds las(const fs::path&) {
   return {las_sample(2), las_sample(3), las_sample(4)};
+}
+
+// Its samples, and its records as `convert` copies them.
+void read_las_both_ways(const fs::path& file, std::string_view bytes) {
+  read_both_ways(file, bytes);
+  unless_refused([&] {
+    const io::LasAsE57 source(file);
+    const io::E57Table& table = source.table(source.points(0));
+    std::vector<std::size_t> fields(table.fields.size());
+    std::iota(fields.begin(), fields.end(), 0);
+    std::uint64_t records = 0;
+    for_each_block(*source.open(source.points(0)), table, fields, 1 << 16,
+                   [&](const io::E57Records& block) { records += block.count; });
+    expect(records == table.count, "every record");
+    return true;
+  });
 }
 
 // As other programs write range images: every compression, lines and tiles.
@@ -248,7 +266,7 @@ std::vector<FuzzTarget> scan_fuzz_targets() {
           {"pcd_ascii", "scan.pcd", 1024, pcd_ascii, read_both_ways},
           {"pcd_binary", "scan.pcd", 1024, pcd_binary, read_both_ways},
           {"pcd_compressed", "scan.pcd", 1024, pcd_compressed, read_both_ways},
-          {"las", "scan.las", 2048, las, read_both_ways},
+          {"las", "scan.las", 2048, las, read_las_both_ways},
           {"foreign_exr", "scan.exr", 4096, foreign_exr, read_both_ways},
           {"range_exr", "scan.exr", 4096, range_exr, read_both_ways},
           {"samples", "scan.hsf", 4096, samples, read_sealed}};
