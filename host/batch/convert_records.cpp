@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/log.hpp"
 #include "io/exr_e57.hpp"
+#include "io/las_records.hpp"
 #include "io/read_scan.hpp"
 #include "io/text_cursor.hpp"
 
@@ -25,6 +26,10 @@ bool is_e57(const fs::path& file) {
   return extension_of(file) == ".e57";
 }
 
+bool is_las(const fs::path& file) {
+  return extension_of(file) == ".las";
+}
+
 bool has_parts(const io::E57Source& source) {
   return std::ranges::any_of(source.outline().parts, [](const io::E57Part& part) { return !part.points; });
 }
@@ -36,6 +41,8 @@ std::string number_of(std::size_t index) {
 class Conversion {
  public:
   explicit Conversion(const ConvertRequest& request) : request_(request) {
+    if (is_las(request.in) && request.index)
+      io::scan_at(request.in, io::list_scans(request.in), *request.index);
     if (!is_e57(request.in)) return;
     for (const auto& entry : io::list_scans(request.in)) wanted_.insert(entry.index);
     several_ = wanted_.size() > 1;
@@ -48,6 +55,7 @@ class Conversion {
 
   std::unique_ptr<io::E57Source> open(const std::set<std::size_t>& scans) const {
     if (is_e57(request_.in)) return std::make_unique<io::E57FileSource>(request_.in, scans);
+    if (is_las(request_.in)) return std::make_unique<io::LasAsE57>(request_.in);
     std::vector<fs::path> files{request_.in};
     files.insert(files.end(), request_.more.begin(), request_.more.end());
     return std::make_unique<io::ExrSource>(files);
@@ -126,11 +134,11 @@ class Conversion {
       outputs.push_back(output_json(request_.out, "E57", std::move(all)));
     } else {
       const fs::path folder = io::parts_folder(request_.out);
-      if (has_parts(source)) io::write_exr_parts(source, folder);
+      const std::string sums = has_parts(source) ? io::write_exr_parts(source, folder) : std::string();
       auto index = scans.begin();
       for (std::size_t k = 0; k < source.contents().scans.size(); ++k) {
         const fs::path file = output_of(scans.empty() ? 0 : *index++);
-        io::write_exr_scan(source, k, file, folder);
+        io::write_exr_scan(source, k, file, folder, sums);
         outputs.push_back(output_json(file, "EXR", Json::array({scan_json(source, k)})));
         if (has_parts(source)) outputs.back()["parts"] = folder.string();
       }
@@ -169,6 +177,8 @@ bool converts_records(const ConvertRequest& request) {
   const std::string out = extension_of(request.out);
   if (out != ".e57" && out != ".exr") return false;
   if (is_e57(request.in)) return true;
+  // Salvage reads samples; several inputs are range images.
+  if (is_las(request.in)) return request.more.empty() && !request.salvage;
   return extension_of(request.in) == ".exr" && fs::is_regular_file(request.in) &&
          io::holds_exr_records(request.in);
 }

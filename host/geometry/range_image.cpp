@@ -5,9 +5,11 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/large_vector.hpp"
 #include "core/parallel.hpp"
+#include "geometry/placed_range_image.hpp"
 
 namespace hybrid {
 
@@ -18,10 +20,11 @@ bool is_full_turn(const std::vector<double>& azimuth_rad) {
   return kTurn - std::abs(turn) <= kOpenGap * (turn / static_cast<double>(azimuth_rad.size() - 1));
 }
 
-RangeImage make_range_image(int rows, int cols) {
+RangeImage make_range_image(int rows, int cols, std::vector<std::uint32_t> source) {
   RangeImage image;
   image.rows = rows;
   image.cols = cols;
+  image.source = std::move(source);
   image.elevation_rad.assign(static_cast<std::size_t>(rows), 0.0);
   image.azimuth_rad.assign(static_cast<std::size_t>(cols), 0.0);
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -31,10 +34,17 @@ RangeImage make_range_image(int rows, int cols) {
                                         [&] { assign_large(image.x, count, kNaN); },
                                         [&] { assign_large(image.y, count, kNaN); },
                                         [&] { assign_large(image.z, count, kNaN); },
-                                        [&] { assign_large(image.source, count, kNoSource); },
+                                        [&] {
+                                          if (image.source.empty())
+                                            assign_large(image.source, count, kNoSource);
+                                        },
                                         [&] { assign_large(image.mask, count, std::uint8_t{kEmpty}); }};
   parallel_for(std::size(fill), [&](std::size_t i) { fill[i](); });
   return image;
+}
+
+RangeImage make_range_image(int rows, int cols) {
+  return make_range_image(rows, cols, {});
 }
 
 }  // namespace hybrid

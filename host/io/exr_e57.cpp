@@ -1,5 +1,7 @@
 #include "io/exr_e57.hpp"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -36,6 +38,18 @@ void check_cuts(const fs::path& file, const RecordsDescription& description) {
       "places; copy or write the file again",
       file.string(), records_attribute::kCuts, description.xml.size(), records_attribute::kXml,
       description.scan, cuts.size());
+}
+
+std::string checksum(const std::vector<char>& bytes) {
+  return fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
+}
+
+// Of the blob at this offset of the original file, or "" where none was written.
+std::string_view sum_at(const std::string& sums, std::uint64_t offset) {
+  const std::string wanted = fmt::format("{}:", offset);
+  for (const std::string_view word : words(sums))
+    if (word.starts_with(wanted)) return word.substr(wanted.size());
+  return {};
 }
 
 std::string describe_field(const E57Field& field) {
@@ -107,7 +121,8 @@ std::unique_ptr<E57RecordReader> ExrSource::open(std::size_t part) const {
 
 std::vector<char> ExrSource::blob(std::size_t part) const {
   const fs::path file = part_file(part);
-  const std::uint64_t length = outline().parts[part].length;
+  const E57Part& wanted = outline().parts[part];
+  const std::uint64_t length = wanted.length;
   std::vector<char> bytes;
   if (length == 0 && fs::file_size(file) == 0) return bytes;
   const InputFile input(file);
@@ -116,6 +131,14 @@ std::vector<char> ExrSource::blob(std::size_t part) const {
                file.string(), length, input.size());
   bytes.resize(length);
   input.read(0, bytes);
+  const std::string& sums = images_[wanted.scan.value_or(0)].description.part_sums;
+  const std::string_view expected = sum_at(sums, wanted.offset);
+  if (!expected.empty() && checksum(bytes) != expected)
+    fail_input(
+        "{}: expected the bytes with checksum {}, as the range image says, found {}; it was changed or "
+        "damaged: copy "
+        "the folder again",
+        file.string(), expected, checksum(bytes));
   return bytes;
 }
 
@@ -134,7 +157,8 @@ std::string part_name(const E57Part& part) {
   return fmt::format("{}-{}.{}", name, part.offset, extension);
 }
 
-void write_exr_scan(const E57Source& source, std::size_t scan, const fs::path& file, const fs::path& folder) {
+void write_exr_scan(const E57Source& source, std::size_t scan, const fs::path& file, const fs::path& folder,
+                    const std::string& part_sums) {
   RecordsDescription description;
   const std::vector<E57Part>& parts = source.outline().parts;
   std::vector<TextEdit> cuts;
@@ -149,6 +173,7 @@ void write_exr_scan(const E57Source& source, std::size_t scan, const fs::path& f
   description.scan = scan;
   if (std::ranges::any_of(parts, [&](const E57Part& part) { return !part.points; }))
     description.parts = folder.filename().string();
+  description.part_sums = part_sums;
   description.attributes["source_file"] = fs::path(source.name()).filename().string();
   const E57Contents& contents = source.contents();
   if (!contents.coordinate_system.empty()) description.attributes["crs"] = contents.coordinate_system;
@@ -156,13 +181,15 @@ void write_exr_scan(const E57Source& source, std::size_t scan, const fs::path& f
   write_exr_records(file, contents.scans.at(scan), *reader, description);
 }
 
-void write_exr_parts(const E57Source& source, const fs::path& folder) {
+std::string write_exr_parts(const E57Source& source, const fs::path& folder) {
+  std::string sums;
   for (std::size_t part = 0; part < source.outline().parts.size(); ++part) {
     const E57Part& one = source.outline().parts[part];
     if (one.points) continue;
     const fs::path file = folder / part_name(one);
     if (one.blob) {
       const std::vector<char> bytes = source.blob(part);
+      sums += fmt::format("{}{}:{}", sums.empty() ? "" : " ", one.offset, checksum(bytes));
       write_atomically(file, [&](const fs::path& temporary) {
         OutputFile out(temporary);
         out.write(bytes.data(), bytes.size());
@@ -176,6 +203,7 @@ void write_exr_parts(const E57Source& source, const fs::path& folder) {
     description.scan_xml = text_at(source.xml(), one.element);
     write_exr_records(file, scan, *source.open(part), description);
   }
+  return sums;
 }
 
 ScanEntry list_exr_records(const fs::path& file) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "geometry/scan.hpp"
@@ -34,11 +35,13 @@ class ExrSource : public E57Source {
 std::filesystem::path parts_folder(const std::filesystem::path& exr);
 std::string part_name(const E57Part& part);
 
-// Writes one scan of a source as a range image with records, which names the folder of its parts.
+// Writes one scan of a source as a range image with records, which names the folder of its parts and keeps
+// what write_exr_parts() returned.
 void write_exr_scan(const E57Source& source, std::size_t scan, const std::filesystem::path& file,
-                    const std::filesystem::path& folder);
-// Writes all blobs and tables but points into the folder; nothing without any.
-void write_exr_parts(const E57Source& source, const std::filesystem::path& folder);
+                    const std::filesystem::path& folder, const std::string& part_sums = {});
+// Writes all blobs and tables but points into the folder; nothing without any. Returns the blobs' checksums,
+// by which ExrSource tells whether they are the same (tables have their own).
+std::string write_exr_parts(const E57Source& source, const std::filesystem::path& folder);
 
 // Its one scan, by the header; with all that read_e57() would tell of the E57 file.
 ScanEntry list_exr_records(const std::filesystem::path& file);

@@ -18,7 +18,7 @@ class HeaderWalk {
  public:
   explicit HeaderWalk(InputFile& input) : input_(input), file_(input.name()) {}
 
-  void run() {
+  std::string run() {
     const std::string_view magic = input_.ahead(0, 4).substr(0, 4);
     if (magic != "\x76\x2f\x31\x01")
       fail_input("{}: byte 0: expected an OpenEXR file (76 2f 31 01), found {}; is this a range image?",
@@ -34,7 +34,7 @@ class HeaderWalk {
       part_.tiled = (flags & kTiles) != 0;
       for (std::string name = text(); !name.empty(); name = text()) attribute(name);
       check_part();
-      return;
+      return format_;
     }
     for (std::string name = text(); !name.empty(); name = text()) {
       const Part before = part_;
@@ -52,6 +52,7 @@ class HeaderWalk {
             part_.left, part_.top);
     }
     if (part_.width == 0) fail_at("the header of a part");
+    return format_;
   }
 
  private:
@@ -238,6 +239,10 @@ class HeaderWalk {
       if (kind.starts_with("deep")) fail_deep(at_);
       if (several_) part_.tiled = kind == "tiledimage";
     }
+    if (name == "hybrid:format" && type == "string" && format_.empty()) {
+      const auto length = static_cast<std::size_t>(std::min<std::int64_t>(size, 64));
+      format_.assign(input_.at(at_, length), length);
+    }
     if (type == "chlist") channel_bytes_ += size;
     if (channel_bytes_ > kMostChannelBytes)
       fail_input(
@@ -251,14 +256,15 @@ class HeaderWalk {
   std::uint64_t at_ = 0;
   bool several_ = false;  // parts
   Part part_;
+  std::string format_;
   std::uint64_t claimed_ = 0;       // bytes, by the tiles and lines of the parts so far
   std::int64_t channel_bytes_ = 0;  // of all parts
 };
 
 }  // namespace
 
-void check_exr_header(InputFile& file) {
-  HeaderWalk(file).run();
+std::string check_exr_header(InputFile& file) {
+  return HeaderWalk(file).run();
 }
 
 }  // namespace hybrid::io

@@ -17,14 +17,15 @@ namespace hybrid::io {
 
 namespace records_attribute {
 inline constexpr const char* kFormatName = "records 1";
-inline constexpr const char* kSamples = "hybrid:samples";       // records
-inline constexpr const char* kLayout = "hybrid:layout";         // "grid R C ..." or "list": RecordLayout
-inline constexpr const char* kXml = "hybrid:e57_xml";           // the file's description without its scans
-inline constexpr const char* kCuts = "hybrid:e57_scan_places";  // where in it each scan's goes, in bytes
-inline constexpr const char* kScanXml = "hybrid:e57_scan_xml";  // this scan's, or this table's
-inline constexpr const char* kScan = "hybrid:e57_scan";         // its index there
-inline constexpr const char* kParts = "hybrid:e57_parts";       // the folder beside with blobs and tables
-inline constexpr const char* kOrigin = "hybrid:origin";         // of x y z, metres, where they are large
+inline constexpr const char* kSamples = "hybrid:samples";         // records
+inline constexpr const char* kLayout = "hybrid:layout";           // "grid R C ..." or "list": RecordLayout
+inline constexpr const char* kXml = "hybrid:e57_xml";             // the file's description without its scans
+inline constexpr const char* kCuts = "hybrid:e57_scan_places";    // where in it each scan's goes, in bytes
+inline constexpr const char* kScanXml = "hybrid:e57_scan_xml";    // this scan's, or this table's
+inline constexpr const char* kScan = "hybrid:e57_scan";           // its index there
+inline constexpr const char* kParts = "hybrid:e57_parts";         // the folder beside with blobs and tables
+inline constexpr const char* kPartSums = "hybrid:e57_part_sums";  // of its blobs: "OFFSET:XXH3 ..."
+inline constexpr const char* kOrigin = "hybrid:origin";           // of x y z, metres, where they are large
 }  // namespace records_attribute
 
 // Where records lie. Rows [0, grid_rows) are the grid, in which a record's row and column follow from its
@@ -100,6 +101,7 @@ struct RecordsDescription {
   std::string scan_xml{};
   std::size_t scan = 0;
   std::string parts{};                              // a folder's name, or empty
+  std::string part_sums{};                          // of the blobs in there; older images have none
   std::map<std::string, std::string> attributes{};  // for people, without the prefix
 };
 

@@ -1,5 +1,4 @@
 #include <ImfChannelList.h>
-#include <ImfInputFile.h>
 #include <ImfStringAttribute.h>
 #include <ImfTiledInputFile.h>
 
@@ -53,6 +52,7 @@ struct ExrRecords::State {
     description.xml = text(kXml);
     description.scan_xml = text(kScanXml);
     description.parts = text(kParts);
+    description.part_sums = text(kPartSums);
     if (!description.xml.empty()) description.scan = whole(kScan);
     for (const std::string_view word : words(cuts_text = text(kCuts)))
       description.cuts.push_back(number(kCuts, word));
@@ -256,6 +256,7 @@ void ExrRecords::open(const E57Table& table) {
   std::vector<std::string> texts;
   for (const char* name : {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts})
     texts.push_back(s.text(name));
+  if (const std::string sums = s.text(kPartSums); !sums.empty()) texts.push_back(sums);
   const std::string expected = s.text(range_attribute::kChecksum), found = records_checksum(texts, hashes);
   if (s.placed != s.layout.samples || expected != found)
     fail_input(
@@ -298,13 +299,7 @@ void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, 
 
 bool holds_exr_records(const std::filesystem::path& file) {
   InputFile input(file);
-  check_exr_header(input);
-  try {
-    const Imf::InputFile image(file.c_str());
-    return text_attribute(image.header(), range_attribute::kFormat) == kFormatName;
-  } catch (const std::exception&) {  // what is wrong with it the reader of images tells
-    return false;
-  }
+  return check_exr_header(input) == kFormatName;
 }
 
 }  // namespace hybrid::io

@@ -125,13 +125,15 @@ class Writer {
   std::vector<std::string> texts() const {
     std::string cuts;
     for (const std::size_t cut : description_.cuts) cuts += fmt::format("{} ", cut);
-    return {std::to_string(plan_.layout.samples),
-            plan_.layout.text(),
-            description_.xml,
-            cuts,
-            description_.scan_xml,
-            std::to_string(description_.scan),
-            description_.parts};
+    std::vector<std::string> texts = {std::to_string(plan_.layout.samples),
+                                      plan_.layout.text(),
+                                      description_.xml,
+                                      cuts,
+                                      description_.scan_xml,
+                                      std::to_string(description_.scan),
+                                      description_.parts};
+    if (!description_.part_sums.empty()) texts.push_back(description_.part_sums);
+    return texts;
   }
 
   Imf::Header header(const std::string& checksum) const {
@@ -146,7 +148,7 @@ class Writer {
       header.insert(name, Imf::StringAttribute(value));
     };
     const auto values = texts();
-    const char* const names[] = {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts};
+    const char* const names[] = {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts, kPartSums};
     for (std::size_t k = 0; k < values.size(); ++k)
       if (!values[k].empty()) text(names[k], values[k]);
     text(range_attribute::kFormat, kFormatName);

@@ -11,7 +11,8 @@ namespace hybrid::io {
 int start_exr_threads() {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
-  const int count = thread_count();
+  // Of one thread the caller itself: a worker would only be waited for, tile by tile.
+  const int count = thread_count() == 1 ? 0 : thread_count();
   if (Imf::globalThreadCount() != count) Imf::setGlobalThreadCount(count);
   return count;
 }

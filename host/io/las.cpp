@@ -71,7 +71,7 @@ class LasReader {
                              header_.data_offset + header_.points * header_.record_bytes));
       builder.add_note(damage.note(header_.announced));
     }
-    check_rest(builder);
+    if (const auto note = check_las_rest(input_, header_, salvage_)) builder.add_note(*note);
     note_extent(builder);
     note_unused(builder);
     Scan scan = builder.finish();
@@ -124,19 +124,6 @@ class LasReader {
     ScanSample sample{axis(0), axis(1), axis(2), word(12), {}};
     if (format_.red > 0) sample.rgb = {word(format_.red), word(format_.red + 2), word(format_.red + 4)};
     return sample;
-  }
-
-  // A further record means that the count is wrong; less is told.
-  void check_rest(ScanBuilder& builder) {
-    const std::uint64_t end = header_.data_offset + header_.points * header_.record_bytes;
-    const std::uint64_t rest = header_.data_end - end;
-    if (rest == 0 || input_.only_zeros_from(end)) return;
-    if (rest >= header_.record_bytes && !salvage_)
-      fail_input(
-          "{}: byte {}: expected the end of the points after {}, found {} more bytes, room for {} points; "
-          "correct the count in the header (byte 107, of LAS 1.4 byte 247), {}",
-          input_.name(), end, header_.points, rest, rest / header_.record_bytes, kSalvageRemedy);
-    builder.add_note(fmt::format("byte {}: {} bytes after the last point are ignored", end, rest));
   }
 
   void note_extent(ScanBuilder& builder) const {

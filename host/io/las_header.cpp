@@ -219,4 +219,16 @@ LasHeader read_las_header(InputFile& file, bool salvage) {
   return header;
 }
 
+std::optional<std::string> check_las_rest(InputFile& file, const LasHeader& header, bool salvage) {
+  const std::uint64_t end = header.data_offset + header.points * header.record_bytes;
+  const std::uint64_t rest = header.data_end - end;
+  if (rest == 0 || file.only_zeros_from(end)) return {};
+  if (rest >= header.record_bytes && !salvage)
+    fail_input(
+        "{}: byte {}: expected the end of the points after {}, found {} more bytes, room for {} points; "
+        "correct the count in the header (byte 107, of LAS 1.4 byte 247), {}",
+        file.name(), end, header.points, rest, rest / header.record_bytes, kSalvageRemedy);
+  return fmt::format("byte {}: {} bytes after the last point are ignored", end, rest);
+}
+
 }  // namespace hybrid::io

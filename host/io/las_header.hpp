@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,5 +45,9 @@ enum LasCrsRecord : std::uint16_t {
 // counts that the file cannot hold. In salvage what does not concern the points becomes a note, and so does a
 // count, bounded by what is there.
 LasHeader read_las_header(InputFile& file, bool salvage = false);
+
+// Of the bytes that follow the last point: a note, or nothing where they are none or zeros. A further record
+// means that the count is wrong: throws ErrorKind::input, not in salvage.
+std::optional<std::string> check_las_rest(InputFile& file, const LasHeader& header, bool salvage);
 
 }  // namespace hybrid::io

@@ -11,6 +11,7 @@ namespace hybrid::io {
 namespace {
 
 constexpr std::uint64_t kPiece_bytes = 256 << 10;
+constexpr std::uint64_t kLeastPiece_bytes = 4 << 10;
 constexpr std::size_t kMostPieces = 64;
 constexpr std::size_t kPiecesPerThread = 8;
 
@@ -21,12 +22,13 @@ std::size_t most_pieces() {
 // Calls load(k, first, last) for the pieces of [from, end), at most `count`, on all threads; how many there
 // were.
 template <typename Load>
-std::size_t for_pieces(std::uint64_t from, std::uint64_t end, std::size_t count, const Load& load) {
-  const std::uint64_t there = (end - from + kPiece_bytes - 1) / kPiece_bytes;
+std::size_t for_pieces(std::uint64_t from, std::uint64_t end, std::size_t count, const Load& load,
+                       std::uint64_t piece_bytes = kPiece_bytes) {
+  const std::uint64_t there = (end - from + piece_bytes - 1) / piece_bytes;
   count = static_cast<std::size_t>(std::min<std::uint64_t>(count, there));
   parallel_for(count, [&](std::size_t k) {
-    const std::uint64_t first = from + k * kPiece_bytes;
-    load(k, first, std::min(first + kPiece_bytes, end));
+    const std::uint64_t first = from + k * piece_bytes;
+    load(k, first, std::min(first + piece_bytes, end));
   });
   return count;
 }
@@ -111,7 +113,12 @@ void NumberRows::Piece::parse(std::size_t columns) {
 }
 
 NumberRows::NumberRows(const InputFile& file, TextPlace from, std::uint64_t end, std::size_t columns)
-    : file_(file), place_(from), end_(end), columns_(columns), pieces_(most_pieces()) {}
+    : file_(file),
+      place_(from),
+      end_(end),
+      columns_(columns),
+      piece_bytes_(kPiece_bytes),
+      pieces_(most_pieces()) {}
 
 NumberRows::~NumberRows() = default;
 
@@ -119,11 +126,17 @@ const std::vector<std::span<const double>>& NumberRows::next(std::uint64_t most)
   parts_.clear();
   while (parts_.empty() && most > 0 && place_.offset < end_) {
     const std::uint64_t begin = place_.offset;
-    const std::size_t count = for_pieces(begin, end_, batch_, [&](std::size_t k, auto first, auto last) {
-      pieces_[k].text.load(file_, begin, first, last, end_);
-      pieces_[k].parse(columns_);
-    });
-    batch_ = std::min(2 * batch_, pieces_.size());
+    const std::size_t count = for_pieces(
+        begin, end_, batch_,
+        [&](std::size_t k, auto first, auto last) {
+          pieces_[k].text.load(file_, begin, first, last, end_);
+          pieces_[k].parse(columns_);
+        },
+        piece_bytes_);
+    if (piece_bytes_ < kPiece_bytes)
+      piece_bytes_ = std::min(2 * piece_bytes_, kPiece_bytes);
+    else
+      batch_ = std::min(2 * batch_, pieces_.size());
     for (std::size_t k = 0; k < count && most > 0; ++k) {
       const Piece& piece = pieces_[k];
       const std::uint64_t rows = std::min(piece.rows, most);
@@ -136,7 +149,9 @@ const std::vector<std::span<const double>>& NumberRows::next(std::uint64_t most)
       place_.line += walk.lines;
       if (walk.at < piece.text.limit() && most > 0) {  // no such row: its reader takes over
         place_.offset = piece.text.offset(walk.at);
+        // The next one may be near: a file of such rows is not to be read anew for each.
         batch_ = 1;
+        piece_bytes_ = kLeastPiece_bytes;
         return parts_;
       }
     }

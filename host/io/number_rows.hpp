@@ -48,6 +48,7 @@ class NumberRows {
   TextPlace place_;
   std::uint64_t end_;
   std::size_t columns_, batch_ = 1;  // pieces of the next batch
+  std::uint64_t piece_bytes_;        // of one: small where rows are refused
   std::vector<Piece> pieces_;
   std::vector<std::span<const double>> parts_;
   bool commas_seen_ = false;

@@ -131,13 +131,13 @@ std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, Li
 std::size_t pass_line(TextCursor& cursor, double& first) {
   const TextPlace line{cursor.offset(), cursor.line()};
   try {
-    return cursor.read_numbers({&first, 1});
-  } catch (const Error& error) {
+    if (const auto count = cursor.try_numbers({&first, 1})) return *count;
+  } catch (const Error& error) {  // too long a line
     if (error.kind() != ErrorKind::input) throw;
     cursor.move_to(line.offset, line.line);
-    cursor.next_line();
-    return 0;
   }
+  cursor.next_line();
+  return 0;
 }
 
 // In a damaged file a line with one number starts a scan, whatever the number, and so does the first line.

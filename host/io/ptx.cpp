@@ -100,10 +100,10 @@ PtxHeader read_checked_header(TextCursor& cursor) {
   return header;
 }
 
-// How many numbers the line has that the cursor reads; 0 for one that holds something else.
+// How many numbers the line has that the cursor reads; 0 for one that holds something else, or is too long.
 std::size_t numbers_in(TextCursor& cursor, double& first) {
   try {
-    return cursor.at_end() ? 0 : cursor.read_numbers({&first, 1});
+    return cursor.at_end() ? 0 : cursor.try_numbers({&first, 1}).value_or(0);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) throw;
     return 0;

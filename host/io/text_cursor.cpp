@@ -78,17 +78,21 @@ void TextCursor::skip_blank_lines() {
   }
 }
 
-bool TextCursor::next_number(double& value) {
+TextCursor::Next TextCursor::next(double& value) {
   while (at_ != end_ && is_separator(*at_)) commas_seen_ |= *at_++ == ',';
   if (at_ == end_ || is_line_end(*at_)) {
     end_line();
-    return false;
+    return Next::line_end;
   }
-  const char* next = parse_number(at_, end_, value);
-  if (next != nullptr && (next == end_ || is_separator(*next) || is_line_end(*next))) {
-    at_ = next;
-    return true;
-  }
+  const char* end = parse_number(at_, end_, value);
+  if (end == nullptr || !(end == end_ || is_separator(*end) || is_line_end(*end))) return Next::other;
+  at_ = end;
+  return Next::number;
+}
+
+bool TextCursor::next_number(double& value) {
+  const Next found = next(value);
+  if (found != Next::other) return found == Next::number;
   const char* word_end = std::find_if(at_, end_, [](char c) { return is_separator(c) || is_line_end(c); });
   fail_input("{}: line {}: expected a number, found {}; correct or remove that line, or use --salvage",
              file(), line_, in_quotes({at_, static_cast<std::size_t>(word_end - at_)}));
@@ -99,6 +103,22 @@ std::size_t TextCursor::read_numbers(std::span<double> values) {
   std::size_t count = 0;
   double value = 0;
   while (next_number(value)) {
+    if (count < values.size()) values[count] = value;
+    ++count;
+  }
+  return count;
+}
+
+std::optional<std::size_t> TextCursor::try_numbers(std::span<double> values) {
+  need_line();
+  const char* start = at_;
+  std::size_t count = 0;
+  double value = 0;
+  for (Next found = next(value); found != Next::line_end; found = next(value)) {
+    if (found == Next::other) {
+      at_ = start;
+      return {};
+    }
     if (count < values.size()) values[count] = value;
     ++count;
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,11 +48,16 @@ class TextCursor {
   // Throws ErrorKind::input naming the line and what is no number.
   std::size_t read_numbers(std::span<double> values);
   void read_all_numbers(std::vector<double>& values);
+  // The same as read_numbers(), but nothing, and the line is still the next one, where something in it is no
+  // number: for those who look for lines of numbers, as an error costs more than many lines.
+  std::optional<std::size_t> try_numbers(std::span<double> values);
   // Whether the next line has exactly `count` words, all numbers. Moves past it.
   bool next_line_is_numbers(std::size_t count);
 
  private:
-  bool next_number(double& value);  // false: the line has ended, and the cursor stands on the next one
+  enum class Next { number, line_end, other };
+  Next next(double& value);  // line_end: the cursor stands on the next line
+  bool next_number(double& value);
   void end_line();
   void need_line() {  // before reading one: all of it is in the window
     if (at_ >= whole_lines_end_) load_line();

@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/large_vector.hpp"
 #include "core/parallel.hpp"
+#include "geometry/placed_range_image.hpp"
 #include "stages/sweeps.hpp"
 
 namespace hybrid::stages {
@@ -30,30 +31,39 @@ class GridSamples {
         static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
     assign_large(sample_, nodes, kNoSource);
     const auto in_grid = [&](std::size_t i) { return scan.node[i] < nodes && is_return(scan.point(i)); };
-    // Of several returns at a node the first takes it, whichever thread comes first.
-    std::atomic<bool> all_placed = true;
-    parallel_for(
-        scan.node.size(),
-        [&](std::size_t i) {
-          if (!in_grid(i)) {
-            if (is_return(scan.point(i))) all_placed.store(false, std::memory_order_relaxed);
-            return;
-          }
-          const std::atomic_ref<std::uint32_t> holder(sample_[scan.node[i]]);
-          std::uint32_t held = holder.load(std::memory_order_relaxed);
-          if (held == kNoSource &&
-              holder.compare_exchange_strong(held, static_cast<std::uint32_t>(i), std::memory_order_relaxed))
-            return;
-          all_placed.store(false, std::memory_order_relaxed);
-          while (i < held && !holder.compare_exchange_weak(held, static_cast<std::uint32_t>(i),
-                                                           std::memory_order_relaxed)) {
-          }
-        },
-        kGrain);
-    if (all_placed) return;
-    std::vector<std::vector<std::uint32_t>> left((scan.node.size() + kGrain - 1) / kGrain);
-    parallel_for(left.size(), [&](std::size_t block) {
-      for (std::size_t i = block * kGrain; i < std::min((block + 1) * kGrain, scan.node.size()); ++i)
+    std::atomic<std::size_t> returns = 0, placed = 0;
+    for_blocks(scan.node.size(), [&](std::size_t, std::size_t first, std::size_t end) {
+      std::size_t found = 0;
+      for (std::size_t i = first; i < end; ++i) {
+        if (!is_return(scan.point(i))) continue;
+        ++found;
+        if (scan.node[i] < nodes)
+          std::atomic_ref(sample_[scan.node[i]])
+              .store(static_cast<std::uint32_t>(i), std::memory_order_relaxed);
+      }
+      returns += found;
+    });
+    for_blocks(nodes, [&](std::size_t, std::size_t first, std::size_t end) {
+      const auto at = sample_.begin();
+      placed += (end - first) -
+                static_cast<std::size_t>(std::count(at + static_cast<std::ptrdiff_t>(first),
+                                                    at + static_cast<std::ptrdiff_t>(end), kNoSource));
+    });
+    if (placed == returns) return;
+    // Of several returns at a node the first takes it, whichever thread came first.
+    for_blocks(scan.node.size(), [&](std::size_t, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) {
+        if (!in_grid(i)) continue;
+        const std::atomic_ref<std::uint32_t> holder(sample_[scan.node[i]]);
+        std::uint32_t held = holder.load(std::memory_order_relaxed);
+        while (i < held && !holder.compare_exchange_weak(held, static_cast<std::uint32_t>(i),
+                                                         std::memory_order_relaxed)) {
+        }
+      }
+    });
+    std::vector<std::vector<std::uint32_t>> left((scan.node.size() + kBlock - 1) / kBlock);
+    for_blocks(scan.node.size(), [&](std::size_t block, std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i)
         if (in_grid(i) ? sample_[scan.node[i]] != i : is_return(scan.point(i)))
           left[block].push_back(static_cast<std::uint32_t>(i));
     });
@@ -73,9 +83,19 @@ class GridSamples {
   }
   // Returns that have no node: further ones of a node, and those outside the grid; ascending.
   const std::vector<std::uint32_t>& extra() const { return extra_; }
+  // The table itself, empty where the samples are in the grid's order: as it holds returns only, it is the
+  // image's `source` but for its flips. Nothing can be found here afterwards.
+  std::vector<std::uint32_t> release() { return std::move(sample_); }
 
  private:
-  static constexpr std::size_t kGrain = 1 << 14;
+  static constexpr std::size_t kBlock = 1 << 14;
+
+  template <typename Body>  // body(block, first, end)
+  static void for_blocks(std::size_t count, const Body& body) {
+    parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
+      body(block, block * kBlock, std::min((block + 1) * kBlock, count));
+    });
+  }
 
   const Scan& scan_;
   std::vector<std::uint32_t> sample_;  // per node; empty: the samples are in the grid's order
@@ -205,17 +225,36 @@ std::vector<double> even_table(int count, double step) {
   return table;
 }
 
-void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_cols, RangeImage& image) {
+// Rows upside down, columns the other way round, of an image's values.
+void flip(std::vector<std::uint32_t>& values, int rows, int cols, bool flip_rows, bool flip_cols) {
+  const auto row_at = [&](std::size_t row) {
+    return values.begin() + static_cast<std::ptrdiff_t>(row * static_cast<std::size_t>(cols));
+  };
+  const auto count = static_cast<std::size_t>(rows);
+  if (flip_rows)
+    parallel_for(count / 2, [&](std::size_t row) {
+      std::swap_ranges(row_at(row), row_at(row + 1), row_at(count - 1 - row));
+    });
+  if (flip_cols) parallel_for(count, [&](std::size_t row) { std::reverse(row_at(row), row_at(row + 1)); });
+}
+
+// The scan's samples as an image with its tables empty.
+RangeImage place(const Scan& scan, GridSamples& grid, bool flip_rows, bool flip_cols) {
+  std::vector<std::uint32_t> sources = grid.release();
+  const bool in_order = sources.empty();
+  if (!in_order) flip(sources, scan.grid_rows, scan.grid_cols, flip_rows, flip_cols);
+  RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols, std::move(sources));
   if (!scan.intensity.empty()) assign_large(image.intensity, image.count(), 0.0f);
   if (!scan.rgb.empty()) image.rgb.assign(image.count(), {0, 0, 0});
   const auto copy = [&](int row, int col) {
-    std::size_t source = 0;
-    if (!grid.find(flip_rows ? image.rows - 1 - row : row, flip_cols ? image.cols - 1 - col : col, source))
-      return;
+    const std::size_t i = image.index(row, col);
+    const std::size_t source = in_order ? scan.grid_index(flip_rows ? image.rows - 1 - row : row,
+                                                          flip_cols ? image.cols - 1 - col : col)
+                                        : image.source[i];
+    if (!in_order && source == kNoSource) return;
     const Vec3 point = scan.point(source);
     const double square = point.squaredNorm();
     if (!std::isfinite(square) || square == 0) return;
-    const std::size_t i = image.index(row, col);
     image.x[i] = static_cast<float>(point.x());
     image.y[i] = static_cast<float>(point.y());
     image.z[i] = static_cast<float>(point.z());
@@ -225,13 +264,16 @@ void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_
     if (!scan.intensity.empty()) image.intensity[i] = scan.intensity[source];
     if (!scan.rgb.empty()) image.rgb[i] = scan.rgb[source];
   };
-  // Files go down the columns, images along the rows: bands of rows keep both in the cache.
-  constexpr int kBand = 128;
-  parallel_for(static_cast<std::size_t>((image.rows + kBand - 1) / kBand), [&](std::size_t band) {
-    const int first = static_cast<int>(band) * kBand, end = std::min(first + kBand, image.rows);
-    for (int col = 0; col < image.cols; ++col)
-      for (int row = first; row < end; ++row) copy(row, col);
+  // Files go down the columns, images along the rows: in blocks of a cache line's width both stay in the
+  // cache.
+  constexpr int kHigh = 128, kWide = 16;
+  parallel_for(static_cast<std::size_t>((image.rows + kHigh - 1) / kHigh), [&](std::size_t band) {
+    const int first = static_cast<int>(band) * kHigh, end = std::min(first + kHigh, image.rows);
+    for (int left = 0; left < image.cols; left += kWide)
+      for (int row = first; row < end; ++row)
+        for (int col = left; col < std::min(left + kWide, image.cols); ++col) copy(row, col);
   });
+  return image;
 }
 
 [[noreturn]] void fail_no_return(const Scan& scan) {
@@ -243,11 +285,11 @@ void place(const Scan& scan, const GridSamples& grid, bool flip_rows, bool flip_
 // what follows gives what it gave the first time.
 RangeImage restore_grid(const Scan& scan) {
   const RangeGrid& grid = *scan.range_grid;
-  RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols);
+  GridSamples samples(scan);
+  RangeImage image = place(scan, samples, false, false);
   image.elevation_rad = grid.elevation_rad;
   image.azimuth_rad = grid.azimuth_rad;
   image.wraps = grid.wraps;
-  place(scan, GridSamples(scan), false, false, image);
   for (std::size_t k = 0; k < grid.interpolated.size(); ++k) {
     const std::size_t i = grid.interpolated[k];
     image.mask[i] = kInterpolated;
@@ -279,23 +321,23 @@ RangeImage arrange_grid(const Scan& scan) {
   while (first < scan.points.size() && !is_return(scan.point(first))) ++first;
   if (first == scan.points.size()) fail_no_return(scan);
 
-  const GridSamples grid(scan);
-  RangeImage image = make_range_image(scan.grid_rows, scan.grid_cols);
-  image.extra = grid.extra();
-  image.elevation_rad = row_elevations(scan, grid);
-  image.azimuth_rad = column_azimuths(scan, grid);
-  const int rows_go = complete(image.elevation_rad), cols_go = complete(image.azimuth_rad);
-  const double turn = image.azimuth_rad.back() - image.azimuth_rad.front();
-  if (rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn) {
-    image.elevation_rad = even_table(image.rows, -typical_angle(scan, grid, 1, 0));
-    image.azimuth_rad = even_table(image.cols, typical_angle(scan, grid, 0, 1));
-    place(scan, grid, false, false, image);
-    return image;
+  GridSamples grid(scan);
+  std::vector<double> elevation = row_elevations(scan, grid), azimuth = column_azimuths(scan, grid);
+  const int rows_go = complete(elevation), cols_go = complete(azimuth);
+  const double turn = azimuth.back() - azimuth.front();
+  const bool even = rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn;
+  if (even) {
+    elevation = even_table(scan.grid_rows, -typical_angle(scan, grid, 1, 0));
+    azimuth = even_table(scan.grid_cols, typical_angle(scan, grid, 0, 1));
+  } else {
+    if (rows_go > 0) std::reverse(elevation.begin(), elevation.end());
+    if (cols_go < 0) std::reverse(azimuth.begin(), azimuth.end());
   }
-  if (rows_go > 0) std::reverse(image.elevation_rad.begin(), image.elevation_rad.end());
-  if (cols_go < 0) std::reverse(image.azimuth_rad.begin(), image.azimuth_rad.end());
-  image.wraps = is_full_turn(image.azimuth_rad);
-  place(scan, grid, rows_go > 0, cols_go < 0, image);
+  RangeImage image = place(scan, grid, !even && rows_go > 0, !even && cols_go < 0);
+  image.extra = grid.extra();
+  image.elevation_rad = std::move(elevation);
+  image.azimuth_rad = std::move(azimuth);
+  image.wraps = !even && is_full_turn(image.azimuth_rad);
   return image;
 }
 

@@ -106,11 +106,11 @@ void write(const fs::path& file, const std::vector<Made>& scans, std::size_t ima
 std::vector<fs::path> to_images(const fs::path& file, const fs::path& folder) {
   const io::E57FileSource source(file);
   EXPECT_TRUE(source.dropped().empty());
-  io::write_exr_parts(source, folder / "a.parts");
+  const std::string sums = io::write_exr_parts(source, folder / "a.parts");
   std::vector<fs::path> images;
   for (std::size_t k = 0; k < source.contents().scans.size(); ++k) {
     images.push_back(folder / fmt::format("a-{}.exr", k));
-    io::write_exr_scan(source, k, images.back(), folder / "a.parts");
+    io::write_exr_scan(source, k, images.back(), folder / "a.parts", sums);
   }
   return images;
 }
@@ -330,8 +330,13 @@ TEST(E57Records, DamageIsFound) {
   refused({images[0]}, {"hybrid:e57_parts", "name of a folder"});
   std::ofstream(images[0], std::ios::binary) << good;
   for (const auto& part : fs::directory_iterator(folder.path() / "a.parts")) {
+    const std::string picture = bytes_of(part.path());
     std::ofstream(part.path(), std::ios::binary) << "too short";
     refused({images[0]}, {"jpegImage", "found 9"});
+    std::string changed = picture;
+    changed.back() ^= 1;
+    std::ofstream(part.path(), std::ios::binary) << changed;
+    refused({images[0]}, {"jpegImage", "checksum", "copy the folder again"});
     fs::rename(part.path(), folder.path() / "away");
     refused({images[0]}, {"jpegImage", "copy the folder a.parts"});
     fs::rename(folder.path() / "away", part.path());
