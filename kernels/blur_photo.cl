@@ -7,8 +7,9 @@
 // Mapping: one work-item per pixel.
 //
 // in: photo[4 * width * height]: sRGB bytes, read when vertical is 0; rows[4 * width * height]: half, linear
-// light, the first pass's result, read when vertical is 1; linear[3 * 256]: light of an sRGB byte, per channel;
-// weights[radius + 1] by distance in pixels; distance, id[width * height] as ray_cast sees from this camera
+// light, the first pass's result, read when vertical is 1; linear[3 * 256]: light of an sRGB byte, per
+// channel; weights[radius + 1] by distance in pixels; distance, id[width * height] as ray_cast sees from this
+// camera
 // (+inf, 0: nothing).
 //
 // out: blurred[4 * width * height]: half, linear light; the fourth channel is 1, or 0 like the others where
