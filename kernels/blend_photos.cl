@@ -11,7 +11,7 @@
 // a splat with a known normal, < 0: one without, which faces everything, 0: a face);
 // photo[4 * width * height]: sRGB bytes, the fourth 0 where the photograph's mask says so (CAMERA_HAS_MASK):
 // what lies there is not seen; low[4 * width * height]: half, linear light (BLEND_DUAL only);
-// linear[256]: light of an sRGB byte.
+// linear[3 * 256]: light of an sRGB byte, of red, green and blue: the photograph's own, gains included.
 //
 // in/out: sums[BLEND_PLANES * cols * rows]; seen[cols * rows] = photographs so far that see the point;
 // best[cols * rows] = the heaviest so far (-1 none).

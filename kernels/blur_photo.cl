@@ -7,8 +7,9 @@
 // Mapping: one work-item per pixel.
 //
 // in: photo[4 * width * height]: sRGB bytes, read when vertical is 0; rows[4 * width * height]: half, linear
-// light, the first pass's result, read when vertical is 1; linear[256]: light of an sRGB byte;
-// weights[radius + 1] by distance in pixels; distance, id[width * height] as ray_cast sees from this camera
+// light, the first pass's result, read when vertical is 1; linear[3 * 256]: light of an sRGB byte, per
+// channel; weights[radius + 1] by distance in pixels; distance, id[width * height] as ray_cast sees from this
+// camera
 // (+inf, 0: nothing).
 //
 // out: blurred[4 * width * height]: half, linear light; the fourth channel is 1, or 0 like the others where
@@ -64,7 +65,7 @@ kernel void blur_photo(const BlurPhotoParams params, global const uchar* restric
         if (!kMasked) light.w = 1.0f;
       } else {
         const uchar4 bytes = vload4(at, photo);
-        light = (float4)(linear[bytes.x], linear[bytes.y], linear[bytes.z], 1.0f);
+        light = (float4)(linear[bytes.x], linear[256u + bytes.y], linear[512u + bytes.z], 1.0f);
         if (kMasked && bytes.w == 0) light = (float4)(0.0f);
       }
       sum += weights[apart] * light;

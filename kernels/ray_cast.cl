@@ -27,18 +27,106 @@
 // triangles. Cost: per ray about 100 bytes read and 40 written, 300 flops per level of the tree shared by the
 // packet. Reference twin: tests/reference/ray_cast.cpp.
 #include "lib/bvh.h"
-#include "lib/camera.h"
+#include "lib/packet_camera.h"
 #include "shared/params_ray_cast.h"
 
 // Tolerances along the ray within which a splat and a face compete: the tolerance holds across the face,
 // whose cosine counts as no less than 1 / SLACK.
 #define SLACK 10.0f
 
-static inline float3 ray_direction(const RayCastParams* params, global const float* directions, uint2 at) {
-  if (!params->use_camera) return vload3(at.y * params->cols + at.x, directions);
-  const float2 pixel = (float2)((float)(params->first_col + at.x) + params->offset_x,
-                                (float)(params->first_row + at.y) + params->offset_y);
-  return camera_ray(&params->camera, pixel);
+// What the packet's rays hit.
+typedef struct PacketSeen {
+  floatv t, normal_x, normal_y, normal_z, radius;
+  uintv id;
+} PacketSeen;
+
+// Directions of the packet's rays; NaN where there is none.
+static inline void packet_directions(const RayCastParams* params, global const float* directions,
+                                     uint2 corner, floatv* x, floatv* y, floatv* z) {
+  float lane_x[VW], lane_y[VW], lane_z[VW];
+  packet_steps(params->rows, lane_x, lane_y);
+  const floatv col = (float)corner.x + LOAD_LANES(lane_x), row = (float)corner.y + LOAD_LANES(lane_y);
+  if (params->use_camera) {
+    packet_camera_rays(&params->camera, (float)params->first_col + col + params->offset_x,
+                       (float)params->first_row + row + params->offset_y, x, y, z);
+    const intv outside = MASK(col >= (float)params->cols) | MASK(row >= (float)params->rows);
+    *x = PICK(outside, (floatv)(NAN), *x);
+    return;
+  }
+  for (uint lane = 0u; lane < VW; ++lane) {
+    const uint at_x = corner.x + (uint)lane_x[lane], at_y = corner.y + (uint)lane_y[lane];
+    float3 given = (float3)(NAN);
+    if (at_x < params->cols && at_y < params->rows) given = vload3(at_y * params->cols + at_x, directions);
+    lane_x[lane] = given.x;
+    lane_y[lane] = given.y;
+    lane_z[lane] = given.z;
+  }
+  *x = LOAD_LANES(lane_x);
+  *y = LOAD_LANES(lane_y);
+  *z = LOAD_LANES(lane_z);
+}
+
+// The two steps below go through a packet's different primitives, of which neighbouring rays share most: each
+// once, for all lanes that hit it. `left`: the lanes whose primitive is still to come.
+static inline intv lanes_of(uintv hits, uint primitive, intv* left) {
+  const intv same = MASK(hits == primitive) & *left;
+  *left &= ~same;
+  return same;
+}
+
+static inline void see_triangles(const PacketHit* hit, const PacketRays* rays,
+                                 global const TriangleRecord* triangles, PacketSeen* seen) {
+  uint lanes[VW];
+  STORE_LANES(hit->triangle, lanes);
+  intv left = MASK(hit->triangle != BVH_EMPTY);
+  for (uint lane = 0u; lane < VW && ANY(left); ++lane) {
+    const intv same = lanes_of(hit->triangle, lanes[lane], &left);
+    if (!ANY(same)) continue;
+    global const TriangleRecord* face = triangles + lanes[lane];
+    const float3 a = vload3(0, face->a);
+    const float3 normal = normalize(cross(vload3(0, face->b) - a, vload3(0, face->c) - a));
+    const floatv away = normal.x * rays->x + normal.y * rays->y + normal.z * rays->z;
+    // A face's front is what one looks at; what a scan saw (radius > 0) has its own.
+    const floatv sign =
+        PICK(MASK(away > 0.0f) & MASK((floatv)(face->radius) == 0.0f), (floatv)(-1.0f), (floatv)(1.0f));
+    seen->t = PICK(same, hit->t_triangle, seen->t);
+    seen->normal_x = PICK(same, sign * normal.x, seen->normal_x);
+    seen->normal_y = PICK(same, sign * normal.y, seen->normal_y);
+    seen->normal_z = PICK(same, sign * normal.z, seen->normal_z);
+    seen->radius = PICK(same, (floatv)(face->radius), seen->radius);
+    seen->id = PICK(same, (uintv)(face->id), seen->id);
+  }
+}
+
+static inline void see_spheres(const PacketHit* hit, const PacketRays* rays, float tolerance_m,
+                               global const SphereRecord* spheres, global const SphereSurface* surfaces,
+                               PacketSeen* seen) {
+  const floatv slope = fabs(seen->normal_x * rays->x + seen->normal_y * rays->y + seen->normal_z * rays->z);
+  const floatv behind = (hit->t_sphere - seen->t) * max(slope, (floatv)(1.0f / SLACK));
+  intv left = MASK(hit->sphere != BVH_EMPTY) & (MASK(seen->id == 0u) | MASK(behind <= tolerance_m));
+  uint lanes[VW];
+  STORE_LANES(hit->sphere, lanes);
+  for (uint lane = 0u; lane < VW && ANY(left); ++lane) {
+    const intv same = lanes_of(hit->sphere, lanes[lane], &left);
+    if (!ANY(same)) continue;
+    global const SphereSurface* surface = surfaces + lanes[lane];
+    global const SphereRecord* sphere = spheres + lanes[lane];
+    const float3 own = vload3(0, surface->normal);
+    const int flat = dot(own, own) != 0.0f;
+    const float3 from = rays->origin - vload3(0, sphere->centre);
+    floatv x = (floatv)(own.x), y = (floatv)(own.y), z = (floatv)(own.z);
+    if (!flat) {
+      x = (from.x + hit->t_sphere * rays->x) / sphere->radius;
+      y = (from.y + hit->t_sphere * rays->y) / sphere->radius;
+      z = (from.z + hit->t_sphere * rays->z) / sphere->radius;
+    }
+    seen->t = PICK(same, hit->t_sphere, seen->t);
+    seen->normal_x = PICK(same, x, seen->normal_x);
+    seen->normal_y = PICK(same, y, seen->normal_y);
+    seen->normal_z = PICK(same, z, seen->normal_z);
+    seen->radius = PICK(same, (floatv)(flat ? sphere->radius : -sphere->radius), seen->radius);
+    seen->id = PICK(same, (uintv)(surface->id), seen->id);
+  }
 }
 
 kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict nodes,
@@ -51,74 +139,31 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
   const uint2 corner = packet_pixel(packet_x, packet_y, 0u, params.rows);
   if (corner.x >= params.cols || corner.y >= params.rows) return;
 
-  float x[VW], y[VW], z[VW], limit[VW];
-  for (uint lane = 0u; lane < VW; ++lane) {
-    const uint2 at = packet_pixel(packet_x, packet_y, lane, params.rows);
-    float3 direction = (float3)(0.0f, 0.0f, 1.0f);
-    limit[lane] = -1.0f;
-    if (at.x < params.cols && at.y < params.rows) {
-      const float3 given = ray_direction(&params, directions, at);
-      if (!isnan(given.x + given.y + given.z)) {
-        direction = given;
-        limit[lane] = INFINITY;
-      }
-    }
-    x[lane] = direction.x, y[lane] = direction.y, z[lane] = direction.z;
-  }
-  const float3 origin = vload3(0, params.camera.centre);
-  const PacketRays rays = bvh_rays(origin, LOAD_LANES(x), LOAD_LANES(y), LOAD_LANES(z));
-  const PacketHit hit = bvh_nearest(&rays, nodes, triangles, spheres, sphere_surfaces, params.root,
-                                    LOAD_LANES(limit), SLACK * params.tolerance_m);
-  float t_triangle[VW], t_sphere[VW];
-  uint triangle[VW], sphere[VW];
-  STORE_LANES(hit.t_triangle, t_triangle);
-  STORE_LANES(hit.t_sphere, t_sphere);
-  STORE_LANES(hit.triangle, triangle);
-  STORE_LANES(hit.sphere, sphere);
+  floatv x, y, z;
+  packet_directions(&params, directions, corner, &x, &y, &z);
+  const intv used = MASK(x + y + z == x + y + z);  // no NaN
+  x = PICK(used, x, (floatv)(0.0f)), y = PICK(used, y, (floatv)(0.0f)), z = PICK(used, z, (floatv)(1.0f));
+  const PacketRays rays = bvh_rays(vload3(0, params.camera.centre), x, y, z, used);
+  const PacketHit hit =
+      bvh_nearest(&rays, nodes, triangles, spheres, sphere_surfaces, params.root,
+                  PICK(used, (floatv)(INFINITY), (floatv)(-1.0f)), SLACK * params.tolerance_m);
+  const floatv none = (floatv)(0.0f);
+  PacketSeen seen = {(floatv)(INFINITY), none, none, none, none, (uintv)(0u)};
+  see_triangles(&hit, &rays, triangles, &seen);
+  see_spheres(&hit, &rays, params.tolerance_m, spheres, sphere_surfaces, &seen);
 
   const uint count = params.cols * params.rows;
-  for (uint lane = 0u; lane < VW; ++lane) {
-    const uint2 at = packet_pixel(packet_x, packet_y, lane, params.rows);
-    if (at.x >= params.cols || at.y >= params.rows) continue;
-    const uint i = at.y * params.cols + at.x;
-    const float3 direction = (float3)(x[lane], y[lane], z[lane]);
-    float3 normal = (float3)(0.0f);
-    float t = INFINITY, radius = 0.0f;
-    uint hit_id = 0u;
-    int own_normal = 0;
-    if (triangle[lane] != BVH_EMPTY) {
-      global const TriangleRecord* face = triangles + triangle[lane];
-      const float3 a = vload3(0, face->a);
-      normal = normalize(cross(vload3(0, face->b) - a, vload3(0, face->c) - a));
-      t = t_triangle[lane];
-      hit_id = face->id;
-      radius = face->radius;
-      own_normal = radius > 0.0f;
-    }
-    const float behind = (t_sphere[lane] - t) * max(fabs(dot(normal, direction)), 1.0f / SLACK);
-    if (sphere[lane] != BVH_EMPTY && (hit_id == 0u || behind <= params.tolerance_m)) {
-      t = t_sphere[lane];
-      hit_id = sphere_surfaces[sphere[lane]].id;
-      normal = vload3(0, sphere_surfaces[sphere[lane]].normal);
-      radius = spheres[sphere[lane]].radius;
-      own_normal = 1;
-      if (dot(normal, normal) == 0.0f) {
-        normal = (origin + t * direction - vload3(0, spheres[sphere[lane]].centre)) / radius;
-        radius = -radius;
-        own_normal = 0;
-      }
-    }
-    distance[i] = t;
-    id[i] = hit_id;
-    if (!params.want_surface) continue;
-    if (!own_normal && dot(normal, direction) > 0.0f) normal = -normal;
-    const float3 point = hit_id == 0u ? (float3)(NAN) : origin + t * direction;
-    surface[SURFACE_X * count + i] = point.x;
-    surface[SURFACE_Y * count + i] = point.y;
-    surface[SURFACE_Z * count + i] = point.z;
-    surface[SURFACE_NORMAL_X * count + i] = normal.x;
-    surface[SURFACE_NORMAL_Y * count + i] = normal.y;
-    surface[SURFACE_NORMAL_Z * count + i] = normal.z;
-    surface[SURFACE_RADIUS * count + i] = radius;
-  }
+  store_packet(seen.t, corner, params.cols, params.rows, distance);
+  store_packet_ids(seen.id, corner, params.cols, params.rows, id);
+  if (!params.want_surface) return;
+  const floatv reach = PICK(MASK(seen.id != 0u), seen.t, (floatv)(NAN));
+  const floatv planes[SURFACE_PLANES] = {rays.origin.x + reach * x,
+                                         rays.origin.y + reach * y,
+                                         rays.origin.z + reach * z,
+                                         seen.normal_x,
+                                         seen.normal_y,
+                                         seen.normal_z,
+                                         seen.radius};
+  for (uint plane = 0u; plane < SURFACE_PLANES; ++plane)
+    store_packet(planes[plane], corner, params.cols, params.rows, surface + plane * count);
 }

@@ -1,5 +1,6 @@
 #include "batch/export_rib.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "batch/overview_camera.hpp"
@@ -13,6 +14,12 @@ namespace {
 constexpr float kNothing_m = 1e9f;  // in depth pictures: nothing is hit
 constexpr float kMasked_m = -1;     // no part of the photograph: everything lies behind it
 
+// A path's frames have a folder in their names, which the renderer's pictures shall not need.
+std::string flat_name(std::string name) {
+  std::replace(name.begin(), name.end(), '/', '-');
+  return name;
+}
+
 std::vector<io::RibView> frames(const std::vector<io::SceneView>& views, const PhotographSet& photographs,
                                 const PolygonModel& model, const SayNote& note) {
   std::vector<io::RibView> frames;
@@ -22,7 +29,7 @@ std::vector<io::RibView> frames(const std::vector<io::SceneView>& views, const P
     if (camera.panorama() || is_distorted(camera))
       note(fmt::format("scene.rib: view {}: RenderMan's cameras have no distortion: no frame", view.name));
     else
-      frames.push_back({view.name, request.camera});
+      frames.push_back({flat_name(view.name), request.camera});
   }
   if (frames.empty() && !model.faces.empty())
     frames.push_back({"overview", overview_camera(model, 1280, 720)});

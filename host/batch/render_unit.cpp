@@ -252,6 +252,7 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
   Json figures = {{"name", view.name},
                   {"size", {rendered.colour.width, rendered.colour.height}},
                   {"surface_share", static_cast<double>(hit) / pixels}};
+  if (!view.path.empty()) figures["path"] = view.path;
   if (view.texture) figures["red_share"] = static_cast<double>(hit - seen) / pixels;
 
   const bool left_out =
@@ -270,6 +271,13 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
                                 difference(photograph, rendered.colour, quality.gain, mask)}));
   }
   return figures;
+}
+
+Json equalisation_figures(const stages::Renderer& renderer, const PhotographSet& photographs) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < photographs.cameras.size(); ++i)
+    rows.push_back({{"photograph", photographs.cameras[i].name}, {"gain", renderer.gains()[i]}});
+  return rows;
 }
 
 Image8 to_picture(const ImageF& linear) {

@@ -54,6 +54,10 @@ nlohmann::ordered_json leave_one_out_figures(const nlohmann::ordered_json& views
 nlohmann::ordered_json render_view(stages::Renderer& renderer, const io::SceneView& view,
                                    const PhotographSet& photographs, const std::filesystem::path& out);
 
+// Gains of every photograph's channels (`[render] equalise`).
+nlohmann::ordered_json equalisation_figures(const stages::Renderer& renderer,
+                                            const PhotographSet& photographs);
+
 // Linear RGB to an 8-bit sRGB picture.
 Image8 to_picture(const ImageF& linear);
 

@@ -25,9 +25,11 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
                scene.path.string());
   if (stages.count("register") && !scene.model && scene.scans.empty())
     fail_input("{}: no [model] and no [[scan]]: there is nothing to register", scene.path.string());
-  const auto named = [&](const auto& view) { return view.name == request.only_view; };
+  const auto named = [&](const auto& view) {
+    return view.name == request.only_view || view.path == request.only_view;
+  };
   if (!request.only_view.empty() && std::none_of(scene.views.begin(), scene.views.end(), named))
-    fail_input("--view {}: {} has no view of that name", request.only_view, scene.path.string());
+    fail_input("--view {}: {} has no view or path of that name", request.only_view, scene.path.string());
   if (request.leave_one_out && !scene.photographs)
     fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
   check_output_folder(request.out, scene.name, request.force);

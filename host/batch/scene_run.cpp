@@ -258,7 +258,8 @@ class Run {
   std::vector<io::SceneView> views() const {
     std::vector<io::SceneView> views;
     for (const auto& view : run_.scene.views)
-      if (request_.only_view.empty() ? request_.scene_views : view.name == request_.only_view)
+      if (request_.only_view.empty() ? request_.scene_views
+                                     : view.name == request_.only_view || view.path == request_.only_view)
         views.push_back(view);
     if (request_.leave_one_out)
       for (auto& view : leave_one_out_views(run_.photographs)) views.push_back(std::move(view));
@@ -268,6 +269,7 @@ class Run {
   void render_all() {
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs);
     stages::Renderer renderer(queue_, scene, options_.render);
+    if (options_.render.equalise) equalisation_ = equalisation_figures(renderer, run_.photographs);
     if (!run_.photographs.cameras.empty())
       unit("coverage", [&] { coverage_ = coverage_figures(renderer, scene, options_.coverage); });
     if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));
@@ -374,6 +376,7 @@ class Run {
                     {"failures", Json::array()}};
     if (!export_.is_null()) run_.summary["export"] = export_;
     if (!coverage_.is_null()) run_.summary["coverage"] = coverage_;
+    if (!equalisation_.is_null()) run_.summary["equalisation"] = equalisation_;
     if (const Json edits = editing_.figures(); !edits.is_null()) run_.summary["edit"] = edits;
     Json placed = Json::array();  // photographs out of E57 files
     for (std::size_t i = 0; i < run_.photographs.placed_with.size(); ++i)
@@ -413,7 +416,7 @@ class Run {
   std::vector<std::size_t> indices_;    // one per product: which scan of its file
   std::optional<ScanNames> names_;
   std::optional<io::SceneTruth> truth_;
-  Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, joint_;
+  Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, equalisation_, joint_;
   SceneRun run_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "geometry/camera.hpp"
+#include "io/scene_path.hpp"
 #include "io/scene_table.hpp"
 
 namespace hybrid::io {
@@ -147,7 +148,6 @@ void read_view_camera(const fs::path& file, const SceneTable& table, SceneView& 
   view.target = *table.point("target");
   view.up = table.point("up").value_or(view.up);
   view.fov_deg = table.number("fov_deg").value_or(view.fov_deg);
-  view.size = read_view_size(table, view.size);
   // Its checks of the numbers' sense, made here where the line is known.
   with_context(fmt::format("{}:{}", file.string(), view.line),
                [&] { look_at(view.eye, view.target, view.up, view.fov_deg, view.size[0], view.size[1]); });
@@ -158,11 +158,8 @@ SceneView read_view(const fs::path& file, const SceneTable& table) {
   result.line = table.line();
   table.required_text("name");
   result.name = *table.folder_name("name");
+  read_view_options(table, result);
   read_view_camera(file, table, result);
-  result.show = table.choice("show", {"proxy", "scan", "both"}, result.show);
-  result.texture = table.flag("texture", result.texture);
-  result.cameras = table.flag("cameras", result.cameras);
-  result.leave_out = table.texts("leave_out");
   return result;
 }
 
@@ -200,9 +197,9 @@ void read_model(const SceneTable& root, SceneFile& scene) {
 }
 
 SceneFile read_scene(const fs::path& file, const toml::table& document) {
-  const SceneTable root(
-      file, "", document,
-      {"scene", "scan", "model", "photographs", "planes", "register", "edit", "render", "export", "view"});
+  const SceneTable root(file, "", document,
+                        {"scene", "scan", "model", "photographs", "planes", "register", "edit", "render",
+                         "export", "view", "path"});
   SceneFile scene;
   scene.path = file;
   read_scene_table(root, scene);
@@ -228,12 +225,25 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
     scene.views.push_back(read_view(file, table));
     check_unique(table, "name", scene.views.back().name, names);
   }
+  for (const SceneTable& table : root.tables("path", scene_path_keys())) {
+    const std::vector<SceneView> frames = read_scene_path(file, table);
+    check_unique(table, "name", frames.front().path, names);
+    scene.views.insert(scene.views.end(), frames.begin(), frames.end());
+  }
   if (scene.scans.empty() && !scene.model)
     fail_at(file, 1, "expected at least one [[scan]] or a [model], found neither");
   return scene;
 }
 
 }  // namespace
+
+void read_view_options(const SceneTable& table, SceneView& view) {
+  view.size = read_view_size(table, view.size);
+  view.show = table.choice("show", {"proxy", "scan", "both"}, view.show);
+  view.texture = table.flag("texture", view.texture);
+  view.cameras = table.flag("cameras", view.cameras);
+  view.leave_out = table.texts("leave_out");
+}
 
 SceneFile read_scene_file(const fs::path& file) {
   const std::string text = read_plain_text(file);

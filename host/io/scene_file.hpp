@@ -45,6 +45,7 @@ struct SceneScan {
 struct SceneView {
   int line = 0;
   std::string name;
+  std::string path;        // of a frame: the [[path]] it belongs to; its name is <path>/0000 ...
   std::string photograph;  // or eye/target/up/fov_deg/size:
   Vec3 eye = Vec3::Zero(), target = Vec3::UnitY(), up = Vec3::UnitZ();
   double fov_deg = 60;
@@ -90,6 +91,10 @@ struct SceneFile {
   bool has_export = false;  // an [export] is there: a run without --only exports, too
   std::vector<SceneView> views;
 };
+
+class SceneTable;
+// size, show, texture, cameras and leave_out of a view or path.
+void read_view_options(const SceneTable& table, SceneView& view);
 
 // Throws ErrorKind::input. Files that the scene names are not opened.
 SceneFile read_scene_file(const std::filesystem::path& file);

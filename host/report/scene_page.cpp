@@ -1,6 +1,7 @@
 #include "report/scene_page.hpp"
 
 #include <fmt/format.h>
+#include <map>
 
 #include <algorithm>
 #include <cmath>
@@ -200,10 +201,19 @@ std::string pair_picture(const ScenePage& page, const Json& view) {
 
 std::string view_section(const ScenePage& page) {
   std::string single, pairs;
+  std::map<std::string, std::size_t> frames;
+  for (const auto& view : page.summary["views"])
+    if (view.contains("path")) ++frames[view["path"].get<std::string>()];
   for (const auto& view : page.summary["views"]) {
     if (is_leave_one_out(view)) continue;
     const std::string name = view["name"].get<std::string>();
     std::string caption = name;
+    if (view.contains("path")) {  // its first frame stands for all
+      auto& left = frames[view["path"].get<std::string>()];
+      if (left == 0) continue;
+      caption = fmt::format("{}: the first of {} frames", name, left);
+      left = 0;
+    }
     if (view.contains("red_share"))
       caption +=
           fmt::format("; red = seen by no photograph: {:.1f} %", 100 * view["red_share"].get<double>());

@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "stages/bvh_collapse.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -19,24 +20,9 @@ constexpr std::size_t kLargestLeaf = 8;
 constexpr int kDepthOfMedians =
     32;  // deeper nodes split at the median, so that the traversal's stack suffices
 constexpr std::uint32_t kSphereBit = 0x80000000u;
-static_assert(kDepthOfMedians + BVH_COUNT_SHIFT + 1 < BVH_STACK);
+static_assert((BVH_WIDTH - 1) * BVH_WIDE_LEVELS + kDepthOfMedians + BVH_COUNT_SHIFT + 1 < BVH_STACK);
 
-struct Box {
-  std::array<float, 3> low{INFINITY, INFINITY, INFINITY};
-  std::array<float, 3> high{-INFINITY, -INFINITY, -INFINITY};
-
-  void add(const std::array<float, 3>& l, const std::array<float, 3>& h) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], l[k]);
-      high[k] = std::max(high[k], h[k]);
-    }
-  }
-  void add(const Box& box) { add(box.low, box.high); }
-  float area() const {
-    const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
-    return x < 0 ? 0 : x * y + y * z + z * x;
-  }
-};
+using Box = BinaryBox;
 
 struct Primitive {
   std::array<float, 3> low;
@@ -91,10 +77,10 @@ Part fold_blocks(std::size_t begin, std::size_t end, const Fold& fold, const Mer
 
 class Builder {
  public:
-  explicit Builder(std::vector<Primitive>& primitives)
-      : primitives_(primitives), slots_(std::max<std::size_t>(primitives.size(), 1)) {}
+  Builder(std::vector<Primitive>& primitives, tbb::concurrent_vector<BinaryNode>& nodes)
+      : primitives_(primitives), nodes_(nodes) {}
 
-  // The subtree of [begin, end): its child code (inner nodes by slot, leaves by position) and box.
+  // The subtree of [begin, end): its code and box.
   std::uint32_t build(std::size_t begin, std::size_t end, int depth, Box& box) {
     Box centres;
     measure(begin, end, box, centres);
@@ -116,19 +102,8 @@ class Builder {
       side(0);
       side(1);
     }
-    // No two nodes split at the same place: its index is a slot nobody else writes.
-    BvhNode& node = slots_[middle - 1];
-    for (std::size_t k = 0; k < 3; ++k) {
-      node.low0[k] = boxes[0].low[k], node.high0[k] = boxes[0].high[k];
-      node.low1[k] = boxes[1].low[k], node.high1[k] = boxes[1].high[k];
-    }
-    node.child0 = children[0];
-    node.child1 = children[1];
-    node.pad[0] = node.pad[1] = 0;
-    return static_cast<std::uint32_t>(middle - 1);
+    return static_cast<std::uint32_t>(nodes_.push_back({boxes, children}) - nodes_.begin());
   }
-
-  const BvhNode& slot(std::uint32_t index) const { return slots_[index]; }
 
  private:
   void measure(std::size_t begin, std::size_t end, Box& box, Box& centres) const {
@@ -226,7 +201,7 @@ class Builder {
   }
 
   std::vector<Primitive>& primitives_;
-  std::vector<BvhNode> slots_;
+  tbb::concurrent_vector<BinaryNode>& nodes_;
 };
 
 // Boxes are grown by more than the rounding of a ray's box test, so that a flat one still lets rays in.
@@ -266,34 +241,6 @@ std::vector<Primitive> bound(const std::vector<TriangleRecord>& triangles,
   return primitives;
 }
 
-// Copies the subtree of `code` depth first and its primitives in leaf order; returns its final code.
-std::uint32_t emit(std::uint32_t code, const Builder& builder, const std::vector<Primitive>& primitives,
-                   const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres,
-                   Bvh& out) {
-  if (!(code & BVH_LEAF)) {
-    const std::size_t index = out.nodes.size();
-    out.nodes.push_back(builder.slot(code));
-    const std::uint32_t child0 = out.nodes[index].child0, child1 = out.nodes[index].child1;
-    out.nodes[index].child0 = emit(child0, builder, primitives, triangles, spheres, out);
-    out.nodes[index].child1 = emit(child1, builder, primitives, triangles, spheres, out);
-    return static_cast<std::uint32_t>(index);
-  }
-  const std::size_t begin = code & BVH_FIRST_MASK;
-  const std::size_t count = ((code >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1;
-  const bool sphere = (code & BVH_SPHERES) != 0;
-  const std::size_t first = sphere ? out.spheres.size() : out.triangles.size();
-  for (std::size_t i = begin; i < begin + count; ++i) {
-    const std::uint32_t index = primitives[i].id & ~kSphereBit;
-    if (sphere) {
-      out.spheres.push_back(spheres[index]);
-      out.sphere_source.push_back(index);
-    } else {
-      out.triangles.push_back(triangles[index]);
-    }
-  }
-  return (code & ~BVH_FIRST_MASK) | static_cast<std::uint32_t>(first);
-}
-
 }  // namespace
 
 Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres) {
@@ -303,15 +250,15 @@ Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<Sp
                BVH_FIRST_MASK, count);
   Bvh out;
   if (count == 0) return out;
-  std::vector<Primitive> primitives = bound(triangles, spheres);
-  Builder builder(primitives);
-  Box box;
-  const std::uint32_t root = builder.build(0, count, 0, box);
-  out.nodes.reserve(count / 2);
-  out.triangles.reserve(triangles.size());
-  out.spheres.reserve(spheres.size());
-  out.sphere_source.reserve(spheres.size());
-  out.root = emit(root, builder, primitives, triangles, spheres, out);
+  BinaryTree tree;
+  {
+    std::vector<Primitive> primitives = bound(triangles, spheres);
+    Box box;
+    tree.root = Builder(primitives, tree.nodes).build(0, count, 0, box);
+    tree.order.resize(count);
+    for (std::size_t i = 0; i < count; ++i) tree.order[i] = primitives[i].id & ~kSphereBit;
+  }
+  collapse(tree, triangles, spheres, out);
   return out;
 }
 

@@ -79,7 +79,7 @@ void PhotoBlend::add(PhotographStore& store, std::size_t index, const Photograph
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.root;
   launch("blend_photos", tile, params, occluders.nodes, occluders.triangles, occluders.spheres, tile.surface,
-         photograph.pixels, photograph.low, store.linear(), sums_, seen_, best_);
+         photograph.pixels, photograph.low, store.linear(index), sums_, seen_, best_);
 }
 
 void PhotoBlend::rank(PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
@@ -117,7 +117,7 @@ void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
   params.feather_px = static_cast<float>(options_.feather_px);
   params.pixel_rad = view.pixel_rad;
   launch("blend_ranked", tile, params, tile.surface, penalty_, ranked_, photograph.pixels, photograph.low,
-         store.linear(), sums_, best_);
+         store.linear(index), sums_, best_);
 }
 
 template <typename... Args>

@@ -54,10 +54,10 @@ bool has_mask(const Image8& image) {
   return false;
 }
 
-std::vector<float> linear_table() {
-  std::vector<float> table(256);
-  for (std::size_t i = 0; i < table.size(); ++i)
-    table[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+std::vector<float> linear_table(const std::array<double, 3>& gains) {
+  std::vector<float> table;
+  for (const double gain : gains)
+    for (int i = 0; i < 256; ++i) table.push_back(static_cast<float>(gain * linear_from_srgb(i / 255.0)));
   return table;
 }
 
@@ -80,9 +80,14 @@ PhotographStore::PhotographStore(device::Queue& queue, const RenderScene& scene,
       low_bands_(low_bands),
       budget_bytes_(budget_bytes.value_or(queue.device().global_memory_bytes / 2)) {
   check(scene);
-  linear_ = queue.array(linear_table());
+  set_gains(std::vector<std::array<double, 3>>(scene.photographs.size(), {1, 1, 1}));
   resident_.resize(scene.photographs.size());
   for (const Image8& image : scene.photograph_pixels) masked_.push_back(has_mask(image));
+}
+
+void PhotographStore::set_gains(const std::vector<std::array<double, 3>>& gains) {
+  linear_.clear();
+  for (const auto& gain : gains) linear_.push_back(queue_.array(linear_table(gain)));
 }
 
 std::size_t PhotographStore::bytes(std::size_t index) const {
@@ -116,11 +121,11 @@ const PhotographStore::Entry& PhotographStore::get(std::size_t index, const Devi
 PhotographStore::Entry PhotographStore::load(std::size_t index, const DeviceBvh& everything) {
   Entry entry{camera(index), queue_.array(rgba(scene_.photograph_pixels[index])),
               queue_.array<std::uint16_t>(0)};
-  if (low_bands_) blur(entry, pixel_rad(index), everything);
+  if (low_bands_) blur(entry, index, everything);
   return entry;
 }
 
-void PhotographStore::blur(Entry& entry, float pixel_rad, const DeviceBvh& everything) {
+void PhotographStore::blur(Entry& entry, std::size_t index, const DeviceBvh& everything) {
   const std::size_t width = entry.camera.width, height = entry.camera.height;
   const DistanceMap map = cast_distances(queue_, everything, entry.camera, options_.surface_tolerance_m);
   const auto rows = queue_.array<std::uint16_t>(4 * width * height);
@@ -133,14 +138,14 @@ void PhotographStore::blur(Entry& entry, float pixel_rad, const DeviceBvh& every
   params.radius = static_cast<std::uint32_t>(gaussian.size() - 1);
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
   params.slope = kSteepestSlope;
-  params.pixel_rad = pixel_rad;
+  params.pixel_rad = pixel_rad(index);
   const auto& kernel = queue_.kernel(
       "blur_photo",
       {{"BLUR_FLAGS", static_cast<int>(entry.camera.flags & (CAMERA_WRAPS | CAMERA_HAS_MASK))}});
-  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low, linear_,
-                weights, map.distance, map.id, rows);
+  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low,
+                linear_[index], weights, map.distance, map.id, rows);
   params.vertical = 1;
-  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, rows, linear_,
+  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, rows, linear_[index],
                 weights, map.distance, map.id, entry.low);
   queue_.finish();  // the arrays of this scope are in use until then
 }

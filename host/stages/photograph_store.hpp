@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -32,12 +33,14 @@ class PhotographStore {
   bool masked(std::size_t index) const { return masked_[index]; }
   // Kernels: ray_cast and blur_photo when low bands are wanted.
   const Entry& get(std::size_t index, const DeviceBvh& everything);
-  // Linear light of each sRGB byte, on the device.
-  const device::Array<float>& linear() const { return linear_; }
+  // Linear light of each sRGB byte of a photograph, per channel (3 x 256), on the device.
+  const device::Array<float>& linear(std::size_t index) const { return linear_[index]; }
+  // Factors of every photograph's linear light, per channel; before the first get(). 1 until then.
+  void set_gains(const std::vector<std::array<double, 3>>& gains);
 
  private:
   Entry load(std::size_t index, const DeviceBvh& everything);
-  void blur(Entry& entry, float pixel_rad, const DeviceBvh& everything);
+  void blur(Entry& entry, std::size_t index, const DeviceBvh& everything);
   std::size_t bytes(std::size_t index) const;
 
   device::Queue& queue_;
@@ -45,7 +48,7 @@ class PhotographStore {
   RenderOptions options_;
   Vec3 origin_;
   bool low_bands_;
-  device::Array<float> linear_;
+  std::vector<device::Array<float>> linear_;
   std::vector<std::optional<Entry>> resident_;
   std::vector<bool> masked_;  // some of its pixels are none
   std::size_t budget_bytes_ = 0, resident_bytes_ = 0;

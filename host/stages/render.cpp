@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
+#include "stages/equalise.hpp"
 #include "stages/photo_blend.hpp"
 #include "stages/render_state.hpp"
 
@@ -261,6 +262,13 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        10,
        "within this of a proxy face the sample wins, and casts no shadow on it",
        {}},
+      {"equalise",
+       "",
+       &O::equalise,
+       0,
+       0,
+       "multiply each photograph's channels so that photographs agree where they overlap",
+       {}},
       {"samples_per_axis", "", &O::samples_per_axis, 1, 8, "primary rays per pixel, squared", {}},
       {"tile", "px", &O::tile, 16, 8192, "side of what is rendered at once; smaller needs less memory", {}},
   };
@@ -285,8 +293,17 @@ const DeviceBvh& RenderState::geometry(const std::string& show) {
 }
 
 Renderer::Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options)
-    : state_(std::make_unique<State>(queue, scene, options)) {}
+    : state_(std::make_unique<State>(queue, scene, options)) {
+  state_->gains.assign(scene.photographs.size(), {1, 1, 1});
+  if (!options.equalise) return;
+  state_->gains = solve_gains(scene.photographs.size(), measure_overlaps(*this, *state_));
+  state_->store.set_gains(state_->gains);
+}
 Renderer::~Renderer() = default;
+
+const std::vector<std::array<double, 3>>& Renderer::gains() const {
+  return state_->gains;
+}
 
 const RenderOptions& Renderer::options() const {
   return state_->options;

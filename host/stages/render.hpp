@@ -29,6 +29,7 @@ struct RenderOptions {
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
+  bool equalise = false;     // gains per photograph and channel that make the photographs' overlaps agree
   int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
   int tile = 1024;           // side in pixels of what is rendered at once; changes no result
 };
@@ -88,6 +89,8 @@ class Renderer {
   Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options = {});
   ~Renderer();
   const RenderOptions& options() const;
+  // What the photographs' linear light is multiplied with, per channel; all 1 without `equalise`.
+  const std::vector<std::array<double, 3>>& gains() const;
   // METHOD 10. Kernels: ray_cast, blend_photos, blur_photo. Throws ErrorKind::input: a leave_out that names
   // no photograph, an unknown `show`, a camera without pixels.
   RenderedView render(const ViewRequest& request);

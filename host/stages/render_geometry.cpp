@@ -121,8 +121,10 @@ DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, c
       store(centre_of(splat) - origin, sphere.centre);
       sphere.radius = splat.radius_m;
       spheres.push_back(sphere);
-      surfaces.push_back(
-          {{splat.normal[0], splat.normal[1], splat.normal[2]}, kSplatId | static_cast<std::uint32_t>(i)});
+      const auto& n = splat.normal;
+      const bool known = std::isfinite(n[0]) && std::isfinite(n[1]) && std::isfinite(n[2]);
+      const std::uint32_t id = kSplatId | static_cast<std::uint32_t>(i);
+      surfaces.push_back(known ? SphereSurface{{n[0], n[1], n[2]}, id} : SphereSurface{{0, 0, 0}, id});
     }
   }
   return upload_bvh(queue, build_bvh(triangles, spheres), surfaces);

@@ -17,6 +17,7 @@ struct RenderState {
   double diagonal_m;  // of the scene's box
   PhotographStore store;
   std::map<std::string, DeviceBvh> geometries;  // by what is shown
+  std::vector<std::array<double, 3>> gains;     // per photograph and channel
 
   RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o);
 

@@ -12,7 +12,14 @@ typedef struct PacketRays {
   float3 origin;
   floatv x, y, z;                          // unit directions
   floatv inverse_x, inverse_y, inverse_z;  // finite: tiny components count as 1e-18
+  // What the inverses of the lanes in use lie between, apart for those above and below 0; 0: there are none.
+  float3 least_above, most_above, least_below, most_below;
+  int apart;  // so far from each other that a box among them may be missed by all
 } PacketRays;
+
+// Packets whose directions differ by more test each box with each ray, too. 4 x 4 pixels of a view 300 pixels
+// wide are this far apart; larger values make rays of wide lists slower, smaller ones small pictures.
+#define BVH_APART 0.05f
 
 // A direction's component, moved away from 0 so that its inverse times any distance stays finite.
 static inline floatv bvh_inverse(floatv d) {
@@ -20,24 +27,68 @@ static inline floatv bvh_inverse(floatv d) {
   return 1.0f / PICK(MASK(fabs(d) < 1e-18f), tiny, d);
 }
 
-static inline PacketRays bvh_rays(float3 origin, floatv x, floatv y, floatv z) {
-  PacketRays rays = {origin, x, y, z, bvh_inverse(x), bvh_inverse(y), bvh_inverse(z)};
+// The inverses above 0 lie between *least and *most; the same, of the negated inverses, gives those below.
+static inline void bvh_between(floatv inverse, intv used, float* least, float* most) {
+  const intv counts = used & MASK(inverse > 0.0f);
+  *most = MOST_LANE(PICK(counts, inverse, (floatv)(0.0f)));
+  *least = *most > 0.0f ? LEAST_LANE(PICK(counts, inverse, (floatv)(INFINITY))) : 0.0f;
+}
+
+static inline float bvh_spread(floatv d, intv used) {
+  return MOST_LANE(PICK(used, d, (floatv)(-2.0f))) - LEAST_LANE(PICK(used, d, (floatv)(2.0f)));
+}
+
+// Rays of the lanes `used`, of which there is at least one.
+static inline PacketRays bvh_rays(float3 origin, floatv x, floatv y, floatv z, intv used) {
+  PacketRays rays;
+  rays.origin = origin;
+  rays.x = x, rays.y = y, rays.z = z;
+  rays.inverse_x = bvh_inverse(x), rays.inverse_y = bvh_inverse(y), rays.inverse_z = bvh_inverse(z);
+  float least[6], most[6];
+  bvh_between(rays.inverse_x, used, least, most);
+  bvh_between(rays.inverse_y, used, least + 1, most + 1);
+  bvh_between(rays.inverse_z, used, least + 2, most + 2);
+  bvh_between(-rays.inverse_x, used, least + 3, most + 3);
+  bvh_between(-rays.inverse_y, used, least + 4, most + 4);
+  bvh_between(-rays.inverse_z, used, least + 5, most + 5);
+  rays.least_above = vload3(0, least), rays.most_above = vload3(0, most);
+  rays.least_below = -vload3(1, least), rays.most_below = -vload3(1, most);
+  rays.apart = VW > 1 && max(max(bvh_spread(x, used), bvh_spread(y, used)), bvh_spread(z, used)) > BVH_APART;
   return rays;
 }
 
-// Distance at which the rays enter the box, INFINITY where they miss it before `bound`. The exit is widened
-// by two roundings (Ize 2013), so that a box never hides what lies in it.
-static inline floatv bvh_enter(const PacketRays* rays, global const float* low, global const float* high,
-                               floatv bound) {
-  const floatv x0 = (low[0] - rays->origin.x) * rays->inverse_x;
-  const floatv x1 = (high[0] - rays->origin.x) * rays->inverse_x;
-  const floatv y0 = (low[1] - rays->origin.y) * rays->inverse_y;
-  const floatv y1 = (high[1] - rays->origin.y) * rays->inverse_y;
-  const floatv z0 = (low[2] - rays->origin.z) * rays->inverse_z;
-  const floatv z1 = (high[2] - rays->origin.z) * rays->inverse_z;
+// Which of a node's boxes lie among the packet's rays nearer than `bound`, one bit each, and the distances at
+// which the first ray may enter them. All rays lie between the extremes of their inverses, so this asks once
+// for all of them (interval arithmetic: Boulos, Wald, Shirley 2006); it may say yes where each ray misses.
+static inline uint bvh_children(const PacketRays* rays, global const BvhNode* node, float bound,
+                                float* entries) {
+  float16 near = (float16)(0.0f), far = (float16)(INFINITY), low, high;
+#define BVH_SLAB(axis)                                                                \
+  low = vload16(0, node->low_##axis) - rays->origin.axis;                             \
+  high = vload16(0, node->high_##axis) - rays->origin.axis;                           \
+  near = max(near, max(low * rays->least_above.axis, high * rays->least_below.axis)); \
+  far = min(far, max(high * rays->most_above.axis, low * rays->most_below.axis));
+  BVH_SLAB(x)
+  BVH_SLAB(y)
+  BVH_SLAB(z)
+#undef BVH_SLAB
+  vstore16(near, 0, entries);
+  const int16 bit = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+  return bits_of((near <= min(far * 1.0000005f, (float16)(bound))) & (far > 0.0f) & bit);
+}
+
+// Which rays enter a child's box before `bound`. The exit is widened by two roundings (Ize 2013), here and
+// above, so that a box never hides what lies in it.
+static inline intv bvh_enters(const PacketRays* rays, global const BvhNode* node, uint child, floatv bound) {
+  const floatv x0 = (node->low_x[child] - rays->origin.x) * rays->inverse_x;
+  const floatv x1 = (node->high_x[child] - rays->origin.x) * rays->inverse_x;
+  const floatv y0 = (node->low_y[child] - rays->origin.y) * rays->inverse_y;
+  const floatv y1 = (node->high_y[child] - rays->origin.y) * rays->inverse_y;
+  const floatv z0 = (node->low_z[child] - rays->origin.z) * rays->inverse_z;
+  const floatv z1 = (node->high_z[child] - rays->origin.z) * rays->inverse_z;
   const floatv near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), (floatv)(0.0f)));
   const floatv far = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * 1.0000005f;
-  return PICK(MASK(near <= min(far, bound)), near, (floatv)(INFINITY));
+  return MASK(near <= min(far, bound));
 }
 
 // Distance of the triangle along the rays, negative where they miss. Edge functions as in Pluecker
@@ -99,11 +150,12 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
                                     global const SphereRecord* spheres, global const SphereSurface* surfaces,
                                     uint root, floatv limit, float slack) {
   PacketHit hit = {limit, limit, (uintv)(BVH_EMPTY), (uintv)(BVH_EMPTY)};
-  floatv entered[BVH_STACK];
+  float entered[BVH_STACK], entries[BVH_WIDTH];
   uint stack[BVH_STACK];
   uint top = 0u, next = root;
   if (root == BVH_EMPTY) return hit;
   floatv bound = limit;
+  float farthest = MOST_LANE(bound);
   for (;;) {
     if (next & BVH_LEAF) {
       const uint first = next & BVH_FIRST_MASK;
@@ -127,27 +179,27 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
         }
       }
       bound = min(hit.t_sphere, hit.t_triangle + slack);
+      farthest = MOST_LANE(bound);
     } else {
       global const BvhNode* node = nodes + next;
-      const floatv enter0 = bvh_enter(rays, node->low0, node->high0, bound);
-      const floatv enter1 = bvh_enter(rays, node->low1, node->high1, bound);
-      const int hit0 = ANY(MASK(enter0 < INFINITY)), hit1 = ANY(MASK(enter1 < INFINITY));
-      if (hit0 && hit1) {
-        const int second_first = ANY(MASK(enter1 < enter0)) && !ANY(MASK(enter0 < enter1));
-        stack[top] = second_first ? node->child0 : node->child1;
-        entered[top++] = second_first ? enter0 : enter1;
-        next = second_first ? node->child1 : node->child0;
-        continue;
-      }
-      if (hit0 || hit1) {
-        next = hit0 ? node->child0 : node->child1;
-        continue;
+      uint among = bvh_children(rays, node, farthest, entries);
+      const uint before = top;
+      for (; among != 0u; among &= among - 1u) {
+        const uint child = 31u - clz(among & (0u - among));
+        if (rays->apart && !ANY(bvh_enters(rays, node, child, bound))) continue;
+        uint place = top++;  // the nearest on top
+        for (; place > before && entered[place - 1u] < entries[child]; --place) {
+          entered[place] = entered[place - 1u];
+          stack[place] = stack[place - 1u];
+        }
+        entered[place] = entries[child];
+        stack[place] = node->child[child];
       }
     }
     do {
       if (top == 0u) return hit;
       --top;
-    } while (!ANY(MASK(entered[top] <= bound)));
+    } while (!(entered[top] <= farthest));
     next = stack[top];
   }
 }
@@ -159,11 +211,13 @@ static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* no
                                 global const TriangleRecord* triangles, global const SphereRecord* spheres,
                                 uint root, floatv far_triangle, floatv far_sphere, intv asked) {
   uint stack[BVH_STACK];
+  float entries[BVH_WIDTH];
   uint top = 0u, next = root;
   intv blocked = (intv)(0);
   if (root == BVH_EMPTY) return blocked;
   const floatv far = max(far_triangle, far_sphere);
   floatv bound = PICK(asked, far, (floatv)(-1.0f));
+  float farthest = MOST_LANE(bound);
   for (;;) {
     if (next & BVH_LEAF) {
       const uint first = next & BVH_FIRST_MASK;
@@ -180,15 +234,14 @@ static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* no
         }
       }
       bound = PICK(blocked, (floatv)(-1.0f), bound);
-      if (!ANY(asked & ~blocked)) return blocked;
+      farthest = MOST_LANE(bound);
+      if (!(farthest >= 0.0f)) return blocked;
     } else {
       global const BvhNode* node = nodes + next;
-      const int hit0 = ANY(MASK(bvh_enter(rays, node->low0, node->high0, bound) < INFINITY));
-      const int hit1 = ANY(MASK(bvh_enter(rays, node->low1, node->high1, bound) < INFINITY));
-      if (hit0 && hit1) stack[top++] = node->child1;
-      if (hit0 || hit1) {
-        next = hit0 ? node->child0 : node->child1;
-        continue;
+      uint among = bvh_children(rays, node, farthest, entries);
+      for (; among != 0u; among &= among - 1u) {
+        const uint child = 31u - clz(among & (0u - among));
+        if (!rays->apart || ANY(bvh_enters(rays, node, child, bound))) stack[top++] = node->child[child];
       }
     }
     if (top == 0u) return blocked;

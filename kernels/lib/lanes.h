@@ -10,6 +10,12 @@
 #define VW 1
 #endif
 
+#ifdef __has_builtin
+#if __has_builtin(__builtin_reduce_or) && __has_builtin(__builtin_reduce_and)
+#define REDUCE_BITS(value) __builtin_reduce_or(value)
+#endif
+#endif
+
 #if VW == 1
 typedef float floatv;
 typedef int intv;
@@ -27,8 +33,15 @@ typedef LANES_JOIN(float, VW) floatv;
 typedef LANES_JOIN(int, VW) intv;
 typedef LANES_JOIN(uint, VW) uintv;
 #define MASK(condition) (condition)
+// PoCL's any() and all() look at the lanes one by one (8 branches for 16); reductions are one test of a mask
+// register.
+#ifdef REDUCE_BITS
+#define ANY(mask) (REDUCE_BITS(mask) != 0)
+#define ALL(mask) (__builtin_reduce_and(mask) != 0)
+#else
 #define ANY(mask) any(mask)
 #define ALL(mask) all(mask)
+#endif
 #define PICK(mask, yes, no) select(no, yes, mask)
 #define LOAD_LANES(from) LANES_JOIN(vload, VW)(0, from)
 #define STORE_LANES(value, to) LANES_JOIN(vstore, VW)(value, 0, to)
@@ -60,6 +73,42 @@ static inline floatv load_lanes(global const float* values, uint first, uint cou
   }
 DEFINE_STORE(store_lanes, floatv, float)
 DEFINE_STORE(store_indices, uintv, uint)
+
+// Any bit that one of 16 numbers has.
+static inline uint bits_of(int16 value) {
+#ifdef REDUCE_BITS
+  return (uint)REDUCE_BITS(value);
+#else
+  const int8 by8 = value.lo | value.hi;
+  const int4 by4 = by8.lo | by8.hi;
+  const int2 by2 = by4.lo | by4.hi;
+  return (uint)(by2.x | by2.y);
+#endif
+}
+
+// Smallest and largest lane.
+#define DEFINE_FOLD(name, fold)                  \
+  static inline float name##_2(float2 value) {   \
+    return fold(value.x, value.y);               \
+  }                                              \
+  static inline float name##_4(float4 value) {   \
+    return name##_2(fold(value.lo, value.hi));   \
+  }                                              \
+  static inline float name##_8(float8 value) {   \
+    return name##_4(fold(value.lo, value.hi));   \
+  }                                              \
+  static inline float name##_16(float16 value) { \
+    return name##_8(fold(value.lo, value.hi));   \
+  }                                              \
+  static inline float name##_1(float value) {    \
+    return value;                                \
+  }
+DEFINE_FOLD(least_of, min)
+DEFINE_FOLD(most_of, max)
+#define LANES_NAME_(name, width) name##_##width
+#define LANES_NAME(name, width) LANES_NAME_(name, width)
+#define LEAST_LANE(value) LANES_NAME(least_of, VW)(value)
+#define MOST_LANE(value) LANES_NAME(most_of, VW)(value)
 
 // Sum over the lanes, first to last.
 static inline float sum_lanes(floatv value) {

@@ -2,6 +2,7 @@
 // frames). c->lens is one value for a whole launch, so its branches cost nothing where they are not taken.
 #ifndef HYBRID_LIB_PACKET_CAMERA_H
 #define HYBRID_LIB_PACKET_CAMERA_H
+#include "lib/camera.h"
 #include "lib/packet.h"
 #include "shared/records.h"
 
@@ -77,6 +78,75 @@ static inline intv packet_project(const CameraRecord* c, floatv px, floatv py, f
   *row = c->fy * (v * radial + 2.0f * c->p2 * u * v + c->p1 * (r2 + 2.0f * v * v)) + c->cy;
   return before & MASK(r2 < c->max_radius2) & MASK(*column >= 0.0f) & MASK(*row >= 0.0f) &
          MASK(*column < (float)c->width) & MASK(*row < (float)c->height);
+}
+
+// Directions (x, y, 1) of a perspective lens without fisheye whose images are the targets:
+// camera_brown_direction for VW positions, each lane iterating as often as it would alone. NaN where no
+// direction projects there.
+static inline void packet_brown(const CameraRecord* c, floatv target_x, floatv target_y, floatv* x,
+                                floatv* y) {
+  const float inside = 0.999f * c->max_radius2;
+  floatv px = target_x, py = target_y, s = px * px + py * py;
+  const floatv pull = PICK(MASK(s > inside), sqrt(0.8f * inside / s), (floatv)(1.0f));
+  px *= pull, py *= pull;
+  floatv error2 = (floatv)(INFINITY);
+  for (int i = 0;; ++i) {
+    s = px * px + py * py;
+    const floatv above = 1.0f + s * (c->k1 + s * (c->k2 + s * c->k3));
+    const floatv below =
+        c->lens == CAMERA_RATIONAL ? 1.0f + s * (c->k4 + s * (c->k5 + s * c->k6)) : (floatv)(1.0f);
+    const floatv radial = above / below;
+    const floatv error_x = px * radial + 2.0f * c->p1 * px * py + c->p2 * (s + 2.0f * px * px) - target_x;
+    const floatv error_y = py * radial + 2.0f * c->p2 * px * py + c->p1 * (s + 2.0f * py * py) - target_y;
+    error2 = error_x * error_x + error_y * error_y;
+    const intv open = MASK(error2 > 1e-15f);
+    if (i == 20 || !ANY(open)) break;
+    floatv slope = c->k1 + s * (2.0f * c->k2 + 3.0f * s * c->k3);
+    if (c->lens == CAMERA_RATIONAL)
+      slope = (slope - radial * (c->k4 + s * (2.0f * c->k5 + 3.0f * s * c->k6))) / below;
+    slope *= 2.0f;
+    const floatv xx = radial + px * px * slope + 2.0f * c->p1 * py + 6.0f * c->p2 * px;
+    const floatv yy = radial + py * py * slope + 2.0f * c->p2 * px + 6.0f * c->p1 * py;
+    const floatv xy = px * py * slope + 2.0f * c->p1 * px + 2.0f * c->p2 * py;
+    const floatv determinant = xx * yy - xy * xy;
+    floatv next_x = px - (yy * error_x - xy * error_y) / determinant;
+    floatv next_y = py - (xx * error_y - xy * error_x) / determinant;
+    s = next_x * next_x + next_y * next_y;
+    const floatv back = PICK(MASK(s > inside), sqrt(inside / s), (floatv)(1.0f));
+    px = PICK(open, next_x * back, px);
+    py = PICK(open, next_y * back, py);
+  }
+  // A thousandth of the focal length would be visible; rounding stays far below it.
+  const intv found = MASK(error2 < 1e-8f) & MASK(s < c->max_radius2);
+  *x = PICK(found, px, (floatv)(NAN));
+  *y = PICK(found, py, (floatv)(NAN));
+}
+
+// Unit world directions of pixel positions: camera_ray for VW of them. NaN where it gives NaN.
+static inline void packet_camera_rays(const CameraRecord* c, floatv column, floatv row, floatv* x, floatv* y,
+                                      floatv* z) {
+  if (c->lens >= CAMERA_SPHERICAL || c->lens == CAMERA_FISHEYE) {
+    float columns[VW], rows[VW], xs[VW], ys[VW], zs[VW];
+    STORE_LANES(column, columns);
+    STORE_LANES(row, rows);
+    for (uint lane = 0u; lane < VW; ++lane) {
+      const float3 ray = camera_ray(c, (float2)(columns[lane], rows[lane]));
+      xs[lane] = ray.x, ys[lane] = ray.y, zs[lane] = ray.z;
+    }
+    *x = LOAD_LANES(xs);
+    *y = LOAD_LANES(ys);
+    *z = LOAD_LANES(zs);
+    return;
+  }
+  floatv px, py;
+  packet_brown(c, (column - c->cx) / c->fx, (row - c->cy) / c->fy, &px, &py);
+  const float* m = c->rotation;  // world_from_cam is its transpose
+  const floatv wx = m[0] * px + m[3] * py + m[6], wy = m[1] * px + m[4] * py + m[7],
+               wz = m[2] * px + m[5] * py + m[8];
+  const floatv length = sqrt(wx * wx + wy * wy + wz * wz);
+  *x = wx / length;
+  *y = wy / length;
+  *z = wz / length;
 }
 
 #endif

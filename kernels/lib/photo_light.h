@@ -44,7 +44,7 @@ static inline float3 light_at(const Bilinear* at, global const uchar* photo, glo
   float3 light = (float3)(0.0f);
   for (int k = 0; k < 4; ++k) {
     const uchar4 bytes = vload4(at->pixel[k], photo);
-    light += at->share[k] * (float3)(linear[bytes.x], linear[bytes.y], linear[bytes.z]);
+    light += at->share[k] * (float3)(linear[bytes.x], linear[256u + bytes.y], linear[512u + bytes.z]);
   }
   return light;
 }

@@ -76,7 +76,7 @@ static inline intv packet_unhidden(const PacketSurface* points, const PacketSigh
   const floatv near_sphere = max(2.0f * fabs(points->radius), (floatv)(tolerance.sample_m));
   const PacketRays rays =
       bvh_rays(centre, PICK(asked, sight->x, (floatv)(0.0f)), PICK(asked, sight->y, (floatv)(0.0f)),
-               PICK(asked, sight->z, (floatv)(1.0f)));
+               PICK(asked, sight->z, (floatv)(1.0f)), asked);
   const intv blocked =
       bvh_occluded(&rays, nodes, triangles, spheres, root, sight->distance - near_face * stretch,
                    sight->distance - near_sphere * stretch, asked);

@@ -13,17 +13,22 @@
 #define BVH_COUNT_MASK 15u
 #define BVH_FIRST_MASK 0x03ffffffu
 #define BVH_EMPTY 0xffffffffu
-// Entries of the traversal's stack; the builder keeps trees shallower.
-#define BVH_STACK 64
+// Children of a node: their boxes are tested at once, in one vector, whatever VW is.
+#define BVH_WIDTH 16
+// Entries of the traversal's stack: wide nodes leave BVH_WIDTH - 1 pending each, those below BVH_WIDE_LEVELS
+// are binary and leave one (host/stages/bvh_collapse.cpp).
+#define BVH_STACK 256
+#define BVH_WIDE_LEVELS 12
 
-// An inner node holds the boxes of its two children, so that one fetch decides both.
+// An inner node holds the boxes of its children, so that one fetch decides them all. Beyond the last child:
+// BVH_EMPTY, and a box of BVH_NOWHERE to -BVH_NOWHERE, which no ray enters.
+#define BVH_NOWHERE 3e38f
 typedef struct BvhNode {
-  float low0[3], high0[3];
-  float low1[3], high1[3];
-  HYBRID_UINT child0, child1;
-  HYBRID_UINT pad[2];
+  float low_x[BVH_WIDTH], low_y[BVH_WIDTH], low_z[BVH_WIDTH];
+  float high_x[BVH_WIDTH], high_y[BVH_WIDTH], high_z[BVH_WIDTH];
+  HYBRID_UINT child[BVH_WIDTH];
 } BvhNode;
-LAYOUT_CHECK(BvhNode, 64);
+LAYOUT_CHECK(BvhNode, 448);
 
 typedef struct TriangleRecord {
   float a[3];

@@ -13,6 +13,9 @@
 
 namespace hybrid::testing {
 
+// Gains of the channels of every photograph of the case.
+inline constexpr double kChannelGains[3] = {1.25, 1, 0.8};
+
 // Small photographs of a cloud of triangles and spheres, blended into random surface points: three through a
 // lens, the last of them with a mask, and two panoramas, one of them full.
 struct BlendPhotosCase {
@@ -37,7 +40,7 @@ struct BlendPhotosCase {
     RayScene scene;
     std::vector<Photo> photos;
     std::vector<float> surface;  // SURFACE_PLANES planes; every 13th point is none (NaN)
-    std::vector<float> linear;   // of an sRGB byte
+    std::vector<float> linear;   // of an sRGB byte, per channel, times kChannelGains
     std::uint32_t cols = 0, rows = 0;
     std::array<float, 3> eye{};
     BlendMode mix{BLEND_DUAL, 8};

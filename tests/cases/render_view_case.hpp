@@ -20,7 +20,35 @@ struct FurnishedRoom {
   std::vector<SphereSurface> surfaces;
   CameraRecord view;
 
-  static FurnishedRoom make(std::size_t splats, std::uint32_t seed) {
+  // A bumpy ball of rings x 2 rings quadrilaterals, cut into triangles.
+  static void add_ball(std::vector<TriangleRecord>& triangles, const Vec3& centre, double radius_m,
+                       std::size_t rings) {
+    const auto at = [&](std::size_t ring, std::size_t step) {
+      const double up = M_PI * static_cast<double>(ring) / static_cast<double>(rings);
+      const double round = M_PI * static_cast<double>(step) / static_cast<double>(rings);
+      const double r = radius_m * (1 + 0.05 * std::sin(9 * up) * std::cos(7 * round));
+      return Vec3(centre +
+                  r * Vec3(std::sin(up) * std::cos(round), std::sin(up) * std::sin(round), std::cos(up)));
+    };
+    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+      TriangleRecord t{};
+      for (int k = 0; k < 3; ++k) {
+        t.a[k] = static_cast<float>(a[k]);
+        t.b[k] = static_cast<float>(b[k]);
+        t.c[k] = static_cast<float>(c[k]);
+      }
+      t.id = 1 + static_cast<std::uint32_t>(triangles.size());
+      triangles.push_back(t);
+    };
+    for (std::size_t ring = 0; ring < rings; ++ring)
+      for (std::size_t step = 0; step < 2 * rings; ++step) {
+        if (ring > 0) add(at(ring, step), at(ring + 1, step), at(ring, step + 1));
+        if (ring + 1 < rings) add(at(ring, step + 1), at(ring + 1, step), at(ring + 1, step + 1));
+      }
+  }
+
+  // `rings`: of the ball on each of the 16 boxes; 0 = none. 39 make 95,060 triangles of it all.
+  static FurnishedRoom make(std::size_t splats, std::uint32_t seed, std::size_t rings = 0) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);
     RoomScene room;
@@ -33,6 +61,10 @@ struct FurnishedRoom {
                       Vec3(0.2 + 0.5 * unit(random), 0.2 + 0.5 * unit(random), 0.4 + 1.4 * unit(random)));
       room.add_box(lows.back(), highs.back(), false);
     }
+    for (std::size_t i = 0; rings > 0 && i < lows.size(); ++i)
+      add_ball(room.triangles,
+               {(lows[i].x() + highs[i].x()) / 2, (lows[i].y() + highs[i].y()) / 2, highs[i].z() + 0.3}, 0.3,
+               rings);
     std::vector<SphereRecord> spheres;
     FurnishedRoom out;
     for (std::size_t i = 0; i < splats; ++i) {
@@ -72,7 +104,11 @@ struct FurnishedRoom {
 
 struct RayCastViewCase {
   static constexpr const char* kName = "ray_cast";
-  static FurnishedRoom make(std::size_t size, std::uint32_t seed) { return FurnishedRoom::make(size, seed); }
+  static FurnishedRoom make(std::size_t size, std::uint32_t seed) {
+    return size == kMeshes ? FurnishedRoom::make(0, seed, kRings) : FurnishedRoom::make(size, seed);
+  }
+  static constexpr std::size_t kMeshes = 1;  // as a size: 95,060 triangles and no splat
+  static constexpr std::size_t kRings = 39;
   static void run(device::Queue& queue, const FurnishedRoom& room) {
     room.cast(queue, stages::upload_bvh(queue, room.bvh, room.surfaces));
   }
@@ -93,7 +129,7 @@ struct BlendViewCase {
     std::vector<std::uint16_t> low;
   };
   static Input make(std::size_t size, std::uint32_t seed) {
-    Input input{FurnishedRoom::make(size, seed), {}, {}, {}};
+    Input input{RayCastViewCase::make(size, seed), {}, {}, {}};
     for (int i = 0; i < 8; ++i) {
       Photograph p =
           look_at({0.8 + i, 0.2, 1.5 + 0.1 * i}, {4.5, 6, 1}, {0, 0, 1}, 75, kPhotoWidth, kPhotoHeight);
@@ -113,7 +149,7 @@ struct BlendViewCase {
           tile(input.room.cast(queue, bvh)),
           pixels(queue.array(input.pixels)),
           low(queue.array(input.low)),
-          linear(queue.array(std::vector<float>(256, 0.5f))),
+          linear(queue.array(std::vector<float>(3 * 256, 0.5f))),
           sums(queue.array(std::vector<float>(BLEND_PLANES * tile.count(), 0.0f))),
           seen(queue.array(std::vector<std::uint32_t>(tile.count(), 0))),
           best(queue.array(std::vector<std::int32_t>(tile.count(), -1))) {}

@@ -11,7 +11,9 @@ BlendPhotosCase::Input BlendPhotosCase::make(std::size_t size, std::uint32_t see
   input.eye = {1, -8, 2};
   input.cols = static_cast<std::uint32_t>(size > 1000 ? 101 : size);
   input.rows = static_cast<std::uint32_t>(size > 1000 ? size / 101 : 1);
-  for (int i = 0; i < 256; ++i) input.linear.push_back(static_cast<float>(linear_from_srgb(i / 255.0)));
+  for (const double gain : kChannelGains)
+    for (int i = 0; i < 256; ++i)
+      input.linear.push_back(static_cast<float>(gain * linear_from_srgb(i / 255.0)));
 
   std::mt19937 random(seed + 1);
   std::uniform_real_distribution<float> place(-4, 4), part(-1, 1);

@@ -8,12 +8,19 @@
 #include "stages/photograph_store.hpp"
 
 namespace hybrid::testing {
+namespace {
+
+constexpr double kGains[3] = {1, 0.8, 1.25};  // of the channels
+
+}  // namespace
 
 BlurPhotoCase::Input BlurPhotoCase::make(std::size_t size, std::uint32_t seed) {
   Input input;
   input.width = static_cast<std::uint32_t>(size > 128 ? std::sqrt(static_cast<double>(size)) : size);
   input.height = input.width ? static_cast<std::uint32_t>(size) / input.width : 0;
-  for (int i = 0; i < 256; ++i) input.linear.push_back(static_cast<float>(linear_from_srgb(i / 255.0)));
+  for (const double gain : kGains)
+    for (int i = 0; i < 256; ++i)
+      input.linear.push_back(static_cast<float>(gain * linear_from_srgb(i / 255.0)));
   input.weights = stages::gaussian_weights(4);
   std::mt19937 random(seed);
   for (std::uint32_t y = 0; y < input.height; ++y)
@@ -41,8 +48,8 @@ BlurPhotoCase::Output BlurPhotoCase::reference(const Input& input) {
   for (std::size_t i = 0; i < input.count(); ++i) {
     const std::uint8_t* p = input.pixels.data() + 4 * i;
     const bool masked = (input.flags & CAMERA_HAS_MASK) && p[3] == 0;
-    image.emplace_back(linear_from_srgb(p[0] / 255.0), linear_from_srgb(p[1] / 255.0),
-                       linear_from_srgb(p[2] / 255.0), 1);
+    image.emplace_back(kGains[0] * linear_from_srgb(p[0] / 255.0), kGains[1] * linear_from_srgb(p[1] / 255.0),
+                       kGains[2] * linear_from_srgb(p[2] / 255.0), 1);
     if (masked) image.back().setZero();
   }
   const int radius = static_cast<int>(input.weights.size()) - 1;

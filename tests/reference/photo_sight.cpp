@@ -88,8 +88,9 @@ Vec3 photo_light(const BlendPhotosCase::Photo& photo, const Vec2& position) {
   const Camera& camera = photo.photograph.camera;
   return sample(camera, position, [&](int x, int y) {
     const std::uint8_t* bytes = photo.pixels.data() + 4 * (y * camera.width + x);
-    return Vec3(linear_from_srgb(bytes[0] / 255.0), linear_from_srgb(bytes[1] / 255.0),
-                linear_from_srgb(bytes[2] / 255.0));
+    return Vec3(kChannelGains[0] * linear_from_srgb(bytes[0] / 255.0),
+                kChannelGains[1] * linear_from_srgb(bytes[1] / 255.0),
+                kChannelGains[2] * linear_from_srgb(bytes[2] / 255.0));
   });
 }
 

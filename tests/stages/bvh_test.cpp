@@ -23,7 +23,7 @@ struct Bounds {
 struct Walk {
   const Bvh& bvh;
   std::size_t triangles = 0, spheres = 0;
-  int depth = 0;
+  int depth = 0, pending = 0, stack = 0;  // entries a traversal may leave, and the most of them
 
   Bounds visit(std::uint32_t code, int level) {
     depth = std::max(depth, level);
@@ -53,15 +53,27 @@ struct Walk {
       return bounds;
     }
     const BvhNode& node = bvh.nodes.at(code);
-    const Bounds left = visit(node.child0, level + 1), right = visit(node.child1, level + 1);
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_LE(node.low0[k], left.low[k]);
-      EXPECT_GE(node.high0[k], left.high[k]);
-      EXPECT_LE(node.low1[k], right.low[k]);
-      EXPECT_GE(node.high1[k], right.high[k]);
+    for (std::size_t i = 0; i < BVH_WIDTH; ++i) {
+      if (node.child[i] == BVH_EMPTY) {
+        EXPECT_EQ(node.low_x[i], BVH_NOWHERE);
+        EXPECT_EQ(node.high_z[i], -BVH_NOWHERE);
+        continue;
+      }
+      const int before = pending;
+      pending += static_cast<int>(std::count_if(node.child, node.child + BVH_WIDTH,
+                                                [](std::uint32_t c) { return c != BVH_EMPTY; })) -
+                 1;
+      stack = std::max(stack, pending);
+      const Bounds child = visit(node.child[i], level + 1);
+      pending = before;
+      const float low[3] = {node.low_x[i], node.low_y[i], node.low_z[i]};
+      const float high[3] = {node.high_x[i], node.high_y[i], node.high_z[i]};
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_LE(low[k], child.low[k]);
+        EXPECT_GE(high[k], child.high[k]);
+      }
+      add(child.low.data(), child.high.data());
     }
-    add(left.low.data(), left.high.data());
-    add(right.low.data(), right.high.data());
     return bounds;
   }
 };
@@ -71,7 +83,7 @@ void expect_sound(const Bvh& bvh, std::size_t triangles, std::size_t spheres) {
   if (bvh.root != BVH_EMPTY) walk.visit(bvh.root, 1);
   EXPECT_EQ(walk.triangles, triangles);
   EXPECT_EQ(walk.spheres, spheres);
-  EXPECT_LT(walk.depth, BVH_STACK);
+  EXPECT_LT(walk.stack + 1, BVH_STACK);
   std::vector<std::uint32_t> sources = bvh.sphere_source;
   std::sort(sources.begin(), sources.end());
   EXPECT_EQ(sources.size(), spheres);

@@ -1,0 +1,181 @@
+#include "stages/equalise.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+#include "geometry/colour.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+// Coarse pixels a photograph is cut into, along its longer side, and all photographs' points together.
+constexpr double kCells = 160;
+constexpr double kPoints = 400'000;
+// Bytes outside are clipped or noise.
+constexpr int kDarkest = 8, kBrightest = 247;
+// Overlaps of fewer points say nothing; the prior counts as this many.
+constexpr std::size_t kFewest = 30;
+constexpr double kPriorPoints = 30;
+
+// The camera with pixels `factor` times as large.
+Photograph coarse(const Photograph& photograph, double factor) {
+  Photograph out = photograph;
+  Camera& c = out.camera;
+  c.width = std::max(1, static_cast<int>(c.width / factor));
+  c.height = std::max(1, static_cast<int>(c.height / factor));
+  const double x = static_cast<double>(c.width) / photograph.camera.width,
+               y = static_cast<double>(c.height) / photograph.camera.height;
+  c.fx *= x, c.cx *= x;
+  c.fy *= y, c.cy *= y;
+  return out;
+}
+
+double coarse_factor(const Photograph& photograph, std::size_t photographs) {
+  const double width = photograph.camera.width, height = photograph.camera.height;
+  const double cells = std::min(kCells, std::sqrt(kPoints / static_cast<double>(photographs)));
+  return std::max(1.0, std::max(width, height) / cells);
+}
+
+// Where the photograph's coarse pixels lie on the surface.
+void add_points(RenderState& state, const Photograph& photograph, std::vector<SurfacePoint>& points) {
+  const Camera& camera = photograph.camera;
+  SurfaceTile tile(state.queue,
+                   static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  cast_tile(state.queue, state.geometry("both"), camera_record(photograph, state.origin),
+            {0, 0, camera.height, camera.width}, {0.5f, 0.5f}, state.options.surface_tolerance_m, tile);
+  const std::vector<float> surface = state.queue.read(tile.surface);
+  const std::size_t count = tile.count();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::isnan(surface[SURFACE_X * count + i])) continue;
+    SurfacePoint point;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<int>(k);
+      point.position[axis] = state.origin[axis] + static_cast<double>(surface[(SURFACE_X + k) * count + i]);
+      point.normal[axis] = static_cast<double>(surface[(SURFACE_NORMAL_X + k) * count + i]);
+    }
+    points.push_back(point);
+  }
+}
+
+using Light = std::array<float, 3>;  // logarithm of linear light; NaN: no use
+
+Light light_around(const Image8& image, const Vec2& position, double reach,
+                   const std::array<float, 256>& linear) {
+  const int left = std::max(0, static_cast<int>(position.x() - reach)),
+            right = std::min(image.width - 1, static_cast<int>(position.x() + reach)),
+            top = std::max(0, static_cast<int>(position.y() - reach)),
+            bottom = std::min(image.height - 1, static_cast<int>(position.y() + reach));
+  const auto channels = static_cast<std::size_t>(image.channels);
+  std::array<double, 3> sum{};
+  double count = 0;
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x) {
+      const std::uint8_t* bytes =
+          image.pixels.data() +
+          channels * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                      static_cast<std::size_t>(x));
+      const bool masked = channels == 4 && bytes[3] == 0;
+      const auto [darkest, brightest] = std::minmax({bytes[0], bytes[1], bytes[2]});
+      if (masked || darkest < kDarkest || brightest > kBrightest) return {NAN, NAN, NAN};
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += static_cast<double>(linear[bytes[k]]);
+      ++count;
+    }
+  Light light;
+  for (std::size_t k = 0; k < 3; ++k)
+    light[k] = count > 0 ? static_cast<float>(std::log(sum[k] / count)) : NAN;
+  return light;
+}
+
+std::array<float, 256> linear_bytes() {
+  std::array<float, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i)
+    table[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+  return table;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Of two photographs' points in ascending order, those of both.
+PhotographOverlap overlap(std::size_t first, std::size_t second,
+                          const std::vector<std::vector<std::uint32_t>>& seen,
+                          const std::vector<std::vector<Light>>& lights) {
+  std::array<std::vector<double>, 3> ratios;
+  const auto &a = seen[first], &b = seen[second];
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    if (a[i] != b[j]) {
+      a[i] < b[j] ? ++i : ++j;
+      continue;
+    }
+    const Light &from = lights[first][i++], &to = lights[second][j++];
+    if (std::isnan(from[0]) || std::isnan(to[0])) continue;
+    for (std::size_t k = 0; k < 3; ++k)
+      ratios[k].push_back(static_cast<double>(to[k]) - static_cast<double>(from[k]));
+  }
+  PhotographOverlap found{first, second, ratios[0].size(), {}};
+  for (std::size_t k = 0; k < 3 && found.points > 0; ++k) found.log_ratio[k] = median(ratios[k]);
+  return found;
+}
+
+}  // namespace
+
+std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState& state) {
+  const auto& photographs = state.scene.photographs;
+  std::vector<SurfacePoint> points;
+  for (const Photograph& photograph : photographs)
+    add_points(state, coarse(photograph, coarse_factor(photograph, photographs.size())), points);
+  const auto seen = renderer.seen_from(photographs, points);
+
+  const auto linear = linear_bytes();
+  std::vector<std::vector<Light>> lights(photographs.size());
+  for (std::size_t p = 0; p < photographs.size(); ++p) {
+    const double reach = coarse_factor(photographs[p], photographs.size()) / 2;
+    lights[p].resize(seen[p].size());
+    parallel_for(
+        seen[p].size(),
+        [&](std::size_t i) {
+          const auto at =
+              photographs[p].camera.project(photographs[p].cam_from_world * points[seen[p][i]].position);
+          lights[p][i] =
+              at ? light_around(state.scene.photograph_pixels[p], *at, reach, linear) : Light{NAN, NAN, NAN};
+        },
+        1024);
+  }
+  std::vector<PhotographOverlap> overlaps;
+  for (std::size_t first = 0; first < photographs.size(); ++first)
+    for (std::size_t second = first + 1; second < photographs.size(); ++second)
+      if (const auto found = overlap(first, second, seen, lights); found.points >= kFewest)
+        overlaps.push_back(found);
+  return overlaps;
+}
+
+std::vector<std::array<double, 3>> solve_gains(std::size_t photographs,
+                                               const std::vector<PhotographOverlap>& overlaps) {
+  const auto count = static_cast<Eigen::Index>(photographs);
+  Eigen::MatrixXd normal = kPriorPoints * Eigen::MatrixXd::Identity(count, count);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count, 3);
+  for (const PhotographOverlap& pair : overlaps) {
+    const auto a = static_cast<Eigen::Index>(pair.first), b = static_cast<Eigen::Index>(pair.second);
+    const auto weight = static_cast<double>(pair.points);
+    normal(a, a) += weight, normal(b, b) += weight;
+    normal(a, b) -= weight, normal(b, a) -= weight;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      right(a, k) += weight * pair.log_ratio[static_cast<std::size_t>(k)];
+      right(b, k) -= weight * pair.log_ratio[static_cast<std::size_t>(k)];
+    }
+  }
+  std::vector<std::array<double, 3>> gains(photographs, {1, 1, 1});
+  if (photographs == 0) return gains;
+  const Eigen::MatrixXd solved = normal.ldlt().solve(right);
+  for (std::size_t i = 0; i < photographs; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      gains[i][k] = std::exp(solved(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)));
+  return gains;
+}
+
+}  // namespace hybrid::stages
