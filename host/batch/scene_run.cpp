@@ -217,8 +217,13 @@ class Run {
     const fs::path folder = scan_folder(run_.products[i].id);
     const auto formats = registered_formats(options_.write_registered);
     if (!run_.registrations[i]) return remove_registered_scan(folder);
-    auto files = write_registered_scan(
-        folder, formats, [&] { return read_again(i); }, run_.registrations[i]->world_from_scan(), run_.scene);
+    const auto read = [&] {
+      Scan scan = read_again(i);
+      scan.name = run_.products[i].id;
+      return scan;
+    };
+    auto files =
+        write_registered_scan(folder, formats, read, run_.registrations[i]->world_from_scan(), run_.scene);
     if (!formats.empty()) run_.registrations[i]->written = std::move(files);
   }
 

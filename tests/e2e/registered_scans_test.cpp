@@ -38,7 +38,9 @@ double farthest(const fs::path& file, const Scan& source, const Pose& pose, cons
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Vec3 expected = pose * source.point(from[i]) + shift;
     worst = std::max(worst, (moved.point(to[i]) - expected).cwiseAbs().maxCoeff());
-    if (!source.rgb.empty()) EXPECT_EQ(moved.rgb[to[i]], source.rgb[from[i]]);
+    if (!source.rgb.empty()) {
+      EXPECT_EQ(moved.rgb[to[i]], source.rgb[from[i]]);
+    }
   }
   return worst;
 }
