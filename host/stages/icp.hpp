@@ -53,6 +53,7 @@ struct Registration {
   // other it says how far, not which of them is right. What displaced faces have in common moves the proxy as
   // a whole: no residual shows it, and it is not in here.
   std::array<double, 36> covariance{};
+  double plane_sigma_m = 0;  // of one supercluster over its face, as `covariance` takes it
   // Directions not determined, in words: "free to slide along (1.00, 0.00, 0.00)", "free to turn about ...",
   // "free to scale". The plane step leaves the start pose as it is along them.
   std::vector<std::string> degenerate;
@@ -87,7 +88,7 @@ std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeIma
                                             const Pose& world_from_scan, double normal_deg, int tile = 1024);
 
 // The same for the `wanted` nodes (per node, 0 or 1) and the faces within `gate_m` (world scale, above 0);
-// NaN for the others. Looks at the faces near a tile only: for models of many faces.
+// NaN for the others.
 std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage& image,
                                           const PlaneSegmentation& segmentation, const PolygonModel& model,
                                           const Pose& world_from_scan, double normal_deg, double gate_m,

@@ -9,7 +9,7 @@ namespace hybrid::testing {
 struct ClosestPointTreeCase : ClosestPointCase {
   static constexpr const char* kName = "closest_point_tree";
 
-  static void cut(PolygonModel& model, int side, std::uint32_t seed) {
+  static void cut(PolygonModel& model, int side, std::uint32_t seed, double rough_m = 0.01) {
     PolygonModel mesh;
     for (const Face& face : model.faces) {
       const Vec3 a = model.vertices[face.outer[0]], right = model.vertices[face.outer[1]] - a,
@@ -21,7 +21,7 @@ struct ClosestPointTreeCase : ClosestPointCase {
       for (int row = 0; row <= side; ++row)
         for (int col = 0; col <= side; ++col) {
           const bool inner = row % side != 0 && col % side != 0;
-          const double off = inner ? 0.01 * (random_bits(seed, at(row, col), 77) / 4294967296.0 - 0.5) : 0;
+          const double off = inner ? rough_m * (random_bits(seed, at(row, col), 77) / 4294967296.0 - 0.5) : 0;
           mesh.vertices.push_back(a + right * (static_cast<double>(col) / side) +
                                   up * (static_cast<double>(row) / side) + off * normal);
         }
