@@ -9,6 +9,7 @@
 #include "stages/absorb_squares.hpp"
 #include "stages/coplanar_merge.hpp"
 #include "stages/curved_regions.hpp"
+#include "stages/plane_steps.hpp"
 #include "stages/refuted_planes.hpp"
 #include "stages/sample_labels.hpp"
 #include "stages/small_planes.hpp"
@@ -253,6 +254,8 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   compete();
   const std::int64_t least = least_plane_samples(image, options);
   if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete();
+  if (split_steps(image, grid, squares.square, squares.noise, least, labels, planes, regions))
+    polish_planes(image, squares.square, labels, squares.noise, planes);
   own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
   const auto ids = number_regions(measured, regions, least);
