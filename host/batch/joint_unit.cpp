@@ -22,18 +22,6 @@ double face_sigma_m(const Registrations& registrations) {
   return sigma;
 }
 
-// What a scan's own registration knows of its pose. Where the faces are right as they are, what lies within 5
-// cm of one and not on it (furniture, a recess) says nothing of the pose: without it the prior gives way to
-// neighbours that know less.
-std::array<double, 36> prior_of(const ScanRegistration& one) {
-  auto covariance = one.icp.covariance;
-  if (!one.faces || !one.faces->agree || !(one.icp.plane_sigma_m > 0)) return covariance;
-  const double sigma = std::max(one.icp.rms_m, one.faces->disagreement_m);
-  const double ratio = std::min(1.0, sigma / one.icp.plane_sigma_m);
-  for (double& value : covariance) value *= ratio * ratio;
-  return covariance;
-}
-
 Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& ids) {
   return {{"a", ids[pair.a]},
           {"b", ids[pair.b]},
@@ -151,7 +139,7 @@ void NeighbourRegistration::refine(Registrations& registrations) {
     const ScanRegistration& one = *registrations[i];
     stages::JointScan scan{
         &one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
-    if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = prior_of(one);
+    if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = one.icp.covariance;
     scans.push_back(scan);
     index.push_back(i);
     ids.push_back(products_[i].id);

@@ -133,7 +133,6 @@ void describe(IcpPairs& pairs, const PlanarSamples& samples, const IcpOptions& o
   result.degenerate = degenerate_directions(sums, radius, options.free_scale);
   const double variance =
       std::max({agreed.mean_square, sums.mean_square(), options.scale_floor_m * options.scale_floor_m});
-  result.plane_sigma_m = std::sqrt(variance);
   result.covariance = pose_covariance(sums, variance / std::max(agreed.superclusters, 1.0), pivot, radius,
                                       options.free_scale);
 }

@@ -53,7 +53,6 @@ struct Registration {
   // other it says how far, not which of them is right. What displaced faces have in common moves the proxy as
   // a whole: no residual shows it, and it is not in here.
   std::array<double, 36> covariance{};
-  double plane_sigma_m = 0;  // of one supercluster over its face, as `covariance` takes it
   // Directions not determined, in words: "free to slide along (1.00, 0.00, 0.00)", "free to turn about ...",
   // "free to scale". The plane step leaves the start pose as it is along them.
   std::vector<std::string> degenerate;
