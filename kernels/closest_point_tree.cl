@@ -10,7 +10,7 @@
 // params: params_closest_point.h, `root` too. defines: VW lanes.
 // edges: an empty tree -> all NaN; of equal distances the lowest triangle index wins.
 // cost: per query 24 bytes read and 24 written; per packet and node entered 2 boxes of about 40 flops a lane.
-// reference twin: tests/reference/closest_point.cpp
+// reference twin: tests/reference/closest_point_tree.cpp
 #include "lib/closest_triangle.h"
 #include "shared/bvh_records.h"
 

@@ -39,7 +39,7 @@ struct ScanRegistration {
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
   nlohmann::ordered_json written;  // files of the registered scan (registered_scans.hpp), or null
-  bool held_by_model = true;  // by what it sees of the model; else by its neighbours alone
+  bool held_by_model = true;       // by what it sees of the model; else by its neighbours alone
   const Pose& world_from_scan() const { return icp.world_from_scan; }
 };
 

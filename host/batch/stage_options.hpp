@@ -47,7 +47,7 @@ struct StageOptions {
   std::string automatic = "missing";  // "missing" | "first" | "never"
   // Formats in which `register` writes the registered scans (registered_scans.hpp); "" = none.
   std::string write_registered{};
-  double explain_m = 0.05;            // a planar sample within this of a compatible face is explained by it
+  double explain_m = 0.05;  // a planar sample within this of a compatible face is explained by it
   stages::OpeningOptions edit;
   stages::DisplacementOptions displacement;  // of [edit], too
   stages::CoverageOptions coverage;          // of [render]

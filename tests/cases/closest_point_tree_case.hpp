@@ -76,6 +76,7 @@ struct ClosestPointTreeCase : ClosestPointCase {
   static Output brute_force(device::Queue& queue, const Input& in, const stages::ProxyTree& tree) {
     return ClosestPointCase::run(queue, in, tree.triangles, nullptr);
   }
+  static Output reference(const Input& input);  // reference/closest_point_tree.cpp
   // Two boxes on each of about 15 levels, per query.
   static double flops(const Input& input) { return items(input) * 15 * 2 * 20; }
 };

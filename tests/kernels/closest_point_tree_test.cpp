@@ -36,7 +36,7 @@ TEST(ClosestPointTree, agrees_with_its_reference) {
   for (std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{129}, std::size_t{1009}}) {
     const auto input = Case::make(size, 3, 2);
     const auto got = Case::run(queue(), input);
-    const auto expected = ClosestPointCase::reference(input);
+    const auto expected = Case::reference(input);
     ASSERT_EQ(got.distance.size(), size);
     for (std::size_t i = 0; i < size; ++i) {
       if (expected.doubtful[i]) continue;
