@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
+#include "geometry/tiles.hpp"
 #include "stages/step_sharing.hpp"
 
 namespace hybrid::stages {
@@ -36,38 +37,52 @@ struct CellGrid {
   }
 };
 
+// The label that most samples of a cell have, of planes alone; 0 = none.
+std::uint32_t label_of_cell(const RangeImage& image, const std::vector<std::uint32_t>& labels,
+                            const PlaneRegions& regions, const Tile& cell) {
+  std::array<std::pair<std::uint32_t, int>, 3> votes{};
+  for (int row = cell.row; row < cell.row + cell.rows; ++row)
+    for (int col = cell.col; col < cell.col + cell.cols; ++col) {
+      const std::uint32_t label = labels[image.index(row, col)];
+      if (label == 0) continue;
+      for (auto& vote : votes)
+        if (vote.first == label || vote.first == 0) {
+          vote = {label, vote.second + 1};
+          break;
+        }
+    }
+  const auto most = std::max_element(votes.begin(), votes.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most->first == 0 || regions.regions[most->first - 1].curved ? 0 : most->first;
+}
+
 CellGrid mean_heights(const RangeImage& image, const RangeNoise& noise, int side,
                       const std::vector<std::uint32_t>& labels, const std::vector<Plane>& planes,
                       const PlaneRegions& regions) {
   CellGrid grid{side, (image.rows + side - 1) / side, (image.cols + side - 1) / side, {}};
   grid.cells.resize(static_cast<std::size_t>(grid.rows) * static_cast<std::size_t>(grid.cols));
   parallel_for(static_cast<std::size_t>(grid.rows), [&](std::size_t cell_row) {
-    const int top = static_cast<int>(cell_row) * side, bottom = std::min(top + side, image.rows);
+    const int top = static_cast<int>(cell_row) * side;
     for (int cell_col = 0; cell_col < grid.cols; ++cell_col) {
-      const int left = cell_col * side, right = std::min(left + side, image.cols);
-      std::array<std::pair<std::uint32_t, int>, 3> votes{};
-      for (int row = top; row < bottom; ++row)
-        for (int col = left; col < right; ++col) {
-          const std::uint32_t label = labels[image.index(row, col)];
-          if (label == 0 || regions.regions[label - 1].curved) continue;
-          for (auto& vote : votes)
-            if (vote.first == label || vote.first == 0) {
-              vote = {label, vote.second + 1};
-              break;
-            }
+      const int left = cell_col * side;
+      const Tile tile{top, left, std::min(side, image.rows - top), std::min(side, image.cols - left)};
+      Cell cell;
+      cell.label = label_of_cell(image, labels, regions, tile);
+      if (cell.label == 0) continue;
+      const Plane& plane = planes[cell.label - 1];
+      double sum = 0, weight = 0;  // one for all samples of a cell: noise varies little within
+      for (int row = top; row < top + tile.rows; ++row)
+        for (int col = left; col < left + tile.cols; ++col) {
+          const std::size_t i = image.index(row, col);
+          if (labels[i] != cell.label || image.mask[i] != kMeasured) continue;
+          if (weight == 0) weight = height_over(image, noise, plane, i).weight;
+          sum += plane.distance(image.point(i));
+          cell.count += 1;
         }
-      const auto most = std::max_element(votes.begin(), votes.end(),
-                                         [](const auto& a, const auto& b) { return a.second < b.second; });
-      if (most->first == 0) continue;
-      MeanHeight mean;
-      for (int row = top; row < bottom; ++row)
-        for (int col = left; col < right; ++col)
-          if (const std::size_t i = image.index(row, col); labels[i] == most->first)
-            mean.add(height_over(image, noise, planes[most->first - 1], i));
-      if (mean.count == 0) continue;
-      grid.cells[grid.index(static_cast<int>(cell_row), cell_col)] = {
-          most->first, static_cast<float>(mean.sum), static_cast<float>(mean.weight),
-          static_cast<std::uint16_t>(mean.count)};
+      if (weight == 0) continue;
+      cell.sum = static_cast<float>(weight * sum);
+      cell.weight = static_cast<float>(weight * cell.count);
+      grid.cells[grid.index(static_cast<int>(cell_row), cell_col)] = cell;
     }
   });
   return grid;
@@ -127,7 +142,7 @@ void mark_cells(CellGrid& grid, double excess) {
 }
 
 // Touching marked cells of one plane.
-std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t least) {
+std::vector<StepProposal> find_proposals(const CellGrid& grid) {
   std::vector<StepProposal> proposals;
   std::vector<bool> seen(grid.cells.size());
   std::vector<std::size_t> group;
@@ -155,7 +170,7 @@ std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t leas
           group.push_back(other);
         }
     }
-    if (2 * proposal.mean.count < least) continue;
+    if (proposal.mean.count < kFewestInWindow) continue;
     for (int* edge : {&proposal.top, &proposal.left, &proposal.bottom, &proposal.right}) *edge *= grid.side;
     proposals.push_back(proposal);
   }
@@ -164,51 +179,85 @@ std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t leas
   return proposals;
 }
 
-}  // namespace
+// What became of a proposal.
+struct Part {
+  StepVerdict verdict = StepVerdict::none;
+  std::vector<std::uint32_t> samples;
+  MeanHeight height;
+  double step_m = 0;
+};
 
-bool split_steps(const RangeImage& image, const SquareGrid& grid, int square, const RangeNoise& noise,
-                 std::int64_t least, std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
-                 PlaneRegions& regions) {
-  CellGrid cells = mean_heights(image, noise, std::max(square / kCellsPerSquare, 2), labels, planes, regions);
-  const double excess = excess_scatter(cells);
-  mark_cells(cells, excess);
+std::vector<Part> share_out(const RangeImage& image, const RangeNoise& noise,
+                            const std::vector<std::uint32_t>& labels, const std::vector<Plane>& planes,
+                            const PlaneRegions& regions, const std::vector<StepProposal>& proposals,
+                            double excess, std::int64_t least) {
   const auto is_free = [&](std::size_t i) {
     return image.mask[i] == kMeasured && (labels[i] == 0 || regions.regions[labels[i] - 1].curved);
   };
-  struct Part {
+  std::vector<Part> parts(proposals.size());
+  parallel_for(proposals.size(), [&](std::size_t k) {
+    const StepProposal& proposal = proposals[k];
+    StepSharing sharing(image, noise, labels, planes[proposal.label - 1], proposal, excess);
+    Part& part = parts[k];
+    part.verdict = sharing.share(is_free, least);
+    if (part.verdict == StepVerdict::none) return;
+    part.height = sharing.height();
+    part.step_m = sharing.step_m();
+    sharing.for_each_of_part([&](std::size_t i) { part.samples.push_back(static_cast<std::uint32_t>(i)); });
+  });
+  return parts;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> split_steps(const RangeImage& image, const SquareGrid& grid, int square,
+                                       const RangeNoise& noise, std::int64_t least,
+                                       std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
+                                       PlaneRegions& regions) {
+  CellGrid cells = mean_heights(image, noise, std::max(square / kCellsPerSquare, 2), labels, planes, regions);
+  const double excess = excess_scatter(cells);
+  mark_cells(cells, excess);
+  const auto proposals = find_proposals(cells);
+  const auto parts = share_out(image, noise, labels, planes, regions, proposals, excess, least);
+
+  struct Level {
     std::uint32_t of, id;
     MeanHeight height;
   };
-  std::vector<Part> parts;
-  bool changed = false;
-  for (const StepProposal& proposal : find_proposals(cells, least)) {
-    const Plane plane = planes[proposal.label - 1];
-    StepSharing sharing(image, noise, labels, plane, proposal, excess);
-    const StepVerdict verdict = sharing.share(is_free, least);
-    if (verdict == StepVerdict::none) continue;
-    changed = true;
-    if (verdict == StepVerdict::curved) {
-      sharing.for_each_of_part([&](std::size_t i) { labels[i] = 0; });
+  std::vector<Level> levels;
+  std::vector<std::uint32_t> changed;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const std::uint32_t label = proposals[k].label;
+    const Part& part = parts[k];
+    // Proposals may share samples: the first takes them.
+    std::vector<std::uint32_t> samples;
+    for (const std::uint32_t i : part.samples)
+      if (labels[i] == label) samples.push_back(i);
+    if (samples.empty()) continue;
+    changed.push_back(label);
+    if (part.verdict == StepVerdict::curved) {
+      for (const std::uint32_t i : samples) labels[i] = 0;
       continue;
     }
     // One part may be broken by an occluder, or by windows between which nothing stood out.
-    const MeanHeight height = sharing.height();
-    auto part = std::find_if(parts.begin(), parts.end(), [&](const Part& other) {
-      return other.of == proposal.label &&
-             std::abs(height.value_m() - other.height.value_m()) < kSameHeight * std::abs(sharing.step_m());
+    auto level = std::find_if(levels.begin(), levels.end(), [&](const Level& other) {
+      return other.of == label &&
+             std::abs(part.height.value_m() - other.height.value_m()) < kSameHeight * std::abs(part.step_m);
     });
-    if (part == parts.end()) {
+    if (level == levels.end()) {
+      if (std::ssize(samples) < least) continue;
       regions.regions.emplace_back().small = true;
-      planes.push_back({plane.normal, plane.offset_m + height.value_m()});
-      part = parts.insert(part, {proposal.label, static_cast<std::uint32_t>(planes.size()), {}});
+      planes.push_back({planes[label - 1].normal, planes[label - 1].offset_m + part.height.value_m()});
+      level = levels.insert(level, {label, static_cast<std::uint32_t>(planes.size()), {}});
+      changed.push_back(level->id);
     }
-    part->height.add(height);
-    auto& of_part = regions.regions[part->id - 1].squares;
-    sharing.for_each_of_part([&](std::size_t i) {
-      labels[i] = part->id;
+    level->height.add(part.height);
+    auto& of_part = regions.regions[level->id - 1].squares;
+    for (const std::uint32_t i : samples) {
+      labels[i] = level->id;
       const int row = static_cast<int>(i) / image.cols, col = static_cast<int>(i) % image.cols;
       of_part.push_back(static_cast<std::uint32_t>(grid.at(row / square, col / square)));
-    });
+    }
     std::sort(of_part.begin(), of_part.end());
     of_part.erase(std::unique(of_part.begin(), of_part.end()), of_part.end());
   }

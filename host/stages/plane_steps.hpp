@@ -10,9 +10,10 @@ namespace hybrid::stages {
 // what it is. Parts become regions (small, with a plane and the squares in which they lie) and take their
 // samples; those of one plane at one height are one region. Strips that are the beginning of a curved surface
 // lose their label. What windows of a whole scan commonly leave their planes by (correlated noise, waviness)
-// counts as noise. True when a label changed. `least`: samples of a part.
-bool split_steps(const RangeImage& image, const SquareGrid& grid, int square, const RangeNoise& noise,
-                 std::int64_t least, std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
-                 PlaneRegions& regions);
+// counts as noise. The labels whose samples changed. `least`: samples of a part.
+std::vector<std::uint32_t> split_steps(const RangeImage& image, const SquareGrid& grid, int square,
+                                       const RangeNoise& noise, std::int64_t least,
+                                       std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
+                                       PlaneRegions& regions);
 
 }  // namespace hybrid::stages

@@ -16,12 +16,14 @@ constexpr int kRounds = 4, kSweeps = 6;
 // own parts. Measured on the church: steps 0.9 to 1.7 per sample, noise at most 0.8 with every sample beside
 // it.
 constexpr double kLeastGain = 12, kGainEach = 0.2, kGainBeside = 0.8;
+constexpr double kGainOfRim = 1.5;  // per sample, of curved strips too narrow for a plane
 constexpr double kLeastInside = 0.33, kMostStrays = 0.25;  // of its samples
 constexpr double kMostOnwards = 0.5;                       // of those beside the border
 constexpr double kSharp = 0.65;    // of the step lies within the few samples at the border
 constexpr double kLevel = 0.35;    // of the step: plane and part are level to that
 constexpr double kMostChi2 = 1.6;  // per sample
-constexpr int kNear = 3;           // samples from the border
+constexpr std::int64_t kFewestOfRim = 12;
+constexpr int kNear = 3;  // samples from the border
 constexpr std::int64_t kFewestNear = 8;
 constexpr double kContinuitySigmas = 3;
 constexpr double kMostStretch = 3;  // of a move along the surface, against the plane's own
@@ -46,6 +48,7 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
       left_(std::max(proposal.left - kMargin, 0)),
       rows_(std::min(proposal.bottom + kMargin, image.rows) - top_),
       cols_(std::min(proposal.right + kMargin, image.cols) - left_),
+      proposed_(proposal.mean.count),
       sigma_m_(std::sqrt(static_cast<double>(proposal.mean.count) / proposal.mean.weight)),
       model_(0, 0, 0, proposal.mean.value_m()),
       samples_(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(cols_)) {
@@ -71,19 +74,21 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
 StepVerdict StepSharing::share(const std::function<bool(std::size_t)>& is_free, std::int64_t least) {
   for (int round = 0; round < kRounds; ++round) {
     start_by_windows();
-    for (int sweep = 0; sweep < kSweeps; ++sweep) settle();
-    if (!fit(least)) return StepVerdict::none;
+    for (int sweep = 0; sweep < kSweeps && settle(); ++sweep) {
+    }
+    if (!fit(kFewestOfRim)) return StepVerdict::none;
   }
   measure_rings();
   const Evidence evidence = weigh();
   height_ = evidence.part;
   const auto count = static_cast<double>(evidence.part.count), beside = static_cast<double>(evidence.beside);
-  const bool stands_out = evidence.part.count >= least && count - beside >= kLeastInside * count &&
-                          static_cast<double>(evidence.strays) <= kMostStrays * count &&
+  const bool stands_out = static_cast<double>(evidence.strays) <= kMostStrays * count &&
                           evidence.gain >= kLeastGain + kGainEach * count + kGainBeside * beside;
-  if (!stands_out) return StepVerdict::none;
+  const bool broad =
+      2 * proposed_ >= least && evidence.part.count >= least && count - beside >= kLeastInside * count;
+  if (!stands_out || !(broad || evidence.gain >= kGainOfRim * count)) return StepVerdict::none;
   if (static_cast<double>(smooth_rim(is_free)) > kMostOnwards * beside) return StepVerdict::curved;
-  return is_sharp(evidence) ? StepVerdict::step : StepVerdict::none;
+  return broad && is_sharp(evidence) ? StepVerdict::step : StepVerdict::none;
 }
 
 // Log of how much likelier the part makes the sample than the plane.
@@ -118,7 +123,9 @@ void StepSharing::start_by_windows() {
     }
 }
 
-void StepSharing::settle() {
+// False when nothing changed sides.
+bool StepSharing::settle() {
+  bool changed = false;
   for (int row = 0; row < rows_; ++row)
     for (int col = 0; col < cols_; ++col) {
       Sample& sample = samples_[at(row, col)];
@@ -128,8 +135,11 @@ void StepSharing::settle() {
         const double price = diagonal ? kBorderPrice / std::numbers::sqrt2 : kBorderPrice;
         gain += other.side == kPart ? price : -price;
       });
-      sample.side = gain > 0 ? kPart : kPlane;
+      const Side side = gain > 0 ? kPart : kPlane;
+      changed = changed || side != sample.side;
+      sample.side = side;
     }
+  return changed;
 }
 
 // False when too few samples make a part, or they fix no model.

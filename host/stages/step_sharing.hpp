@@ -96,7 +96,7 @@ class StepSharing {
   template <typename Visit>
   void for_neighbours(int row, int col, const Visit& visit) const;
   void start_by_windows();
-  void settle();
+  bool settle();
   bool fit(std::int64_t least);
   void measure_rings();
   Evidence weigh() const;
@@ -107,6 +107,7 @@ class StepSharing {
   const RangeImage& image_;
   Plane plane_;
   int top_, left_, rows_, cols_;
+  std::int64_t proposed_;  // samples
   double sigma_m_;         // along the normal, of a sample of the proposal
   Eigen::Vector4d model_;  // level, slopes, step
   MeanHeight height_;

@@ -34,8 +34,11 @@ struct Wall {
     squares.cols = (kCols + kSquare - 1) / kSquare;
   }
   bool split() {
-    return stages::split_steps(image, stages::SquareGrid(image, squares), kSquare,
-                               stages::RangeNoise{kSigma_m}, kLeast, labels, planes, regions);
+    const auto before = labels;
+    const auto changed = stages::split_steps(image, stages::SquareGrid(image, squares), kSquare,
+                                             stages::RangeNoise{kSigma_m}, kLeast, labels, planes, regions);
+    EXPECT_EQ(changed.empty(), labels == before);
+    return !changed.empty();
   }
   // Samples with this label among those that `inside` names, and outside of them.
   template <typename Inside>
