@@ -19,9 +19,11 @@ Json face_offsets_json(const stages::FaceOffsets& offsets, bool jointly) {
                      {"samples", face.samples},
                      {"words", stages::offset_in_words(face)}});
   }
-  return {{"solved_with_the_pose", jointly},          {"agree", offsets.agree},
-          {"disagreement_m", offsets.disagreement_m}, {"unobservable", stages::kUnobservable},
-          {"faces_seen", offsets.faces.size()},       {"faces", faces}};
+  Json json = {{"solved_with_the_pose", jointly},          {"agree", offsets.agree},
+               {"disagreement_m", offsets.disagreement_m}, {"unobservable", stages::kUnobservable},
+               {"faces_seen", offsets.faces.size()},       {"faces", faces}};
+  if (!offsets.note.empty()) json["note"] = offsets.note;
+  return json;
 }
 
 }  // namespace hybrid::batch

@@ -285,6 +285,7 @@ Json registration_figures(const ScanRegistration& registration) {
   }
   if (registration.faces)
     json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
+  if (!registration.written.is_null()) json["written"] = registration.written;
   return json;
 }
 

@@ -38,7 +38,8 @@ struct ScanRegistration {
   // abstained.
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
-  bool held_by_model = true;  // by what it sees of the model; else by its neighbours alone
+  nlohmann::ordered_json written;  // files of the registered scan (registered_scans.hpp), or null
+  bool held_by_model = true;       // by what it sees of the model; else by its neighbours alone
   const Pose& world_from_scan() const { return icp.world_from_scan; }
 };
 

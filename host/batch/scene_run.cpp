@@ -10,6 +10,7 @@
 #include "batch/landmark_sheet.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
+#include "batch/registered_scans.hpp"
 #include "batch/residual_figures.hpp"
 #include "batch/scene_editing.hpp"
 #include "batch/scene_export.hpp"
@@ -202,11 +203,28 @@ class Run {
     const fs::path folder = scan_folder(run_.products[i].id);
     if (run_.registrations[i] && run_.model)
       finish_registration(queue_, *run_.model, options_, run_.products[i], *run_.registrations[i], progress_);
-    if (wants("register")) write_pose_outputs(folder, run_.products[i], *found);
+    if (wants("register")) {
+      write_pose_outputs(folder, run_.products[i], *found);
+      write_registered(i);
+    }
     if (run_.registrations[i])
       editing_.clip(run_.scene, *run_.registrations[i], run_.products[i], remains_[i]);
     if (run_.abstentions[i]) abstain(i);
     if (wants("register")) remove_landmark_sheet(folder);
+  }
+
+  void write_registered(std::size_t i) {
+    const fs::path folder = scan_folder(run_.products[i].id);
+    const auto formats = registered_formats(options_.write_registered);
+    if (!run_.registrations[i]) return remove_registered_scan(folder);
+    const auto read = [&] {
+      Scan scan = read_again(i);
+      scan.name = run_.products[i].id;
+      return scan;
+    };
+    auto files =
+        write_registered_scan(folder, formats, read, run_.registrations[i]->world_from_scan(), run_.scene);
+    if (!formats.empty()) run_.registrations[i]->written = std::move(files);
   }
 
   std::vector<PlacedScan> placed_scans() const {

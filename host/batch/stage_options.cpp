@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "batch/registered_scans.hpp"
 #include "core/suggest.hpp"
 
 namespace hybrid::batch {
@@ -19,6 +20,13 @@ const std::vector<OptionRow<StageOptions>>& register_rows() {
        0.001,
        10,
        "a planar sample this near a face is explained by it",
+       {}},
+      {"write",
+       "",
+       &StageOptions::write_registered,
+       0,
+       0,
+       "registered scans are written as some of e57 las pcd ply pts ptx, separated by blanks or commas",
        {}},
       {"joint", "", &StageOptions::joint, 0, 0, "refine the poses of all scans together", {}},
       {"automatic",
@@ -75,6 +83,8 @@ bool apply_register(StageOptions& options, const std::string& key, const OptionV
     options.icp.free_scale = options.landmarks.free_scale = options.alignment.free_scale = scale == "free";
     return true;
   }
+  if (key == "write" && std::holds_alternative<std::string>(value))
+    registered_formats(std::get<std::string>(value));
   return apply(key, value, options.landmarks, landmark_rows()) ||
          apply(key, value, options, register_rows()) ||
          apply(key, value, options.icp, stages::icp_option_table()) ||

@@ -45,7 +45,9 @@ struct StageOptions {
   // Which scans are aligned without a start: those with neither landmarks nor pose; all but those with a
   // pose, landmarks deciding where it abstains; none.
   std::string automatic = "missing";  // "missing" | "first" | "never"
-  double explain_m = 0.05;            // a planar sample within this of a compatible face is explained by it
+  // Formats in which `register` writes the registered scans (registered_scans.hpp); "" = none.
+  std::string write_registered{};
+  double explain_m = 0.05;  // a planar sample within this of a compatible face is explained by it
   stages::OpeningOptions edit;
   stages::DisplacementOptions displacement;  // of [edit], too
   stages::CoverageOptions coverage;          // of [render]

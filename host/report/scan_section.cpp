@@ -101,6 +101,7 @@ std::string residual_section(const Json& scan) {
 std::string face_table(const Json& scan) {
   if (!scan.contains("/registration/faces/faces"_json_pointer)) return "";
   const auto& faces = scan["registration"]["faces"];
+  if (faces.contains("note")) return fmt::format("<p>{}.</p>\n", escape(faces["note"].get<std::string>()));
   Table table;
   table.text("face")
       .number("offset", "mm", 1, "above 0 the scan lies in front of the face, below 0 behind it")

@@ -51,6 +51,11 @@ std::string lacking(const std::vector<T>& planes, const char* whose) {
 
 std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const AutomaticOptions& options) {
   if (std::string words = lacking(scan.planes, "scan"); !words.empty()) return words;
+  if (!model.has_large_faces())
+    return fmt::format(
+        "automatic alignment needs a model of large faces: this one is a mesh of {}, of which the largest {} "
+        "are {:.0f} % of the area{}",
+        model.all_faces, model.faces.size(), 100 * model.kept_area_m2 / model.area_m2, kGiveLandmarks);
   if (std::string words = lacking(model.planes, "model"); !words.empty()) return words;
   if (options.free_scale)
     return "automatic alignment with a free scale is not offered: three planes fix a rigid pose only; give "

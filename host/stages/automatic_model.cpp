@@ -86,7 +86,9 @@ ModelShapes measure_model(const PolygonModel& model) {
   }
   std::stable_sort(shapes.faces.begin(), shapes.faces.end(),
                    [](const FaceShape& a, const FaceShape& b) { return a.area_m2 > b.area_m2; });
+  shapes.all_faces = shapes.faces.size();
   if (shapes.faces.size() > kMostFaces) shapes.faces.resize(kMostFaces);
+  for (const FaceShape& face : shapes.faces) shapes.kept_area_m2 += face.area_m2;
   for (FaceShape& face : shapes.faces) {
     const Vec3 middle = middle_of(face);
     std::size_t k = 0;

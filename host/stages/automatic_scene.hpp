@@ -77,6 +77,10 @@ struct ModelShapes {
   std::vector<ModelPlane> planes;  // largest first
   Eigen::AlignedBox3d box;
   double area_m2 = 0;  // of all faces
+  std::size_t all_faces = 0;
+  double kept_area_m2 = 0;  // of `faces`
+  // The faces that are kept stand for the model. Else it is a mesh of faces too small to be planes.
+  bool has_large_faces() const { return kept_area_m2 >= 0.7 * area_m2; }
 };
 
 // Faces beyond this many, the smallest, are only seen by rays: a mesh of small triangles has no planes to

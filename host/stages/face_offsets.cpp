@@ -182,6 +182,7 @@ const std::vector<OptionRow<FaceOffsetOptions>>& face_offset_option_table() {
 Pose solve_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
                         const PolygonModel& model, const Pose& start, const FaceOffsetOptions& options) {
   const ModelShapes shapes = measure_model(model);
+  if (!shapes.has_large_faces()) return start;
   return solve_jointly(segmentation, scan, shapes, fit_tiles(scan, shapes, start).world_from_scan, options);
 }
 
@@ -190,6 +191,12 @@ FaceOffsets measure_face_offsets(const PlaneSegmentation& segmentation, const Sc
                                  const FaceOffsetOptions& options) {
   FaceOffsets result;
   const ModelShapes shapes = measure_model(model);
+  if (!shapes.has_large_faces()) {
+    result.note = fmt::format(
+        "the model is a mesh of {} faces, too small to be measured one by one: residuals.png shows them",
+        shapes.all_faces);
+    return result;
+  }
   const auto pairs = find_tile_pairs(scan, shapes, pose, options.reach_m);
   const FaceMap faces = find_faces(segmentation, scan, pairs);
   result.disagreement_m = robust_spread(faces);

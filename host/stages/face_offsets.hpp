@@ -35,6 +35,7 @@ struct FaceOffsets {
   bool agree = false;             // the faces are right as they are: most lie on their planes and hold a pose
   double disagreement_m = 0;      // robust standard deviation of the offsets, by area
   std::vector<FaceOffset> faces;  // largest area first
+  std::string note{};             // why there are none, where the model is not of such faces
 };
 
 // What all faces have in common moves or turns the proxy as a whole: it is in the pose, and no scan can show
@@ -48,7 +49,8 @@ inline constexpr const char* kUnobservable =
 // every face counts the plane that covers most of it, with what lies in one plane with it (a recess, a panel
 // or a cupboard before the wall is another plane); a face much farther off than the others (beyond 3 robust
 // standard deviations, none beyond 6) is not the plane's face and counts less. The start is kept along
-// directions that the planes leave open, and its scale.
+// directions that the planes leave open, and its scale. A mesh of small faces (has_large_faces()) has no
+// offsets: the start is returned.
 Pose solve_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
                         const PolygonModel& model, const Pose& start, const FaceOffsetOptions& options = {});
 

@@ -87,7 +87,7 @@ std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeIma
                                             const Pose& world_from_scan, double normal_deg, int tile = 1024);
 
 // The same for the `wanted` nodes (per node, 0 or 1) and the faces within `gate_m` (world scale, above 0);
-// NaN for the others. Looks at the faces near a tile only: for models of many faces.
+// NaN for the others.
 std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage& image,
                                           const PlaneSegmentation& segmentation, const PolygonModel& model,
                                           const Pose& world_from_scan, double normal_deg, double gate_m,

@@ -2,11 +2,8 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include "shared/params_icp_sums.h"
-#include "stages/proxy_triangles.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -25,23 +22,17 @@ void store_linear(const Pose& pose, float* target) {
   for (int k = 0; k < 9; ++k) target[k] = static_cast<float>(linear(k / 3, k % 3));
 }
 
-}  // namespace
-
-ClosestPointParams closest_point_params(const Pose& local_from_scan, double gate_m, double normal_deg,
-                                        std::size_t queries, std::size_t triangles) {
-  const float infinity = std::numeric_limits<float>::infinity();
-  const bool any_normal = normal_deg < 0 || normal_deg >= 180;
-  ClosestPointParams params{};
-  store_linear(local_from_scan, params.linear);
-  for (int k = 0; k < 3; ++k) params.translation[k] = static_cast<float>(local_from_scan.translation(k));
-  params.gate2 = gate_m > 0 ? static_cast<float>(gate_m * gate_m) : infinity;
-  params.min_facing =
-      any_normal ? -infinity
-                 : static_cast<float>(local_from_scan.scale * std::cos(normal_deg * std::numbers::pi / 180));
-  params.queries = static_cast<std::uint32_t>(queries);
-  params.triangles = static_cast<std::uint32_t>(triangles);
-  return params;
+Vec3 centre_of(const PlanarSamples& samples) {
+  double total = 0;
+  Vec3 centre = Vec3::Zero();
+  for (const auto& p : samples.points) {
+    total += p[3];
+    centre += static_cast<double>(p[3]) * Vec3(p[0], p[1], p[2]);
+  }
+  return centre / total;
 }
+
+}  // namespace
 
 double weighted_median(const std::vector<float>& values, const std::vector<float>& weights) {
   // A float's leading bits are its logarithm: 11 bits of mantissa give 2048 bins per octave.
@@ -64,46 +55,36 @@ double weighted_median(const std::vector<float>& values, const std::vector<float
 
 IcpPairs::IcpPairs(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
                    const Pose& start, const IcpOptions& options)
-    : queue_(queue), count_(samples.points.size()), gate_m_(options.gate_m), normal_deg_(options.normal_deg) {
-  double total = 0;
+    : queue_(queue),
+      count_(samples.points.size()),
+      centre_(centre_of(samples)),
+      origin_(start * centre_),
+      gate_m_(options.gate_m),
+      normal_deg_(options.normal_deg),
+      samples_{count_,
+               column(queue, samples.points, 0),
+               column(queue, samples.points, 1),
+               column(queue, samples.points, 2),
+               column(queue, samples.normals, 0),
+               column(queue, samples.normals, 1),
+               column(queue, samples.normals, 2)},
+      pairs_(queue, count_),
+      search_(queue, model, origin_) {
+  double total = 0, square = 0;
   for (const auto& p : samples.points) {
     areas_.push_back(p[3]);
     total += p[3];
-    centre_ += static_cast<double>(p[3]) * Vec3(p[0], p[1], p[2]);
+    square += static_cast<double>(p[3]) * (Vec3(p[0], p[1], p[2]) - centre_).squaredNorm();
   }
-  centre_ /= total;
-  for (const auto& p : samples.points)
-    radius_ += static_cast<double>(p[3]) * (Vec3(p[0], p[1], p[2]) - centre_).squaredNorm() / total;
-  radius_ = std::sqrt(radius_);
-  origin_ = start * centre_;
-
-  x_ = column(queue, samples.points, 0);
-  y_ = column(queue, samples.points, 1);
-  z_ = column(queue, samples.points, 2);
-  area_ = column(queue, samples.points, 3);
-  nx_ = column(queue, samples.normals, 0);
-  ny_ = column(queue, samples.normals, 1);
-  nz_ = column(queue, samples.normals, 2);
-  distance_ = queue.array<float>(count_);
-  height_ = queue.array<float>(count_);
-  near_x_ = queue.array<float>(count_);
-  near_y_ = queue.array<float>(count_);
-  near_z_ = queue.array<float>(count_);
-  triangle_ = queue.array<std::uint32_t>(count_);
+  radius_ = std::sqrt(square / total);
+  area_ = queue.array(areas_);
   partial_ = queue.array<float>((count_ + kBlock - 1) / kBlock * ICP_PLANE_SUMS);
-  const auto records = proxy_triangles(model, origin_);
-  triangle_count_ = records.size();
-  triangles_ = queue.array(records);
 }
 
 void IcpPairs::find(const Pose& world_from_scan) {
   local_from_scan_ = world_from_scan;
   local_from_scan_.translation -= origin_;
-  const int lanes = queue_.vector_width();
-  const auto items = (count_ + static_cast<std::size_t>(lanes) - 1) / static_cast<std::size_t>(lanes);
-  queue_.launch("closest_point", queue_.kernel("closest_point", {{"VW", lanes}}), device::grid(items),
-                closest_point_params(local_from_scan_, gate_m_, normal_deg_, count_, triangle_count_), x_, y_,
-                z_, nx_, ny_, nz_, triangles_, distance_, height_, triangle_, near_x_, near_y_, near_z_);
+  search_.find(samples_, local_from_scan_, gate_m_, normal_deg_, pairs_);
 }
 
 std::vector<double> IcpPairs::sums(int point, int count, double cutoff_m) {
@@ -119,8 +100,9 @@ std::vector<double> IcpPairs::sums(int point, int count, double cutoff_m) {
   const std::size_t blocks = (count_ + kBlock - 1) / kBlock;
   const auto& kernel = queue_.kernel(
       "icp_sums", {{"VW", queue_.vector_width()}, {"BLOCK", static_cast<int>(kBlock)}, {"POINT", point}});
-  queue_.launch("icp_sums", kernel, device::grid(blocks), params, x_, y_, z_, area_,
-                point ? distance_ : height_, triangle_, near_x_, near_y_, near_z_, triangles_, partial_);
+  queue_.launch("icp_sums", kernel, device::grid(blocks), params, samples_.x, samples_.y, samples_.z, area_,
+                point ? pairs_.distance : pairs_.height, pairs_.triangle, pairs_.near_x, pairs_.near_y,
+                pairs_.near_z, search_.triangles(), partial_);
   std::vector<float> partial(blocks * static_cast<std::size_t>(count));
   queue_.read(partial_, std::span<float>(partial));
   std::vector<double> sums(static_cast<std::size_t>(count));

@@ -5,8 +5,8 @@
 #include "device/queue.hpp"
 #include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
-#include "shared/params_closest_point.h"
 #include "stages/icp.hpp"
+#include "stages/proxy_search.hpp"
 
 namespace hybrid::stages {
 
@@ -44,8 +44,8 @@ class IcpPairs {
   // Finds the closest compatible points under this pose.
   void find(const Pose& world_from_scan);
   // Of the last find(), per sample; NaN without a pair.
-  std::vector<float> heights() { return queue_.read(height_); }
-  std::vector<float> distances() { return queue_.read(distance_); }
+  std::vector<float> heights() { return queue_.read(pairs_.height); }
+  std::vector<float> distances() { return queue_.read(pairs_.distance); }
   PlaneSums plane_sums(double cutoff_m);
   PointSums point_sums(double cutoff_m);
 
@@ -58,21 +58,16 @@ class IcpPairs {
   std::vector<double> sums(int point, int count, double cutoff_m);
 
   device::Queue& queue_;
-  std::size_t count_ = 0, triangle_count_ = 0;
+  std::size_t count_ = 0;
   Vec3 centre_ = Vec3::Zero(), origin_ = Vec3::Zero();  // origin of the local frame, world
   double radius_ = 0, gate_m_ = 0, normal_deg_ = 0;
   Pose local_from_scan_;
   std::vector<float> areas_;
-  device::Array<float> x_, y_, z_, nx_, ny_, nz_, area_;
-  device::Array<float> distance_, height_, near_x_, near_y_, near_z_, partial_;
-  device::Array<std::uint32_t> triangle_;
-  device::Array<ProxyTriangle> triangles_;
+  SearchQueries samples_;
+  SearchAnswers pairs_;
+  ProxySearch search_;
+  device::Array<float> area_, partial_;
 };
-
-// Parameters of closest_point for a pose relative to `origin`; gate_m 0 = none, normal_deg outside [0, 180) =
-// any normal.
-ClosestPointParams closest_point_params(const Pose& local_from_scan, double gate_m, double normal_deg,
-                                        std::size_t queries, std::size_t triangles);
 
 // Weighted median of |value| over the values that are not NaN, to 1 part in 4096 and within 1 um .. 1 km: the
 // scale of robust weights needs no more, and a histogram needs no sorting. -1 when there are none.

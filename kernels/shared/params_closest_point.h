@@ -1,4 +1,5 @@
-// Arguments of kernels/closest_point.cl, and the triangle record that icp_sums reads too.
+// Arguments of kernels/closest_point.cl and closest_point_tree.cl, and the triangle record that icp_sums
+// reads too.
 #ifndef HYBRID_SHARED_PARAMS_CLOSEST_POINT_H
 #define HYBRID_SHARED_PARAMS_CLOSEST_POINT_H
 #include "shared/layout.h"
@@ -32,7 +33,9 @@ typedef struct ClosestPointParams {
   float min_facing;      // scale times cosine of the largest angle between normals; below -scale = any angle
   HYBRID_UINT queries;
   HYBRID_UINT triangles;
+  HYBRID_UINT root;  // of the tree, for closest_point_tree
+  HYBRID_UINT pad[3];
 } ClosestPointParams;
-LAYOUT_CHECK(ClosestPointParams, 64);
+LAYOUT_CHECK(ClosestPointParams, 80);
 
 #endif

@@ -7,6 +7,7 @@
 #include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
 #include "lib/random.h"
+#include "stages/proxy_tree.hpp"
 #include "stages/proxy_triangles.hpp"
 
 namespace hybrid::testing {
@@ -86,9 +87,13 @@ struct ClosestPointCase {
   }
 
   static Output run(device::Queue& queue, const Input& in) {
+    return run(queue, in, stages::proxy_triangles(in.model, in.origin), nullptr);
+  }
+  // These records by closest_point, or by closest_point_tree where a tree of them is given.
+  static Output run(device::Queue& queue, const Input& in, const std::vector<ProxyTriangle>& records,
+                    const stages::ProxyTree* tree) {
     const int lanes = in.lanes ? in.lanes : queue.vector_width();
     const std::size_t count = in.x.size();
-    const auto records = stages::proxy_triangles(in.model, in.origin);
     ClosestPointParams params{};
     const Mat3 linear = in.local_from_scan.scale * in.local_from_scan.rotation.toRotationMatrix();
     for (int k = 0; k < 9; ++k) params.linear[k] = static_cast<float>(linear(k / 3, k % 3));
@@ -105,8 +110,15 @@ struct ClosestPointCase {
          near_z = queue.array<float>(count);
     auto triangle = queue.array<std::uint32_t>(count);
     const auto items = (count + static_cast<std::size_t>(lanes) - 1) / static_cast<std::size_t>(lanes);
-    queue.launch(kName, queue.kernel(kName, {{"VW", lanes}}), device::grid(items), params, x, y, z, nx, ny,
-                 nz, triangles, distance, height, triangle, near_x, near_y, near_z);
+    if (tree != nullptr) {
+      params.root = tree->root;
+      queue.launch("closest_point_tree", queue.kernel("closest_point_tree", {{"VW", lanes}}),
+                   device::grid(items), params, x, y, z, nx, ny, nz, triangles, queue.array(tree->nodes),
+                   distance, height, triangle, near_x, near_y, near_z);
+    } else {
+      queue.launch(kName, queue.kernel(kName, {{"VW", lanes}}), device::grid(items), params, x, y, z, nx, ny,
+                   nz, triangles, distance, height, triangle, near_x, near_y, near_z);
+    }
     return {queue.read(distance),
             queue.read(height),
             queue.read(near_x),

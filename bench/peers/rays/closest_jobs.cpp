@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nanoflann.hpp>
 
-#include "cases/closest_point_case.hpp"
+#include "cases/closest_point_tree_case.hpp"
 #include "rays/embree_rays.hpp"
 #include "rays/rays_jobs.hpp"
 #include "shared/proxy_obj.hpp"
@@ -69,6 +69,40 @@ std::string apart(const std::vector<float>& ours, const std::vector<float>& thei
                      1000 * differences[differences.size() / 2], 1000 * differences.back());
 }
 
+// A mesh as large as a scanned one: our tree against Embree's.
+void mesh_jobs(device::Queue& queue, std::size_t count, const RayOptions& options,
+               nlohmann::ordered_json& rows) {
+  using testing::ClosestPointTreeCase;
+  auto input = ClosestPointTreeCase::make(count, 1, 33);
+  input.normal_deg = 180;
+  const EmbreeScene scene(geometry_of(mesh_of(input)));
+  const Stopwatch building;
+  const auto tree = stages::make_proxy_tree(stages::proxy_triangles(input.model, input.origin));
+  const std::string built = fmt::format(
+      "kernel time; distance, face and point written; tree built before in {:.2f} s", building.seconds());
+  const auto queries = moved(input);
+  std::vector<float> ours, theirs;
+  for (const float radius : {INFINITY, 0.5f}) {
+    input.gate_m = radius;
+    measure(std::isinf(radius) ? "closest point" : "closest point within 50 cm",
+            fmt::format("{} queries in scan order, {} triangles", count, tree.triangles.size()),
+            static_cast<double>(count), options.rounds,
+            {{"hybrid closest_point_tree",
+              "hybrid",
+              built,
+              true,
+              [&] {
+                return kernel_seconds(queue, "closest_point_tree",
+                                      [&] { ours = ClosestPointTreeCase::run(queue, input, tree).distance; });
+              },
+              {}},
+             {"Embree point query", "Embree " RTC_VERSION_STRING, "callback per triangle; distance written",
+              false, [&] { return wall_seconds([&] { scene.closest(queries, radius, theirs); }); },
+              [&] { return apart(ours, theirs); }}},
+            rows);
+  }
+}
+
 }  // namespace
 
 void closest_jobs(device::Queue& queue, const RayOptions& options, nlohmann::ordered_json& rows) {
@@ -120,6 +154,7 @@ void closest_jobs(device::Queue& queue, const RayOptions& options, nlohmann::ord
             fmt::format("{} queries in scan order, 180 triangles", count), static_cast<double>(count),
             options.rounds, contenders, rows);
   }
+  mesh_jobs(queue, count, options, rows);
 }
 
 }  // namespace hybrid::peers

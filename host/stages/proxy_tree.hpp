@@ -1,0 +1,21 @@
+#pragma once
+#include <vector>
+
+#include "shared/bvh_records.h"
+#include "shared/params_closest_point.h"
+
+namespace hybrid::stages {
+
+// The model's triangles in a tree of boxes as closest_point_tree traverses it.
+struct ProxyTree {
+  std::vector<ProxyTriangle> triangles;  // in the order of the leaves
+  std::vector<BvhNode> nodes;            // pad: what the normals of child 0 and 1 span
+  std::uint32_t root = BVH_EMPTY;
+};
+
+// Boxes hold all that the kernel may compute as a triangle's closest point, rounding of slivers and of faces
+// that are not quite flat included, for triangles within about 10 km of the local origin. The same tree for
+// any number of threads.
+ProxyTree make_proxy_tree(const std::vector<ProxyTriangle>& triangles);
+
+}  // namespace hybrid::stages

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include "cases/closest_point_tree_case.hpp"
+#include "device.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+using Case = ClosestPointTreeCase;
+
+bool same(const Case::Output& a, const Case::Output& b) {
+  return same_bits(a.distance, b.distance) && same_bits(a.height, b.height) &&
+         same_bits(a.triangle, b.triangle) && same_bits(a.near_x, b.near_x) &&
+         same_bits(a.near_y, b.near_y) && same_bits(a.near_z, b.near_z);
+}
+
+stages::ProxyTree tree_of(const Case::Input& in) {
+  return stages::make_proxy_tree(stages::proxy_triangles(in.model, in.origin));
+}
+
+// Same bytes as brute force over the same triangles, of which `found` at least have a closest point.
+void expect_brute_force(const Case::Input& in, std::size_t found) {
+  const auto tree = tree_of(in);
+  const auto got = Case::run(queue(), in, tree), expected = Case::brute_force(queue(), in, tree);
+  EXPECT_TRUE(same(got, expected)) << in.model.faces.size() << " faces, " << in.x.size() << " queries, gate "
+                                   << in.gate_m << ", " << in.normal_deg << " degrees";
+  std::size_t count = 0;
+  for (const auto triangle : got.triangle) count += triangle != NO_TRIANGLE;
+  EXPECT_GE(count, found);
+}
+
+}  // namespace
+
+TEST(ClosestPointTree, agrees_with_its_reference) {
+  // The reference looks at every triangle in double: few queries.
+  for (std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{129}, std::size_t{1009}}) {
+    const auto input = Case::make(size, 3, 2);
+    const auto got = Case::run(queue(), input);
+    const auto expected = Case::reference(input);
+    ASSERT_EQ(got.distance.size(), size);
+    for (std::size_t i = 0; i < size; ++i) {
+      if (expected.doubtful[i]) continue;
+      ASSERT_EQ(got.triangle[i] == NO_TRIANGLE, expected.triangle[i] == NO_TRIANGLE) << i;
+      if (got.triangle[i] == NO_TRIANGLE) continue;
+      ASSERT_NEAR(got.distance[i], expected.distance[i], Case::kTolerance) << i;
+    }
+  }
+}
+
+TEST(ClosestPointTree, gives_brute_force_s_bytes_at_every_size) {
+  for (std::size_t size : kSizes) expect_brute_force(Case::make(size, 3), size > 100 ? size / 2 : 0);
+}
+
+TEST(ClosestPointTree, gives_brute_force_s_bytes_gated_unoriented_scaled_and_far_away) {
+  auto input = Case::make(5003, 5);
+  input.gate_m = 0.05f;
+  expect_brute_force(input, 1000);
+  input.normal_deg = 180;
+  expect_brute_force(input, 1000);
+  input.gate_m = INFINITY;
+  input.local_from_scan.scale = 1.3;
+  input.normal_deg = 30;
+  expect_brute_force(input, 4000);
+  // Queries that are nowhere near a face, whose distances differ by roundings.
+  input.local_from_scan.translation = Vec3(300, -200, 80);
+  expect_brute_force(input, 4000);
+}
+
+TEST(ClosestPointTree, gives_brute_force_s_bytes_on_190_000_faces) {
+  expect_brute_force(Case::make(1009, 7, 33), 900);
+}
+
+// A face of 200 slivers whose corners are off its plane within the tolerance of a planar face, and needles.
+TEST(ClosestPointTree, gives_brute_force_s_bytes_on_slivers) {
+  auto input = ClosestPointCase::make(5003, 9);
+  Face fan;
+  fan.name = "fan";
+  for (int i = 0; i <= 200; ++i) {
+    const double at = 6.2 * i / 200.0;
+    fan.outer.push_back(static_cast<std::uint32_t>(input.model.vertices.size()));
+    input.model.vertices.push_back(input.origin + Vec3(5 * std::cos(at), 5 * std::sin(at), 1e-4 * (i % 3)));
+  }
+  input.model.faces.push_back(fan);
+  for (int i = 0; i < 50; ++i) {
+    Face needle;
+    needle.name = "needle-" + std::to_string(i);
+    for (const Vec3& corner :
+         {Vec3(-6, i * 0.01, 0), Vec3(6, i * 0.01, 0.3), Vec3(6, i * 0.01 + 2e-3, 0.3)}) {
+      needle.outer.push_back(static_cast<std::uint32_t>(input.model.vertices.size()));
+      input.model.vertices.push_back(input.origin + corner);
+    }
+    input.model.faces.push_back(needle);
+  }
+  expect_brute_force(input, 4000);
+  input.normal_deg = 180;
+  expect_brute_force(input, 4000);
+}
+
+TEST(ClosestPointTree, gives_the_same_bits_at_two_work_group_sizes_and_every_number_of_lanes) {
+  auto input = Case::make(10007, 3);
+  const auto tree = tree_of(input);
+  const auto [a, b] = at_two_work_group_sizes([&] { return Case::run(queue(), input, tree); });
+  EXPECT_TRUE(same(a, b));
+  for (int lanes : {1, 4, 8, 16}) {
+    input.lanes = lanes;
+    EXPECT_TRUE(same(a, Case::run(queue(), input, tree))) << lanes;
+  }
+}
+
+TEST(ClosestPointTree, all_nan_gives_no_answers) {
+  auto input = Case::make(129, 3);
+  for (auto& value : input.x) value = NAN;
+  for (std::uint32_t t : Case::run(queue(), input).triangle) EXPECT_EQ(t, NO_TRIANGLE);
+}
+
+}  // namespace hybrid::testing
