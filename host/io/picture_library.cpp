@@ -2,13 +2,20 @@
 
 #include <dlfcn.h>
 
+#include <tuple>
+
 #include "core/error.hpp"
+#include "core/log.hpp"
+#include "io/output.hpp"
 
 namespace hybrid::io {
 namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "libhybrid_pictures.so";
+
+// What the library uses of the program; the linker would leave out what nothing else in it does.
+[[gnu::used]] const std::tuple kUsedByLibrary = {&log::write, &check_readable, &write_atomically};
 
 const PictureLibrary& load() {
   std::error_code code;
