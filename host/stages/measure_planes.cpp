@@ -12,8 +12,7 @@ namespace {
 
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
 constexpr double kBiweight = 3.5;      // standard deviations beyond which a sample has no say
-constexpr int kRounds = 2;
-constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
+constexpr double kAreaCosine = 0.02;   // c of the area: grazing samples cover no infinite area
 
 // Sums over the measured samples of one band of rows, one entry per label that occurs there.
 template <typename Sum>
@@ -93,9 +92,10 @@ struct RayEquations {
   struct Frame {
     Mat3 axes;  // rows: normal and two across
     Vec3 m;
-    const RangeNoise* noise;
+    const RangeNoise* noise;  // null: not wanted
   };
   void add(const RangeImage& image, std::size_t i, const Frame& frame) {
+    if (frame.noise == nullptr) return;
     const Vec3 point = image.point(i);
     const double range = point.norm(), reached = frame.m.dot(point);
     const double residual = range * (1 - reached);
@@ -158,8 +158,11 @@ void refit_planes(const RangeImage& image, int square, const std::vector<std::ui
 }
 
 void polish_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
-                   const RangeNoise& noise, std::vector<Plane>& planes) {
-  for (int round = 0; round < kRounds; ++round) {
+                   const RangeNoise& noise, std::vector<Plane>& planes, int rounds,
+                   const std::vector<std::uint32_t>& only) {
+  std::vector<bool> wanted(planes.size(), only.empty());
+  for (const std::uint32_t label : only) wanted[label - 1] = true;
+  for (int round = 0; round < rounds; ++round) {
     std::vector<RayEquations::Frame> frames(planes.size());
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const Vec3 across = planes[i].normal.unitOrthogonal();
@@ -167,7 +170,7 @@ void polish_planes(const RangeImage& image, int square, const std::vector<std::u
       frames[i].axes.row(1) = across;
       frames[i].axes.row(2) = planes[i].normal.cross(across);
       frames[i].m = planes[i].normal / planes[i].offset_m;
-      frames[i].noise = &noise;
+      frames[i].noise = wanted[i] ? &noise : nullptr;
     }
     const auto sums = sum_by_label<RayEquations>(image, square, labels, frames);
     for (std::size_t i = 0; i < planes.size(); ++i) {

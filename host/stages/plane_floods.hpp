@@ -22,7 +22,8 @@ inline constexpr std::uint8_t kSparseSeed = 255;
 struct WindowSeed {
   std::uint32_t sample = 0;
   std::uint8_t shape = 0;
-  std::uint32_t member = 0;  // a sample of the window that lies on the plane
+  std::uint32_t member = 0;   // a sample of the window that lies on the plane
+  std::uint64_t members = 0;  // of a sparse seed: its samples, a bit each, row by row
 };
 
 struct PlaneFlood {
@@ -39,18 +40,44 @@ class PlaneFlooder {
 
   // The free samples connected (8 neighbours, 24 from a sparse seed, across the azimuth seam) to the seed's
   // that lie within three sigmas of the plane through all of them, the uncertainty of the plane while it is
-  // small included. Samples outside `limits` are not entered. Empty when the seed's free samples fix no
-  // plane.
-  PlaneFlood flood(const WindowSeed& seed, const Tile& limits) const;
-  // Its samples alone, in the order of the flood: a third of the work.
-  std::vector<std::uint32_t> samples(const WindowSeed& seed, const Tile& limits) const;
+  // small included. Empty when the seed's free samples fix no plane.
+  PlaneFlood flood(const WindowSeed& seed) const;
 
  private:
-  std::vector<std::uint32_t> seed_samples(const WindowSeed& seed) const;
+  const RangeImage& image_;
+  const std::vector<std::uint8_t>& use_;
+  RangeNoise noise_;
+};
+
+// The same within a part of an image, and fast: what seeds are worth.
+class BlockFloods {
+ public:
+  BlockFloods(const RangeImage& image, const std::vector<std::uint8_t>& use, const RangeNoise& noise,
+              const Tile& limits);
+  // Within the limits: whether it is free, and no flood covered it.
+  bool is_open(std::uint32_t sample) const {
+    return nodes_[local(sample)].range > 0 && !nodes_[local(sample)].covered;
+  }
+  // Samples of the flood; it covers them when there are at least `least`.
+  std::size_t flood(const WindowSeed& seed, std::size_t least);
+
+ private:
+  struct Node {
+    float x = 0, y = 0, z = 0;
+    std::uint32_t mark = 0;
+    bool covered = false;
+    double range = 0;  // 0 = not free
+  };
+  struct Field;
+  std::uint32_t local(std::uint32_t sample) const;
 
   const RangeImage& image_;
   const std::vector<std::uint8_t>& use_;
   RangeNoise noise_;
+  Tile limits_;
+  int width_;
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> marked_;
 };
 
 }  // namespace hybrid::stages

@@ -72,7 +72,7 @@ std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image
         const auto i = image.index(tile.row + static_cast<int>(k) / tile.cols,
                                    tile.col + static_cast<int>(k) % tile.cols);
         seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1),
-                         static_cast<std::uint32_t>(i)});
+                         static_cast<std::uint32_t>(i), 0});
       }
   }
   std::sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
@@ -88,10 +88,11 @@ struct Candidate {
   }
 };
 
-// Floods from the seeds of each block that no earlier flood of the block covers, no farther than
-// kAround: how much a seed is worth. Blocks do not see each other.
-std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& flooder,
-                                 const std::vector<WindowSeed>& seeds, std::size_t least) {
+// Floods from the seeds of each block that no earlier flood of the block covers, no farther than kAround: how
+// much a seed is worth. Blocks do not see each other.
+std::vector<Candidate> try_seeds(const RangeImage& image, const std::vector<std::uint8_t>& use,
+                                 const RangeNoise& noise, const std::vector<WindowSeed>& seeds,
+                                 std::size_t least) {
   const int block_cols = (image.cols + kBlock - 1) / kBlock, block_rows = (image.rows + kBlock - 1) / kBlock;
   std::vector<std::vector<WindowSeed>> of_block(static_cast<std::size_t>(block_cols) *
                                                 static_cast<std::size_t>(block_rows));
@@ -107,18 +108,12 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const PlaneFlooder& fl
     const int top = std::max(row - kAround, 0), left = std::max(col - kAround, 0);
     const Tile limits{top, left, std::min(row + kBlock + kAround, image.rows) - top,
                       std::min(col + kBlock + kAround, image.cols) - left};
-    std::vector<bool> covered(static_cast<std::size_t>(limits.rows) * static_cast<std::size_t>(limits.cols));
-    const auto inside = [&](std::uint32_t i) {
-      const int r = static_cast<int>(i) / image.cols - top, c = static_cast<int>(i) % image.cols - left;
-      return static_cast<std::size_t>(r) * static_cast<std::size_t>(limits.cols) +
-             static_cast<std::size_t>(c);
-    };
+    if (of_block[b].empty()) return;
+    BlockFloods floods(image, use, noise, limits);
     for (const WindowSeed& seed : of_block[b]) {
-      if (covered[inside(seed.member)]) continue;
-      const auto samples = flooder.samples(seed, limits);
-      if (samples.size() < least) continue;
-      for (const std::uint32_t i : samples) covered[inside(i)] = true;
-      found[b].push_back({samples.size(), seed});
+      if (!floods.is_open(seed.member)) continue;
+      const std::size_t size = floods.flood(seed, least);
+      if (size >= least) found[b].push_back({size, seed});
     }
   });
   std::vector<Candidate> candidates;
@@ -178,12 +173,12 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
   };
   SquarePresence presence;
   const auto recover = [&](const std::vector<WindowSeed>& seeds) {
-    const auto candidates = try_seeds(image, flooder, seeds, least);
+    const auto candidates = try_seeds(image, use, squares.noise, seeds, least);
     std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
     while (!heap.empty()) {
       Candidate best = heap.top();
       heap.pop();
-      const PlaneFlood flood = flooder.flood(best.seed, {0, 0, image.rows, image.cols});
+      const PlaneFlood flood = flooder.flood(best.seed);
       const std::size_t size = flood.samples.size();
       if (size < least) continue;
       if (size < best.size && !heap.empty() &&

@@ -13,9 +13,8 @@ namespace hybrid::stages {
 std::vector<WindowSeed> find_sparse_seeds(const RangeImage& image, const std::vector<std::uint8_t>& use,
                                           const RangeNoise& noise);
 
-// The free samples on the winning plane of the window with this upper left corner, sorted; empty when it is
-// no seed (any more).
+// The samples of a seed's window on its winning plane that are free (still), sorted.
 std::vector<std::uint32_t> sparse_seed_samples(const RangeImage& image, const std::vector<std::uint8_t>& use,
-                                               const RangeNoise& noise, std::uint32_t corner);
+                                               const WindowSeed& seed);
 
 }  // namespace hybrid::stages

@@ -1,0 +1,19 @@
+#pragma once
+#include "geometry/range_image.hpp"
+#include "stages/noise_model.hpp"
+#include "stages/sample_labels.hpp"
+
+namespace hybrid::stages {
+
+// Splits planes where they step: a rail 2 mm proud of its panel is within the noise of each of its samples,
+// and far outside that of their mean. Windows whose mean leaves the plane propose a part; StepSharing decides
+// what it is. Parts become regions (small, with a plane and the squares in which they lie) and take their
+// samples; those of one plane at one height are one region. Strips that are the beginning of a curved surface
+// lose their label. What windows of a whole scan commonly leave their planes by (correlated noise, waviness)
+// counts as noise. The labels whose samples changed. `least`: samples of a part.
+std::vector<std::uint32_t> split_steps(const RangeImage& image, const SquareGrid& grid, int square,
+                                       const RangeNoise& noise, std::int64_t least,
+                                       std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
+                                       PlaneRegions& regions);
+
+}  // namespace hybrid::stages

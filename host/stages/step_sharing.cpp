@@ -1,0 +1,235 @@
+#include "stages/step_sharing.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numbers>
+#include <optional>
+
+namespace hybrid::stages {
+namespace {
+
+constexpr int kMargin = 12;           // samples around a proposal that are shared out
+constexpr double kBorderPrice = 0.8;  // nats per pair of neighbours on different sides
+constexpr double kMostNats = 4.5;     // a sample three sigmas off says no more than that
+constexpr int kRounds = 4, kSweeps = 6;
+// What a part must gain, nats: in all, per sample, and per sample beside the border, where noise makes its
+// own parts. Measured on the church: steps 0.9 to 1.7 per sample, noise at most 0.8 with every sample beside
+// it.
+constexpr double kLeastGain = 12, kGainEach = 0.2, kGainBeside = 0.8;
+constexpr double kLeastInside = 0.33, kMostStrays = 0.25;  // of its samples
+constexpr double kMostOnwards = 0.5;                       // of those beside the border
+constexpr double kSharp = 0.65;    // of the step lies within the few samples at the border
+constexpr double kLevel = 0.35;    // of the step: plane and part are level to that
+constexpr double kMostChi2 = 1.6;  // per sample
+constexpr int kNear = 3;           // samples from the border
+constexpr std::int64_t kFewestNear = 8;
+constexpr double kContinuitySigmas = 3;
+constexpr double kMostStretch = 3;  // of a move along the surface, against the plane's own
+
+}  // namespace
+
+PlaneHeight height_over(const RangeImage& image, const RangeNoise& noise, const Plane& plane, std::size_t i) {
+  if (image.mask[i] != kMeasured) return {};
+  const Vec3 point = image.point(i);
+  const double range = point.norm(), cosine = std::abs(plane.normal.dot(point)) / range;
+  const double sigma = noise.at(range, cosine) * cosine;
+  if (!(sigma > 0)) return {};
+  return {plane.distance(point), 1 / (sigma * sigma)};
+}
+
+StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
+                         const std::vector<std::uint32_t>& labels, const Plane& plane,
+                         const StepProposal& proposal, double excess)
+    : image_(image),
+      plane_(plane),
+      top_(std::max(proposal.top - kMargin, 0)),
+      left_(std::max(proposal.left - kMargin, 0)),
+      rows_(std::min(proposal.bottom + kMargin, image.rows) - top_),
+      cols_(std::min(proposal.right + kMargin, image.cols) - left_),
+      sigma_m_(std::sqrt(static_cast<double>(proposal.mean.count) / proposal.mean.weight)),
+      model_(0, 0, 0, proposal.mean.value_m()),
+      samples_(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(cols_)) {
+  const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
+  std::optional<Vec3> origin;
+  for (int row = 0; row < rows_; ++row)
+    for (int col = 0; col < cols_; ++col) {
+      const std::size_t i = image.index(top_ + row, left_ + col);
+      if (labels[i] != proposal.label) continue;
+      Sample& sample = samples_[at(row, col)];
+      sample.side = kPlane;
+      const PlaneHeight height = height_over(image, noise, plane, i);
+      if (height.weight == 0) continue;
+      const Vec3 point = image.point(i);
+      if (!origin) origin = point;
+      sample.height_m = static_cast<float>(height.height_m);
+      sample.weight = static_cast<float>(height.weight / (excess * excess));
+      sample.u_m = static_cast<float>(u.dot(point - *origin));
+      sample.v_m = static_cast<float>(v.dot(point - *origin));
+    }
+}
+
+StepVerdict StepSharing::share(const std::function<bool(std::size_t)>& is_free, std::int64_t least) {
+  for (int round = 0; round < kRounds; ++round) {
+    start_by_windows();
+    for (int sweep = 0; sweep < kSweeps && settle(); ++sweep) {
+    }
+    if (!fit(least)) return StepVerdict::none;
+  }
+  measure_rings();
+  const Evidence evidence = weigh();
+  height_ = evidence.part;
+  const auto count = static_cast<double>(evidence.part.count), beside = static_cast<double>(evidence.beside);
+  const bool stands_out = evidence.part.count >= least && count - beside >= kLeastInside * count &&
+                          static_cast<double>(evidence.strays) <= kMostStrays * count &&
+                          evidence.gain >= kLeastGain + kGainEach * count + kGainBeside * beside;
+  if (!stands_out) return StepVerdict::none;
+  if (static_cast<double>(smooth_rim(is_free)) > kMostOnwards * beside) return StepVerdict::curved;
+  return is_sharp(evidence) ? StepVerdict::step : StepVerdict::none;
+}
+
+// Log of how much likelier the part makes the sample than the plane.
+double StepSharing::favour(const Sample& sample) const {
+  const double over = over_plane(sample), off = over - step_m();
+  return std::min(sample.weight * over * over / 2, kMostNats) -
+         std::min(sample.weight * off * off / 2, kMostNats);
+}
+
+// Neither makes it likely: it says nothing of them.
+bool StepSharing::is_stray(const Sample& sample) const {
+  const double over = over_plane(sample), off = over - step_m();
+  return sample.weight * std::min(over * over, off * off) / 2 > kMostNats;
+}
+
+template <typename Visit>
+void StepSharing::for_neighbours(int row, int col, const Visit& visit) const {
+  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r)
+    for (int c = std::max(col - 1, 0); c <= std::min(col + 1, cols_ - 1); ++c)
+      if ((r != row || c != col) && samples_[at(r, c)].side != kStranger)
+        visit(samples_[at(r, c)], r != row && c != col);
+}
+
+void StepSharing::start_by_windows() {
+  for (int row = 0; row < rows_; ++row)
+    for (int col = 0; col < cols_; ++col) {
+      Sample& sample = samples_[at(row, col)];
+      if (sample.side == kStranger) continue;
+      double sum = favour(sample);
+      for_neighbours(row, col, [&](const Sample& other, bool) { sum += favour(other); });
+      sample.side = sum > 0 ? kPart : kPlane;
+    }
+}
+
+// False when nothing changed sides.
+bool StepSharing::settle() {
+  bool changed = false;
+  for (int row = 0; row < rows_; ++row)
+    for (int col = 0; col < cols_; ++col) {
+      Sample& sample = samples_[at(row, col)];
+      if (sample.side == kStranger) continue;
+      double gain = favour(sample);
+      for_neighbours(row, col, [&](const Sample& other, bool diagonal) {
+        const double price = diagonal ? kBorderPrice / std::numbers::sqrt2 : kBorderPrice;
+        gain += other.side == kPart ? price : -price;
+      });
+      const Side side = gain > 0 ? kPart : kPlane;
+      changed = changed || side != sample.side;
+      sample.side = side;
+    }
+  return changed;
+}
+
+// False when too few samples make a part, or they fix no model.
+bool StepSharing::fit(std::int64_t least) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  std::int64_t count = 0;
+  for (const Sample& s : samples_) {
+    if (s.side == kStranger || s.weight == 0 || is_stray(s)) continue;
+    const Eigen::Vector4d row(1, s.u_m, s.v_m, s.side == kPart);
+    matrix += double{s.weight} * row * row.transpose();
+    right += double{s.weight} * s.height_m * row;
+    count += s.side == kPart;
+  }
+  if (count < least) return false;
+  const Eigen::LDLT<Eigen::Matrix4d> solver(matrix);
+  const Eigen::Vector4d model = solver.solve(right);
+  if (solver.info() != Eigen::Success || !model.allFinite() || model[3] == 0) return false;
+  model_ = model;
+  return true;
+}
+
+void StepSharing::measure_rings() {
+  for (int ring = 1; ring <= kNear; ++ring)
+    for (int row = 0; row < rows_; ++row)
+      for (int col = 0; col < cols_; ++col) {
+        Sample& sample = samples_[at(row, col)];
+        if (sample.side == kStranger || sample.ring != 0) continue;
+        bool touches = false;
+        for_neighbours(row, col, [&](const Sample& other, bool) {
+          touches = touches || (ring == 1 ? other.side != sample.side
+                                          : other.side == sample.side && other.ring == ring - 1);
+        });
+        if (touches) sample.ring = static_cast<std::uint8_t>(ring);
+      }
+}
+
+StepSharing::Evidence StepSharing::weigh() const {
+  Evidence evidence;
+  for (const Sample& s : samples_) {
+    if (s.side == kStranger || s.weight == 0) continue;
+    const bool is_part = s.side == kPart;
+    if (is_stray(s)) {
+      evidence.strays += is_part;
+      continue;
+    }
+    const PlaneHeight over{over_plane(s), s.weight};
+    if (is_part) {
+      evidence.part.add(PlaneHeight{s.height_m, s.weight});
+      evidence.gain += favour(s);
+      const double off = over.height_m - step_m();
+      evidence.chi2 += s.weight * off * off;
+      evidence.beside += s.ring == 1;
+    }
+    // Beside the border samples were shared out by their own noise: they say more of it than of the step.
+    if (s.ring > 1) (is_part ? evidence.inside : evidence.outside).add(over);
+    if (is_part && s.ring == 0) evidence.deep.add(over);
+  }
+  return evidence;
+}
+
+bool StepSharing::is_sharp(const Evidence& evidence) const {
+  const double level = kLevel * std::abs(step_m());
+  return evidence.chi2 <= kMostChi2 * static_cast<double>(evidence.part.count) &&
+         evidence.inside.count >= kFewestNear && evidence.outside.count >= kFewestNear &&
+         (evidence.inside.value_m() - evidence.outside.value_m()) / step_m() >= kSharp &&
+         std::abs(evidence.outside.value_m()) <= level &&
+         (evidence.deep.count < kFewestNear || std::abs(evidence.deep.value_m() - step_m()) <= level);
+}
+
+// The surface goes on between two samples: by less than 45 degrees out of the plane, and not over a gap.
+bool StepSharing::goes_on(const Vec3& from, const Vec3& to, double slack_m) const {
+  const Vec3 move = to - from, along = to * (plane_.offset_m / plane_.normal.dot(to)) - from;
+  const double out = std::abs(plane_.normal.dot(move));
+  return out <= std::sqrt(std::max(move.squaredNorm() - out * out, 0.0)) + slack_m &&
+         move.norm() <= kMostStretch * along.norm() + slack_m;
+}
+
+// Samples of the part from which it goes on so for two samples, the first of which may be a noisy step away.
+std::int64_t StepSharing::smooth_rim(const std::function<bool(std::size_t)>& is_free) const {
+  std::int64_t rim = 0;
+  for_each_of_part([&](std::size_t i) {
+    const int row = static_cast<int>(i) / image_.cols, col = static_cast<int>(i) % image_.cols;
+    const auto beyond = [&](int down, int right) {
+      const int r = row + 2 * down, c = col + 2 * right;
+      if (r < 0 || r >= image_.rows || c < 0 || c >= image_.cols) return false;
+      const std::size_t first = image_.index(row + down, col + right), second = image_.index(r, c);
+      return is_free(first) && is_free(second) &&
+             goes_on(image_.point(i), image_.point(first), kContinuitySigmas * sigma_m_) &&
+             goes_on(image_.point(first), image_.point(second), 0);
+    };
+    rim += beyond(1, 0) || beyond(-1, 0) || beyond(0, 1) || beyond(0, -1);
+  });
+  return rim;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,116 @@
+#pragma once
+#include <Eigen/Core>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "geometry/plane.hpp"
+#include "geometry/range_image.hpp"
+#include "stages/noise_model.hpp"
+
+namespace hybrid::stages {
+
+// A sample's height over a plane, metres, and the inverse of the variance that noise gives it along the
+// normal; weight 0 = says nothing (not measured).
+struct PlaneHeight {
+  double height_m = 0, weight = 0;
+};
+PlaneHeight height_over(const RangeImage& image, const RangeNoise& noise, const Plane& plane, std::size_t i);
+
+struct MeanHeight {
+  double sum = 0, weight = 0;
+  std::int64_t count = 0;
+
+  void add(const PlaneHeight& height) {
+    sum += height.weight * height.height_m;
+    weight += height.weight;
+    count += height.weight > 0;
+  }
+  void add(const MeanHeight& other) {
+    sum += other.sum;
+    weight += other.weight;
+    count += other.count;
+  }
+  double value_m() const { return weight > 0 ? sum / weight : 0; }
+};
+
+// Touching samples of one plane that lie to one side of it on the mean.
+struct StepProposal {
+  std::uint32_t label = 0;  // of the plane
+  MeanHeight mean;
+  int top = 0, left = 0, bottom = 0, right = 0;  // samples of the image, the last two exclusive
+};
+
+enum class StepVerdict {
+  none,
+  step,   // a plane parallel to the proposal's
+  curved  // where a curved surface leaves the plane
+};
+
+// The samples of a plane around a proposal, shared between the plane and a part parallel to it by likelihood,
+// with a price on the border (a Potts field, iterated conditional modes), while level, slopes and step are
+// fitted to both (least squares): heights are level + slope . (u, v), plus the step for samples of the part.
+class StepSharing {
+ public:
+  // `excess`: factor on the noise of means. Samples with the proposal's label take part.
+  StepSharing(const RangeImage& image, const RangeNoise& noise, const std::vector<std::uint32_t>& labels,
+              const Plane& plane, const StepProposal& proposal, double excess);
+
+  // A part stands out when sharing makes its samples likelier by more than its border costs. It is a step
+  // when the heights jump at its border (a wavy wall rises gradually) and are level on both sides of it; it
+  // is curved when the surface goes on from it, smoothly, over samples that are on no plane (`is_free`).
+  StepVerdict share(const std::function<bool(std::size_t)>& is_free, std::int64_t least);
+
+  template <typename Visit>
+  void for_each_of_part(const Visit& visit) const {
+    for (int row = 0; row < rows_; ++row)
+      for (int col = 0; col < cols_; ++col)
+        if (samples_[at(row, col)].side == kPart) visit(image_.index(top_ + row, left_ + col));
+  }
+  double step_m() const { return model_[3]; }
+  const MeanHeight& height() const { return height_; }  // of the part over the plane
+
+ private:
+  enum Side : std::uint8_t { kStranger, kPlane, kPart };
+  struct Sample {
+    float height_m = 0, weight = 0, u_m = 0, v_m = 0;
+    Side side = kStranger;
+    std::uint8_t ring = 0;  // steps from the border, 1 beside it; 0 = more than a few
+  };
+  struct Evidence {
+    MeanHeight part;  // over the plane given
+    MeanHeight inside, outside,
+        deep;  // over the plane fitted: part and plane near the border; deep in the part
+    double gain = 0, chi2 = 0;
+    std::int64_t beside = 0, strays = 0;
+  };
+
+  std::size_t at(int row, int col) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_) + static_cast<std::size_t>(col);
+  }
+  double over_plane(const Sample& s) const {
+    return s.height_m - model_[0] - model_[1] * s.u_m - model_[2] * s.v_m;
+  }
+  double favour(const Sample& sample) const;
+  bool is_stray(const Sample& sample) const;
+  template <typename Visit>
+  void for_neighbours(int row, int col, const Visit& visit) const;
+  void start_by_windows();
+  bool settle();
+  bool fit(std::int64_t least);
+  void measure_rings();
+  Evidence weigh() const;
+  bool is_sharp(const Evidence& evidence) const;
+  bool goes_on(const Vec3& from, const Vec3& to, double slack_m) const;
+  std::int64_t smooth_rim(const std::function<bool(std::size_t)>& is_free) const;
+
+  const RangeImage& image_;
+  Plane plane_;
+  int top_, left_, rows_, cols_;
+  double sigma_m_;         // along the normal, of a sample of the proposal
+  Eigen::Vector4d model_;  // level, slopes, step
+  MeanHeight height_;
+  std::vector<Sample> samples_;
+};
+
+}  // namespace hybrid::stages
