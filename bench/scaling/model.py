@@ -118,10 +118,16 @@ def plot(curves):
         parts.append(f'<line x1="70" y1="{y(seconds):.1f}" x2="550" y2="{y(seconds):.1f}" stroke="#ddd"/>'
                      f'<text x="64" y="{y(seconds) + 4:.1f}" text-anchor="end">{name}</text>')
     parts.append('<text x="310" y="370" text-anchor="middle">scans in the archive</text>')
+    taken = []  # heights of the names at the right
     for i, (name, points) in enumerate(curves):
         line = " ".join(f"{x(n):.1f},{y(s):.1f}" for n, s in points)
-        parts.append(f'<polyline points="{line}" fill="none" stroke="{colours[i % 4]}" stroke-width="2"/>'
-                     f'<text x="558" y="{y(points[-1][1]) + 4:.1f}" fill="{colours[i % 4]}">{name}</text>')
+        at = y(points[-1][1]) + 4
+        while any(abs(at - other) < 15 for other in taken):
+            at += 1
+        taken.append(at)
+        dashes = ' stroke-dasharray="6 5"' if i == len(curves) - 1 else ""
+        parts.append(f'<polyline points="{line}" fill="none" stroke="{colours[i % 4]}" stroke-width="2"{dashes}/>'
+                     f'<text x="558" y="{at:.1f}" fill="{colours[i % 4]}">{name}</text>')
     return "\n".join(parts + ["</svg>\n"])
 
 
