@@ -1,7 +1,13 @@
 #include "archive/slurm.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
 
 #include "archive/child_program.hpp"
 #include "archive/outcome.hpp"
@@ -28,7 +34,15 @@ std::string words_of(const ProgramEnd& end) {
 
 struct ClusterLimits {
   std::size_t array = 1001, jobs = 10000;
+  std::size_t memory_mib = 0;  // of the largest host; 0: the cluster does not count memory
 };
+
+// Tasks of one array at most: what follows waits for whole arrays.
+constexpr std::size_t kMostTasks = 200;
+
+// Estimates may be wrong, and hosts slower: a task that asks for too little is killed, which costs more.
+constexpr double kMemoryReserve = 1.5, kTimeReserve = 10;
+constexpr int kLeastTime_min = 10;
 
 // "MaxArraySize            = 1001"
 std::size_t setting(const std::string& text, const std::string& name, std::size_t fallback) {
@@ -55,6 +69,12 @@ ClusterLimits cluster_limits() {
   if (limits.array < 2)
     fail(ErrorKind::failed, "--engine slurm: this cluster has no job arrays (MaxArraySize = {})",
          limits.array);
+  const auto hosts =
+      run_program({"sinfo", "--noheader", "--format=%m"});  // a line per kind of host: "64000", "64000+"
+  std::istringstream lines(hosts.exit_code == 0 ? hosts.out : "");
+  for (std::string line; std::getline(lines, line);)
+    limits.memory_mib = std::max(limits.memory_mib, setting(line, "", 0));
+  if (limits.memory_mib <= 1) limits.memory_mib = 0;  // 1: not configured
   return limits;
 }
 
@@ -113,7 +133,8 @@ std::string log_file(const fs::path& folder, const std::string& name) {
 std::string task_script(const Store& store, const SlurmOptions& options) {
   std::string command = quoted(own_program().string()) + " batch run --out " +
                         quoted(absolute_folder(store)) + " --unit \"$units\" --jobs " +
-                        std::to_string(options.cpus) + " --threads " + std::to_string(options.cpus);
+                        std::to_string(options.cpus) + " --threads " + std::to_string(options.cpus) +
+                        " ${SLURM_MEM_PER_NODE:+--memory ${SLURM_MEM_PER_NODE}M}";
   for (const auto& option : options.run_options) command += fmt::format(" {}", quoted(option));
   return "#!/bin/sh\n"
          "# A task of a job array: the units on its line of the list.\n"
@@ -149,10 +170,10 @@ fs::path submission_folder(const Store& store) {
 
 class Submission {
  public:
-  Submission(const SlurmOptions& options, fs::path folder) : options_(options), folder_(std::move(folder)) {}
+  explicit Submission(const SlurmOptions& options) : options_(options) {}
 
-  // One sbatch; returns the job's number.
-  std::string submit(const std::string& name, const std::vector<std::string>& own,
+  // One sbatch, which waits for the jobs `after`; returns the job's number.
+  std::string submit(const std::string& name, const std::vector<std::string>& own, const std::string& after,
                      const std::vector<std::string>& script) {
     std::vector<std::string> words = {"sbatch",
                                       "--parsable",
@@ -160,7 +181,7 @@ class Submission {
                                       "--open-mode=append",
                                       "--job-name=hybrid-" + name,
                                       "--cpus-per-task=" + std::to_string(options_.cpus)};
-    if (!after_.empty()) words.push_back("--dependency=afterany:" + after_);
+    if (!after.empty()) words.push_back("--dependency=afterany:" + after);
     words.insert(words.end(), own.begin(), own.end());
     words.insert(words.end(), options_.arguments.begin(), options_.arguments.end());
     words.insert(words.end(), script.begin(), script.end());
@@ -172,43 +193,84 @@ class Submission {
     return job.substr(0, job.find(';'));  // of several clusters: "number;cluster"
   }
 
-  void add(const std::string& kind, const std::string& job, std::size_t tasks, std::size_t units) {
-    jobs_.push_back({{"job", job}, {"kind", kind}, {"tasks", tasks}, {"units", units}, {"after", after_}});
-    if (!stage_.empty()) stage_ += ":";
-    stage_ += job;
+  void add(const std::string& kind, const std::string& job, const std::string& after, std::size_t tasks,
+           std::size_t units) {
+    jobs_.push_back({{"job", job}, {"kind", kind}, {"tasks", tasks}, {"units", units}, {"after", after}});
+    names_.push_back(job);
   }
-  // What comes now waits for all of the stage so far.
-  void next_stage() {
-    if (!stage_.empty()) after_ = stage_;
-    stage_.clear();
+  void add_unit(std::size_t unit) { place_[unit] = names_.size() - 1; }
+
+  // The jobs that make what these units need.
+  std::string jobs_before(const Manifest& manifest, const std::vector<Bundle>& bundles) const {
+    std::set<std::size_t> places;
+    for (const Bundle& bundle : bundles)
+      for (const std::size_t unit : bundle)
+        for (const std::size_t need : manifest.units[unit].needs)
+          if (const auto place = place_.find(need); place != place_.end()) places.insert(place->second);
+    std::string text;
+    for (const std::size_t place : places) text += (text.empty() ? "" : ":") + names_[place];
+    return text;
   }
+  std::string all_jobs() const { return fmt::format("{}", fmt::join(names_, ":")); }
   const Json& jobs() const { return jobs_; }
 
  private:
   const SlurmOptions& options_;
-  fs::path folder_;
   Json jobs_ = Json::array();
-  std::string after_, stage_;
+  std::vector<std::string> names_;            // of the jobs, in order
+  std::map<std::size_t, std::size_t> place_;  // per unit: of its job in names_
 };
 
-void submit_stage(const SlurmStage& stage, const fs::path& folder, std::size_t most, Submission& submission) {
+// What the most demanding of these tasks needs, by the estimates.
+std::vector<std::string> demands(const Manifest& manifest, const std::vector<Bundle>& bundles,
+                                 const SlurmOptions& options, const ClusterLimits& limits) {
+  double bytes = 0, seconds = 0;
+  for (const Bundle& bundle : bundles) {
+    double largest = 0, sum_s = 0;
+    for (const std::size_t unit : bundle) {
+      largest = std::max(largest, static_cast<double>(manifest.units[unit].estimate_bytes));
+      sum_s += manifest.units[unit].estimate_s;
+    }
+    const auto in_flight = std::min<std::size_t>(bundle.size(), static_cast<std::size_t>(options.cpus));
+    bytes = std::max(bytes, largest * static_cast<double>(in_flight));
+    seconds = std::max(seconds, sum_s);
+  }
+  std::vector<std::string> words = {
+      fmt::format("--time={}", kLeastTime_min + static_cast<int>(std::ceil(kTimeReserve * seconds / 60)))};
+  // One larger than every host runs on the largest, where the engine sees how far it gets.
+  if (limits.memory_mib > 0)
+    words.push_back(fmt::format(
+        "--mem={}M", std::min(static_cast<std::size_t>(std::ceil(kMemoryReserve * bytes / (1 << 20))),
+                              limits.memory_mib)));
+  return words;
+}
+
+void submit_stage(const Manifest& manifest, const SlurmStage& stage, const SlurmOptions& options,
+                  const fs::path& folder, const ClusterLimits& limits, Submission& submission) {
   const std::string kind = name_of(stage.kind);
+  const std::size_t most = std::min(limits.array, kMostTasks);
   for (std::size_t first = 0, shard = 0; first < stage.bundles.size(); first += most, ++shard) {
     const std::size_t last = std::min(first + most, stage.bundles.size());
+    const std::vector<Bundle> bundles(stage.bundles.begin() + static_cast<std::ptrdiff_t>(first),
+                                      stage.bundles.begin() + static_cast<std::ptrdiff_t>(last));
     const std::string name = fmt::format("{}-{}", kind, shard);
     std::string lines;
     std::size_t units = 0;
-    for (std::size_t i = first; i < last; ++i) {
-      lines += unit_list(stage.bundles[i]) + "\n";
-      units += stage.bundles[i].size();
+    for (const Bundle& bundle : bundles) {
+      lines += unit_list(bundle) + "\n";
+      units += bundle.size();
     }
     io::write_text(folder / (name + ".txt"), lines);
+    std::vector<std::string> own = demands(manifest, bundles, options, limits);
+    own.push_back(fmt::format("--array=0-{}", bundles.size() - 1));
+    own.push_back(log_file(folder, name + "-%a.log"));
+    const std::string after = submission.jobs_before(manifest, bundles);
     const std::string job = submission.submit(
-        name, {fmt::format("--array=0-{}", last - first - 1), log_file(folder, name + "-%a.log")},
-        {(folder / "task.sh").string(), (folder / (name + ".txt")).string()});
-    submission.add(kind, job, last - first, units);
+        name, own, after, {(folder / "task.sh").string(), (folder / (name + ".txt")).string()});
+    submission.add(kind, job, after, bundles.size(), units);
+    for (const Bundle& bundle : bundles)
+      for (const std::size_t unit : bundle) submission.add_unit(unit);
   }
-  submission.next_stage();
 }
 
 }  // namespace
@@ -249,11 +311,12 @@ Json submit_to_slurm(const Store& store, const Manifest& manifest, const SlurmOp
   const fs::path folder = submission_folder(store);
   io::write_text(folder / "task.sh", task_script(store, options));
   io::write_text(folder / "gather.sh", gather_script(store));
-  Submission submission(options, folder);
-  for (const SlurmStage& stage : stages) submit_stage(stage, folder, limits.array, submission);
+  Submission submission(options);
+  for (const SlurmStage& stage : stages) submit_stage(manifest, stage, options, folder, limits, submission);
+  const std::string all = submission.all_jobs();
   const std::string job =
-      submission.submit("gather", {log_file(folder, "gather.log")}, {(folder / "gather.sh").string()});
-  submission.add("gather", job, 1, 0);
+      submission.submit("gather", {log_file(folder, "gather.log")}, all, {(folder / "gather.sh").string()});
+  submission.add("gather", job, all, 1, 0);
   return {{"folder", folder.string()}, {"jobs", submission.jobs()}};
 }
 

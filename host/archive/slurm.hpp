@@ -34,11 +34,13 @@ std::vector<SlurmStage> bundle_units(const Store& store, const Manifest& manifes
 std::string unit_list(const Bundle& bundle);
 
 // Submits job arrays of at most MaxArraySize tasks (as scontrol says) that run `hybrid batch run --unit`,
-// planes first, scenes after all planes, then the report and the catalogue; each stage starts when the one
-// before has ended, however it has. Tasks of a host that dies are queued again (--requeue); what they had
-// done stays done. Lists, scripts and logs are in STORE/slurm/<number>/. Returns {"folder", "jobs": [{"job",
-// "kind", "tasks", "units", "after"}]}, no jobs when nothing is to be done. Throws ErrorKind::failed with
-// Slurm's own words when it refuses, ErrorKind::usage when there is no Slurm.
+// planes first, scenes after the arrays that have their planes, then the report and the catalogue; each array
+// starts when those that it needs have ended, however they have. Each asks for the time and memory that its
+// largest task needs by the plan's estimates, with a reserve; `arguments` come after these. Tasks of a host
+// that dies are queued again (--requeue); what they had done stays done. Lists, scripts and logs are in
+// STORE/slurm/<number>/. Returns {"folder", "jobs": [{"job", "kind", "tasks", "units", "after"}]}, no jobs
+// when nothing is to be done. Throws ErrorKind::failed with Slurm's own words when it refuses,
+// ErrorKind::usage when there is no Slurm.
 nlohmann::ordered_json submit_to_slurm(const Store& store, const Manifest& manifest,
                                        const SlurmOptions& options);
 std::string slurm_text(const nlohmann::ordered_json& submission);

@@ -27,12 +27,14 @@ bool is_seal(const std::string& path) {
   return path == "object.json" || path == "record.json";
 }
 
-void bring_folder_to_disk(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) io::fail_output(folder, errno);
+// The content of a file, the names in a folder.
+void bring_to_disk(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) io::fail_output(path, errno);
   const int reason = fsync(descriptor) == 0 ? 0 : errno;
   close(descriptor);
-  if (reason != 0 && reason != EINVAL) io::fail_output(folder, reason);  // EINVAL: not of this file system
+  if (reason != 0 && reason != EINVAL)
+    io::fail_output(path, reason);  // EINVAL: no folders, on some file systems
 }
 
 // Path, size and hash of the files below `folder` that are volatile or not, by path.
@@ -54,10 +56,11 @@ Json list_files(const fs::path& folder, bool volatile_ones) {
   return list;
 }
 
-void bring_folders_to_disk(const fs::path& folder) {
+// Whoever wrote the files: a log is nobody's who brings files to disk.
+void bring_all_to_disk(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_directory()) bring_folder_to_disk(entry.path());
-  bring_folder_to_disk(folder);
+    if (entry.is_directory() || entry.is_regular_file()) bring_to_disk(entry.path());
+  bring_to_disk(folder);
 }
 
 fs::path in_shard(const fs::path& folder, const std::string& key) {
@@ -186,7 +189,7 @@ void Store::commit_object(const fs::path& work, const std::string& key, Json obj
   fail_point("object-made");
   io::write_text(work / "record.json", seal(std::move(record)));
   io::write_text(work / "object.json", seal(std::move(object)));
-  bring_folders_to_disk(work);
+  bring_all_to_disk(work);
   fail_point("object-sealed");
   const fs::path target = this->object(key);
   io::create_output_folder(target.parent_path());
@@ -198,8 +201,8 @@ void Store::commit_object(const fs::path& work, const std::string& key, Json obj
     return;
   }
   fail_point("object-named");
-  bring_folder_to_disk(target.parent_path());
-  bring_folder_to_disk(folder_ / "objects");
+  bring_to_disk(target.parent_path());
+  bring_to_disk(folder_ / "objects");
   fail_point("object-committed");
 }
 
@@ -215,7 +218,7 @@ void Store::link_result(const std::string& result, const std::string& key) const
   if (code) io::fail_output(link, code.value());
   fail_point("result-linked");
   if (std::rename(temporary.c_str(), link.c_str()) != 0) io::fail_output(link, errno);
-  bring_folder_to_disk(folder);
+  bring_to_disk(folder);
 }
 
 void Store::clear_work() const {

@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 #include <set>
+#include <vector>
 
 #include "core/error.hpp"
 #include "core/interrupt.hpp"
@@ -105,7 +106,13 @@ const char* kind_of(const fs::file_status& status) {
 
 void create_output_folder(const fs::path& folder) {
   std::error_code code;
+  std::vector<fs::path> parents;  // of those that are not there yet
+  for (fs::path made = fs::absolute(folder, code).lexically_normal(); !code && !fs::exists(made, code);
+       made = parents.back())
+    parents.push_back(made.parent_path());
   fs::create_directories(folder, code);
+  if (!code)
+    for (const auto& parent : parents) bring_names_to_disk(parent);
   if (code.value() == ENOSPC || code.value() == EDQUOT) fail_output(folder, code.value());
   std::error_code unknown;
   if (!fs::is_directory(folder, unknown))

@@ -1,8 +1,11 @@
 // Damaged inputs: each is reported with its cause, the others come out as if it were not there.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "../e2e/bad_mini_scene.hpp"
 #include "io/output.hpp"
+#include "io/picture.hpp"
 #include "small_archive.hpp"
 
 namespace hybrid::e2e {
@@ -26,7 +29,7 @@ TEST(ArchiveDamage, is_told_with_its_cause_and_the_others_go_on) {
   const FirstNight first;
   const Scratch scratch;
   const fs::path archive = scratch / "archive", store = scratch / "store";
-  write_small_archive(archive, 6);
+  write_small_archive(archive, 9);
 
   const std::string scan = io::read_text(archive / "b/s.ply");
   io::write_text(archive / "b/s.ply", scan.substr(0, scan.size() / 2));
@@ -36,6 +39,19 @@ TEST(ArchiveDamage, is_told_with_its_cause_and_the_others_go_on) {
   std::string broken = mini_scene_text();
   broken.replace(broken.find("\"proxy.obj\""), 11, "7");
   io::write_text(archive / "f/scene.toml", broken);
+  io::write_png(archive / "g/images/0.png", Image8(32, 48, 3));
+  std::string no_numbers = scan;
+  std::fill(no_numbers.begin() + static_cast<std::ptrdiff_t>(scan.find("end_header\n") + 11),
+            no_numbers.end(), '\xff');
+  io::write_text(archive / "h/s.ply", no_numbers);
+  fs::remove(archive / "i/s.ply");
+  fs::create_directory(archive / "i/s.ply");
+  ASSERT_EQ(run("hybrid convert " + (archive / "a/s.ply").string() + " " + (archive / "loose.e57").string())
+                .exit_code,
+            0);
+  std::string pages = io::read_text(archive / "loose.e57");
+  pages[5000] = static_cast<char>(pages[5000] ^ 1);
+  io::write_text(archive / "loose.e57", pages);
   EXPECT_EQ(plan(archive, store).exit_code, 3);
   const auto ran = run_store(store);
   EXPECT_EQ(ran.exit_code, 3) << ran.err;
@@ -55,6 +71,20 @@ TEST(ArchiveDamage, is_told_with_its_cause_and_the_others_go_on) {
   EXPECT_EQ(state_of(status, "scene f"), "failed");
   EXPECT_NE(error_of(status, "scene f").find("scene.toml:12"), std::string::npos)
       << error_of(status, "scene f");
+  EXPECT_EQ(state_of(status, "scene g"), "failed");
+  EXPECT_NE(error_of(status, "scene g").find("0.png: expected the camera's 64 x 48 pixels, found 32 x 48"),
+            std::string::npos)
+      << error_of(status, "scene g");
+  EXPECT_EQ(state_of(status, "scene h"), "partial");
+  EXPECT_NE(error_of(status, "scene h").find("expected returns, found none among 7200 samples"),
+            std::string::npos)
+      << error_of(status, "scene h");
+  EXPECT_EQ(state_of(status, "scene i"), "partial");
+  EXPECT_NE(error_of(status, "scene i").find("expected a regular file, found a folder"), std::string::npos)
+      << error_of(status, "scene i");
+  EXPECT_EQ(state_of(status, "planes loose.e57 loose"), "failed");
+  EXPECT_NE(error_of(status, "planes loose.e57 loose").find("(page 4): expected checksum"), std::string::npos)
+      << status["list"];
   EXPECT_EQ(made_for(store, "a"), made_for(first.store, "a"));
   for (const auto& row : status["list"])
     if (row["state"] == "failed") {
@@ -76,7 +106,9 @@ TEST(ArchiveDamage, is_told_with_its_cause_and_the_others_go_on) {
   EXPECT_EQ(json_of(second)["computed"], 0);
 
   // Mended: as clean as a store that never saw the damage.
-  write_small_archive(archive, 6);
+  fs::remove(archive / "i/s.ply");
+  fs::remove(archive / "loose.e57");
+  write_small_archive(archive, 9);
   EXPECT_EQ(plan(archive, store).exit_code, 0);
   EXPECT_EQ(run_store(store).exit_code, 0);
   for (const char* scene : {"a", "b", "c"})

@@ -30,8 +30,8 @@ SlurmdTimeout=5
 KillWait=2
 MinJobAge=300
 MaxArraySize=4
-NodeName=n1 NodeHostname=n1 NodeAddr=10.213.0.11 CPUs=1 State=UNKNOWN
-NodeName=n2 NodeHostname=n2 NodeAddr=10.213.0.12 CPUs=1 State=UNKNOWN
+NodeName=n1 NodeHostname=n1 NodeAddr=10.213.0.11 CPUs=1 RealMemory=1000 State=UNKNOWN
+NodeName=n2 NodeHostname=n2 NodeAddr=10.213.0.12 CPUs=1 RealMemory=1000 State=UNKNOWN
 PartitionName=all Nodes=n1,n2 Default=YES MaxTime=INFINITE State=UP
 CONF
 }

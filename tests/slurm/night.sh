@@ -56,6 +56,12 @@ hybrid batch run --out "$work/store" --engine slurm --bundle 0 --slurm-args "--p
 cat "$work/jobs"
 [ "$(grep -c ': planes,' "$work/jobs")" = 2 ] || fail "expected two arrays for five planes units"
 
+# Scenes wait for the arrays that have their planes, not for all; every array asks for memory and time.
+planes=$(sed -n 's/^job \([0-9]*\): planes, .*/\1/p' "$work/jobs" | head -n 1)
+grep -q ": scene, 4 tasks .* after $planes\$" "$work/jobs" || fail "the first four scenes wait for more than their planes"
+scontrol show job "$planes" | grep -q 'MinMemoryNode=[1-9][0-9][0-9]M' || fail "no memory was asked for"
+scontrol show job "$planes" | grep -q 'TimeLimit=00:1[0-9]:00' || fail "no time was asked for"
+
 # The power fails while n2 works on a unit, which takes a second at least with the start of the program.
 for _ in $(seq 1000); do
   grep -qsh '^task .* on n2' "$work"/store/slurm/1/*.log && break

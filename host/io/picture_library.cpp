@@ -1,0 +1,49 @@
+#include "io/picture_library.hpp"
+
+#include <dlfcn.h>
+
+#include <tuple>
+
+#include "core/error.hpp"
+#include "core/log.hpp"
+#include "io/output.hpp"
+
+namespace hybrid::io {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "libhybrid_pictures.so";
+
+// What the library uses of the program; the linker would leave out what nothing else in it does.
+[[gnu::used]] const std::tuple kUsedByLibrary = {&log::write, &check_readable, &write_atomically};
+
+const PictureLibrary& load() {
+  std::error_code code;
+  const fs::path program = fs::read_symlink("/proc/self/exe", code).parent_path();
+  fs::path found = program / kName;
+  for (const fs::path& folder : {program, program.parent_path(), program.parent_path() / "lib"})
+    if (fs::exists(folder / kName, code)) {
+      found = folder / kName;
+      break;
+    }
+  void* const library = dlopen(found.c_str(), RTLD_LAZY | RTLD_LOCAL);
+  const void* const table = library ? dlsym(library, "hybrid_picture_library") : nullptr;
+  if (!table) {
+    const char* const reason = dlerror();
+    fail(ErrorKind::failed,
+         "{}: what reads and writes pictures cannot be loaded: {}; keep this library of the same build "
+         "beside the "
+         "program, and install the packages of datasets/setup.sh",
+         found.string(), reason ? reason : "no reason given");
+  }
+  return *static_cast<const PictureLibrary*>(table);
+}
+
+}  // namespace
+
+const PictureLibrary& picture_library() {
+  static const PictureLibrary& library = load();
+  return library;
+}
+
+}  // namespace hybrid::io

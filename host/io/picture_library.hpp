@@ -1,0 +1,29 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/depth_image.hpp"
+#include "io/picture.hpp"
+
+namespace hybrid::io {
+
+// All that is done with OpenImageIO, in a library of our own (host/pictures) that is loaded when the first
+// picture is read or written: it brings 240 others with it, whose loading takes a process a quarter of a
+// second.
+struct PictureLibrary {
+  decltype(&io::read_photograph) read_photograph;
+  decltype(&io::decode_photograph) decode_photograph;
+  decltype(&io::picture_size) picture_size;
+  decltype(&io::write_png) write_png;
+  void (*write_jpeg)(const std::filesystem::path&, const Image8&, int quality);
+  void (*write_best_jpeg)(const std::filesystem::path&, const Image8&);
+  void (*write_tiff)(const std::filesystem::path&, const Image8&);
+  void (*write_values_tiff)(const std::filesystem::path&, int width, int height, const std::vector<float>&);
+  decltype(&io::read_depth_image) read_depth_image;
+};
+
+// Throws ErrorKind::failed where it is not beside the program, or OpenImageIO is not installed.
+const PictureLibrary& picture_library();
+
+}  // namespace hybrid::io
