@@ -4,7 +4,7 @@
 // neighbouring queries should be near each other, as samples in scan order are. A child is entered when one
 // lane's best is no nearer than the child's box, and one of its normals may be compatible.
 // in:  queries as in closest_point.cl; triangles [params.triangles] local frame, in the order of the leaves;
-//      nodes: the tree (shared/bvh_records.h), `pad` holding what children's normals span (cones below).
+//      nodes: the tree (shared/proxy_tree_records.h).
 //      Boxes contain their triangles with a margin for what the plane test may round off (proxy_tree.cpp).
 // out: as closest_point.cl has it.
 // params: params_closest_point.h, `root` too. defines: VW lanes.
@@ -12,7 +12,7 @@
 // cost: per query 24 bytes read and 24 written; per packet and node entered 2 boxes of about 40 flops a lane.
 // reference twin: tests/reference/closest_point_tree.cpp
 #include "lib/closest_triangle.h"
-#include "shared/bvh_records.h"
+#include "shared/proxy_tree_records.h"
 
 #if VW == 1
 #define FIRST_LANE(value) (value)
@@ -46,7 +46,7 @@ kernel void closest_point_tree(ClosestPointParams params, global const float* re
                                global const float* restrict nx, global const float* restrict ny,
                                global const float* restrict nz,
                                global const ProxyTriangle* restrict triangles,
-                               global const BvhNode* restrict nodes, global float* restrict distance,
+                               global const ProxyNode* restrict nodes, global float* restrict distance,
                                global float* restrict height, global uint* restrict triangle,
                                global float* restrict near_x, global float* restrict near_y,
                                global float* restrict near_z) {
@@ -59,8 +59,8 @@ kernel void closest_point_tree(ClosestPointParams params, global const float* re
       select(best.distance2, (floatv)(-1.0f), query.x + query.y + query.z != query.x + query.y + query.z);
   const int oriented = params.min_facing > -INFINITY;
 
-  uint stack[BVH_STACK];
-  floatv reach[BVH_STACK];
+  uint stack[PROXY_TREE_STACK];
+  floatv reach[PROXY_TREE_STACK];
   uint top = 0u, next = params.root;
   while (next != BVH_EMPTY) {
     if (next & BVH_LEAF) {
@@ -68,13 +68,13 @@ kernel void closest_point_tree(ClosestPointParams params, global const float* re
       const uint end = begin + ((next >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
       for (uint i = begin; i < end; ++i) try_facing(&best, i, triangles + i, &query, params.min_facing);
     } else {
-      global const BvhNode* node = nodes + next;
+      global const ProxyNode* node = nodes + next;
       const floatv d0 = box_distance2(node->low0, node->high0, &query);
       const floatv d1 = box_distance2(node->low1, node->high1, &query);
       intv open0 = d0 <= best.distance2, open1 = d1 <= best.distance2;
       if (oriented) {
-        open0 &= may_face(node->pad[0], &query, params.min_facing);
-        open1 &= may_face(node->pad[1], &query, params.min_facing);
+        open0 &= may_face(node->span0, &query, params.min_facing);
+        open1 &= may_face(node->span1, &query, params.min_facing);
       }
       const int enter0 = ANY(open0), enter1 = ANY(open1);
       if (enter0 && enter1) {

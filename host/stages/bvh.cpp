@@ -243,22 +243,26 @@ std::vector<Primitive> bound(const std::vector<TriangleRecord>& triangles,
 
 }  // namespace
 
-Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres) {
+BinaryTree build_binary_tree(const std::vector<TriangleRecord>& triangles,
+                             const std::vector<SphereRecord>& spheres) {
   const std::size_t count = triangles.size() + spheres.size();
   if (count > BVH_FIRST_MASK)
     fail_input("render: expected at most {} triangles and splats together, found {}; keep fewer samples",
                BVH_FIRST_MASK, count);
-  Bvh out;
-  if (count == 0) return out;
   BinaryTree tree;
-  {
-    std::vector<Primitive> primitives = bound(triangles, spheres);
-    Box box;
-    tree.root = Builder(primitives, tree.nodes).build(0, count, 0, box);
-    tree.order.resize(count);
-    for (std::size_t i = 0; i < count; ++i) tree.order[i] = primitives[i].id & ~kSphereBit;
-  }
-  collapse(tree, triangles, spheres, out);
+  if (count == 0) return tree;
+  std::vector<Primitive> primitives = bound(triangles, spheres);
+  Box box;
+  tree.root = Builder(primitives, tree.nodes).build(0, count, 0, box);
+  tree.order.resize(count);
+  for (std::size_t i = 0; i < count; ++i) tree.order[i] = primitives[i].id & ~kSphereBit;
+  return tree;
+}
+
+Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres) {
+  const BinaryTree tree = build_binary_tree(triangles, spheres);
+  Bvh out;
+  if (tree.root != BVH_EMPTY) collapse(tree, triangles, spheres, out);
   return out;
 }
 

@@ -31,6 +31,10 @@ struct BinaryTree {
   std::uint32_t root = BVH_EMPTY;
 };
 
+// As build_bvh (bvh.hpp), before it is pulled together.
+BinaryTree build_binary_tree(const std::vector<TriangleRecord>& triangles,
+                             const std::vector<SphereRecord>& spheres);
+
 // Pulls binary nodes together into nodes of up to BVH_WIDTH children, always opening the child of the largest
 // surface, and copies the primitives in the order of the leaves; depth first, so that the result does not
 // depend on the order of the tree's nodes.

@@ -2,7 +2,7 @@
 #include "device/queue.hpp"
 #include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
-#include "shared/bvh_records.h"
+#include "shared/proxy_tree_records.h"
 #include "shared/params_closest_point.h"
 
 namespace hybrid::stages {
@@ -43,7 +43,7 @@ class ProxySearch {
   device::Queue& queue_;
   std::size_t count_ = 0;
   device::Array<ProxyTriangle> triangles_;
-  device::Array<BvhNode> nodes_;
+  device::Array<ProxyNode> nodes_;
   std::uint32_t root_ = BVH_EMPTY;  // none: brute force
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
-#include "stages/bvh.hpp"
+#include "stages/bvh_collapse.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -90,26 +90,31 @@ std::uint32_t span_of(const Box& box) {
   return span;
 }
 
-// Gives the nodes below `code` their boxes and spans; returns what all of it spans.
-Box fit(std::uint32_t code, const std::vector<Box>& boxes, std::vector<BvhNode>& nodes) {
-  Box box;
+// Appends the nodes below `code`, depth first, with boxes and spans of their own; `box` is what all of it
+// spans. Returns the final code.
+std::uint32_t flatten(const BinaryTree& tree, std::uint32_t code, const std::vector<Box>& boxes,
+                      std::vector<ProxyNode>& nodes, Box& box) {
   if (code & BVH_LEAF) {
     const std::size_t begin = code & BVH_FIRST_MASK;
     const std::size_t count = ((code >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1;
     for (std::size_t i = begin; i < begin + count; ++i) box.add(boxes[i]);
-    return box;
+    return code;
   }
-  BvhNode& node = nodes[code];
-  const Box first = fit(node.child0, boxes, nodes), second = fit(node.child1, boxes, nodes);
+  const std::size_t index = nodes.size();
+  nodes.emplace_back();
+  Box first, second;
+  const std::uint32_t child0 = flatten(tree, tree.nodes[code].children[0], boxes, nodes, first),
+                      child1 = flatten(tree, tree.nodes[code].children[1], boxes, nodes, second);
+  ProxyNode& node = nodes[index];
   for (std::size_t k = 0; k < 3; ++k) {
     node.low0[k] = first.low[k], node.high0[k] = first.high[k];
     node.low1[k] = second.low[k], node.high1[k] = second.high[k];
   }
-  node.pad[0] = span_of(first);
-  node.pad[1] = span_of(second);
+  node.child0 = child0, node.child1 = child1;
+  node.span0 = span_of(first), node.span1 = span_of(second);
   box.add(first);
   box.add(second);
-  return box;
+  return static_cast<std::uint32_t>(index);
 }
 
 }  // namespace
@@ -118,20 +123,19 @@ ProxyTree make_proxy_tree(const std::vector<ProxyTriangle>& triangles) {
   std::vector<TriangleRecord> corners(triangles.size());
   parallel_for(
       triangles.size(), [&](std::size_t i) { corners[i] = corners_of(triangles[i], i); }, kBatch);
-  Bvh bvh = build_bvh(corners, {});
+  const BinaryTree binary = build_binary_tree(corners, {});
   ProxyTree tree;
-  tree.root = bvh.root;
-  tree.nodes = std::move(bvh.nodes);
   tree.triangles.resize(triangles.size());
   std::vector<Box> boxes(triangles.size());
   parallel_for(
       triangles.size(),
       [&](std::size_t i) {
-        tree.triangles[i] = triangles[bvh.triangles[i].id];
+        tree.triangles[i] = triangles[binary.order[i]];
         boxes[i] = box_of(tree.triangles[i]);
       },
       kBatch);
-  if (tree.root != BVH_EMPTY) fit(tree.root, boxes, tree.nodes);
+  Box whole;
+  if (binary.root != BVH_EMPTY) tree.root = flatten(binary, binary.root, boxes, tree.nodes, whole);
   return tree;
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 #include <vector>
 
-#include "shared/bvh_records.h"
 #include "shared/params_closest_point.h"
+#include "shared/proxy_tree_records.h"
 
 namespace hybrid::stages {
 
 // The model's triangles in a tree of boxes as closest_point_tree traverses it.
 struct ProxyTree {
   std::vector<ProxyTriangle> triangles;  // in the order of the leaves
-  std::vector<BvhNode> nodes;            // pad: what the normals of child 0 and 1 span
+  std::vector<ProxyNode> nodes;          // depth first; empty when the root is a leaf
   std::uint32_t root = BVH_EMPTY;
 };
 
