@@ -10,11 +10,16 @@ namespace hybrid::testing {
 // The queue all tests of one process share: kernels build once.
 device::Queue& queue();
 
+// Where every memory access is checked (tests/oclgrind.sh).
+inline bool small_sizes() {
+  return std::getenv("HYBRID_SMALL_SIZES") != nullptr;
+}
+
 // Sizes every kernel is tried at (STYLE.md): none, one, a work-group +-1, a prime, large. Under oclgrind,
 // which checks every memory access, the test runner asks for the small ones (HYBRID_SMALL_SIZES).
 inline const std::vector<std::size_t> kSizes =
-    std::getenv("HYBRID_SMALL_SIZES") ? std::vector<std::size_t>{0, 1, 127, 129}
-                                      : std::vector<std::size_t>{0, 1, 127, 128, 129, 1009, 100003};
+    small_sizes() ? std::vector<std::size_t>{0, 1, 127, 129}
+                  : std::vector<std::size_t>{0, 1, 127, 128, 129, 1009, 100003};
 
 // Bit-for-bit equality, so that NaN equals NaN and -0 differs from 0.
 template <typename T>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
@@ -16,10 +17,12 @@ struct Window {
   int rows, cols;
 };
 constexpr Window kWindows[] = {{2, 2}, {1, 6}, {6, 1}};
-constexpr int kCellsPerSquare = 4;    // side by side; a cell has at least 2 x 2 samples
-constexpr int kFewestInWindow = 8;    // samples of one plane
-constexpr double kProposal = 3;       // standard deviations of a window's mean
-constexpr double kSameHeight = 0.35;  // of a step: parts of one plane no farther apart are one
+constexpr int kCellsPerSquare = 4;        // side by side; a cell has at least 2 x 2 samples
+constexpr int kFewestInWindow = 8;        // samples of one plane
+constexpr double kProposal = 3;           // standard deviations of a window's mean
+constexpr double kLeastOfWaviness = 0.4;  // of a step: less is the wall's
+constexpr double kMostOfPlane = 0.4;      // of its samples are parts: more are bands, of quantised ranges say
+constexpr double kSameHeight = 0.35;      // of a step: parts of one plane no farther apart are one
 
 // The plane that has most of a cell's samples, and their mean height.
 struct Cell {
@@ -211,13 +214,24 @@ std::vector<Part> share_out(const RangeImage& image, const RangeNoise& noise,
 }  // namespace
 
 StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int square, const RangeNoise& noise,
-                        std::int64_t least, std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
-                        PlaneRegions& regions) {
+                        const StepLimits& limits, std::vector<std::uint32_t>& labels,
+                        std::vector<Plane>& planes, PlaneRegions& regions) {
   CellGrid cells = mean_heights(image, noise, std::max(square / kCellsPerSquare, 2), labels, planes, regions);
   const double excess = excess_scatter(cells);
   mark_cells(cells, excess);
   const auto proposals = find_proposals(cells);
-  const auto parts = share_out(image, noise, labels, planes, regions, proposals, excess, least);
+  const auto parts =
+      share_out(image, noise, labels, planes, regions, proposals, excess, limits.least_samples);
+
+  // Samples of each plane, and of its parts.
+  std::map<std::uint32_t, std::int64_t> of_plane, of_parts;
+  for (const Cell& cell : cells.cells)
+    if (cell.label != 0) of_plane[cell.label] += cell.count;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (parts[k].verdict == StepVerdict::step) of_parts[proposals[k].label] += std::ssize(parts[k].samples);
+  const auto is_banded = [&](std::uint32_t label) {
+    return static_cast<double>(of_parts[label]) > kMostOfPlane * static_cast<double>(of_plane[label]);
+  };
 
   struct Level {
     std::uint32_t of, id;
@@ -228,6 +242,9 @@ StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int squ
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const std::uint32_t label = proposals[k].label;
     const Part& part = parts[k];
+    if (part.verdict == StepVerdict::step &&
+        (std::abs(part.step_m) < kLeastOfWaviness * limits.waviness_m || is_banded(label)))
+      continue;
     // Proposals may share samples: the first takes them.
     std::vector<std::uint32_t> samples;
     for (const std::uint32_t i : part.samples)
@@ -244,7 +261,7 @@ StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int squ
              std::abs(part.height.value_m() - other.height.value_m()) < kSameHeight * std::abs(part.step_m);
     });
     if (level == levels.end()) {
-      if (std::ssize(samples) < least) continue;
+      if (std::ssize(samples) < limits.least_samples) continue;
       regions.regions.emplace_back().small = true;
       planes.push_back({planes[label - 1].normal, planes[label - 1].offset_m + part.height.value_m()});
       level = levels.insert(level, {label, static_cast<std::uint32_t>(planes.size()), {}});

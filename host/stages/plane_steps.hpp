@@ -5,6 +5,11 @@
 
 namespace hybrid::stages {
 
+struct StepLimits {
+  std::int64_t least_samples = 48;  // of a part
+  double waviness_m = 0.005;        // of walls: steps of less than two fifths are theirs
+};
+
 struct StepChanges {
   std::vector<std::uint32_t> labels;  // whose samples changed
   double excess = 1;  // by which means of windows scatter more than the noise of their samples explains
@@ -15,9 +20,10 @@ struct StepChanges {
 // what it is. Parts become regions (small, with a plane and the squares in which they lie) and take their
 // samples; those of one plane at one height are one region. Strips that are the beginning of a curved surface
 // lose their label. What windows of a whole scan commonly leave their planes by (correlated noise, waviness)
-// counts as noise. `least`: samples of a part.
+// counts as noise. A plane that would lose two fifths of its samples to parts is banded (by quantised ranges,
+// say) and stays whole.
 StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int square, const RangeNoise& noise,
-                        std::int64_t least, std::vector<std::uint32_t>& labels, std::vector<Plane>& planes,
-                        PlaneRegions& regions);
+                        const StepLimits& limits, std::vector<std::uint32_t>& labels,
+                        std::vector<Plane>& planes, PlaneRegions& regions);
 
 }  // namespace hybrid::stages

@@ -255,8 +255,8 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   compete(2);
   const std::int64_t least = least_plane_samples(image, options);
   if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete(1);
-  auto [changed, excess] =
-      split_steps(image, grid, squares.square, squares.noise, least, labels, planes, regions);
+  auto [changed, excess] = split_steps(image, grid, squares.square, squares.noise,
+                                       {least, options.waviness_m}, labels, planes, regions);
   const auto trimmed = trim_tangent_rims(image, squares.noise, excess, labels, planes, regions);
   changed.insert(changed.end(), trimmed.begin(), trimmed.end());
   if (!changed.empty()) polish_planes(image, squares.square, labels, squares.noise, planes, 1, changed);

@@ -10,7 +10,8 @@
 #define VW 1
 #endif
 
-#ifdef __has_builtin
+// NO_REDUCTIONS: for interpreters that lack them (tests/oclgrind.sh).
+#if defined(__has_builtin) && !defined(NO_REDUCTIONS)
 #if __has_builtin(__builtin_reduce_or) && __has_builtin(__builtin_reduce_and)
 #define REDUCE_BITS(value) __builtin_reduce_or(value)
 #endif

@@ -54,7 +54,7 @@ std::vector<Usage> wrong_options() {
       {"only_unknown", "run SCENE --out OUT --only plane", 2, {"--only plane", "planes, register"}},
       {"only_empty", "run SCENE --out OUT --only ''", 2, {"--only", "planes, register"}},
       {"square", "planes SCENE --out OUT --square 99", 2, {"--square 99", "3 to 16"}},
-      {"view", "render SCENE --out OUT --view side", 4, {"--view side", "no view of that name"}},
+      {"view", "render SCENE --out OUT --view side", 4, {"--view side", "no view or path of that name"}},
       {"info_nothing", "info /nowhere/scan.ply", 4, {"/nowhere/scan.ply", "no such file"}},
       {"planes_missing_dry", "planes /nowhere/scan.ply --out OUT --dry-run", 4, {"/nowhere/scan.ply"}},
   };

@@ -35,9 +35,10 @@ struct Wall {
   }
   bool split() {
     const auto before = labels;
-    const auto changed = stages::split_steps(image, stages::SquareGrid(image, squares), kSquare,
-                                             stages::RangeNoise{kSigma_m}, kLeast, labels, planes, regions)
-                             .labels;
+    const auto changed =
+        stages::split_steps(image, stages::SquareGrid(image, squares), kSquare, stages::RangeNoise{kSigma_m},
+                            {kLeast, 0.005}, labels, planes, regions)
+            .labels;
     EXPECT_EQ(changed.empty(), labels == before);
     return !changed.empty();
   }
@@ -102,6 +103,20 @@ TEST(PlaneSteps, a_wavy_wall_is_left_alone) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Wall wall([](int row, int col) { return 0.003 * std::sin(0.1 * row) * std::sin(0.08 * col); }, seed);
     EXPECT_FALSE(wall.split()) << seed;
+  }
+}
+
+// Ranges in steps of 1 mm make bands of a slanted wall; those are no planes, whatever the noise.
+TEST(PlaneSteps, bands_of_quantised_ranges_are_left_alone) {
+  for (const double quantum_m : {0.001, 0.004}) {
+    Wall wall([](int, int) { return 0.0; });
+    for (int row = 0; row < kRows; ++row)
+      for (int col = 0; col < kCols; ++col) {
+        const double slant = 0.0002 * col;
+        wall.image.x[wall.image.index(row, col)] =
+            static_cast<float>(5 - std::round(slant / quantum_m) * quantum_m + slant);
+      }
+    EXPECT_FALSE(wall.split()) << quantum_m;
   }
 }
 
