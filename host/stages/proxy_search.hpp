@@ -2,8 +2,8 @@
 #include "device/queue.hpp"
 #include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
-#include "shared/proxy_tree_records.h"
 #include "shared/params_closest_point.h"
+#include "shared/proxy_tree_records.h"
 
 namespace hybrid::stages {
 

@@ -32,7 +32,6 @@ struct Sample {
 
 // The samples around a rim of one plane.
 struct Rim {
-  std::vector<std::uint32_t> rim;
   std::vector<Sample> inside, outside;
   Vec2 middle, outwards;  // of the rim
 };
@@ -105,13 +104,13 @@ std::vector<std::uint32_t> beyond_start(const Rim& rim) {
   const auto count = static_cast<double>(rim.inside.size() + rim.outside.size());
   const Fit flat = fit_rise(rim, 0, 0, 0), curve = fit_rise(rim, 2, first, last),
             crease = fit_rise(rim, 1, first, last);
-            if (curve.chi2 > kMostChi2 * count || curve.chi2 > crease.chi2 - kBetter ||
-                curve.chi2 > flat.chi2 - kLeastGain || !(2 * std::abs(curve.rise) * kStraightest_m > 1))
-              return {};
-            std::vector<std::uint32_t> samples;
-            for (const Sample& sample : rim.inside)
-              if (rim.outwards.dot(sample.at - rim.middle) > curve.start_m) samples.push_back(sample.index);
-            return samples;
+  if (curve.chi2 > kMostChi2 * count || curve.chi2 > crease.chi2 - kBetter ||
+      curve.chi2 > flat.chi2 - kLeastGain || !(2 * std::abs(curve.rise) * kStraightest_m > 1))
+    return {};
+  std::vector<std::uint32_t> samples;
+  for (const Sample& sample : rim.inside)
+    if (rim.outwards.dot(sample.at - rim.middle) > curve.start_m) samples.push_back(sample.index);
+  return samples;
 }
 
 class RimFinder {
@@ -169,7 +168,6 @@ class RimFinder {
       return Vec2(u.dot(arm), v.dot(arm));
     };
     Rim rim;
-    rim.rim = rim_samples;
     std::vector<Vec2> points;
     for (const std::uint32_t i : rim_samples) points.push_back(on_plane(i));
     // How far each sample of the tile and its surroundings is from the rim.
