@@ -21,7 +21,7 @@ constexpr int kCellsPerSquare = 4;        // side by side; a cell has at least 2
 constexpr int kFewestInWindow = 8;        // samples of one plane
 constexpr double kProposal = 3;           // standard deviations of a window's mean
 constexpr double kLeastOfWaviness = 0.4;  // of a step: less is the wall's
-constexpr double kMostOfPlane = 0.4;      // of its samples are parts: more are bands, of quantised ranges say
+constexpr double kMostOfPlane = 0.6;      // of its samples are parts: more are bands, of quantised ranges say
 constexpr double kSameHeight = 0.35;      // of a step: parts of one plane no farther apart are one
 
 // The plane that has most of a cell's samples, and their mean height.
@@ -145,7 +145,7 @@ void mark_cells(CellGrid& grid, double excess) {
 }
 
 // Touching marked cells of one plane.
-std::vector<StepProposal> find_proposals(const CellGrid& grid) {
+std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t least) {
   std::vector<StepProposal> proposals;
   std::vector<bool> seen(grid.cells.size());
   std::vector<std::size_t> group;
@@ -173,7 +173,7 @@ std::vector<StepProposal> find_proposals(const CellGrid& grid) {
           group.push_back(other);
         }
     }
-    if (proposal.mean.count < kFewestInWindow) continue;
+    if (4 * proposal.mean.count < least) continue;
     for (int* edge : {&proposal.top, &proposal.left, &proposal.bottom, &proposal.right}) *edge *= grid.side;
     proposals.push_back(proposal);
   }
@@ -219,18 +219,26 @@ StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int squ
   CellGrid cells = mean_heights(image, noise, std::max(square / kCellsPerSquare, 2), labels, planes, regions);
   const double excess = excess_scatter(cells);
   mark_cells(cells, excess);
-  const auto proposals = find_proposals(cells);
+  const auto proposals = find_proposals(cells, limits.least_samples);
   const auto parts =
       share_out(image, noise, labels, planes, regions, proposals, excess, limits.least_samples);
 
-  // Samples of each plane, and of its parts.
-  std::map<std::uint32_t, std::int64_t> of_plane, of_parts;
+  // Samples of each plane, and of its parts, which may overlap.
+  std::map<std::uint32_t, std::int64_t> of_plane;
   for (const Cell& cell : cells.cells)
     if (cell.label != 0) of_plane[cell.label] += cell.count;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> of_parts;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    if (parts[k].verdict == StepVerdict::step) of_parts[proposals[k].label] += std::ssize(parts[k].samples);
+    if (parts[k].verdict == StepVerdict::step) {
+      auto& samples = of_parts[proposals[k].label];
+      samples.insert(samples.end(), parts[k].samples.begin(), parts[k].samples.end());
+    }
+  for (auto& [label, samples] : of_parts) {
+    std::sort(samples.begin(), samples.end());
+    samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
+  }
   const auto is_banded = [&](std::uint32_t label) {
-    return static_cast<double>(of_parts[label]) > kMostOfPlane * static_cast<double>(of_plane[label]);
+    return static_cast<double>(of_parts[label].size()) > kMostOfPlane * static_cast<double>(of_plane[label]);
   };
 
   struct Level {

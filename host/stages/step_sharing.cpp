@@ -84,6 +84,10 @@ StepVerdict StepSharing::share(const std::function<bool(std::size_t)>& is_free, 
     for (int sweep = 0; sweep < kSweeps && settle(); ++sweep) {
     }
     if (!fit(kFewestOfRim)) return StepVerdict::none;
+    // Most proposals are noise, and far from what a part must gain.
+    const Evidence so_far = weigh();
+    if (so_far.gain < kLeastGain / 2 + kGainEach * static_cast<double>(so_far.part.count))
+      return StepVerdict::none;
   }
   measure_rings();
   const Evidence evidence = weigh();

@@ -257,7 +257,8 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete(1);
   auto [changed, excess] = split_steps(image, grid, squares.square, squares.noise,
                                        {least, options.waviness_m}, labels, planes, regions);
-  const auto trimmed = trim_tangent_rims(image, squares.noise, excess, labels, planes, regions);
+  const auto trimmed =
+      trim_tangent_rims(image, squares.noise, excess, labels, planes, regions, squares.square);
   changed.insert(changed.end(), trimmed.begin(), trimmed.end());
   if (!changed.empty()) polish_planes(image, squares.square, labels, squares.noise, planes, 1, changed);
   own_squares(image, squares, grid, labels, regions);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
@@ -13,8 +14,10 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr int kTile = 32, kInwards = 14, kOnwards = 6;  // samples
-constexpr std::size_t kFewest = 12;                     // samples of a rim
+// Of a scan whose squares have kSquare samples a side, in samples; denser scans are looked at every few
+// samples.
+constexpr int kSquare = 7, kTile = 32, kInwards = 14, kOnwards = 6;
+constexpr std::size_t kFewest = 12;  // samples of a rim
 constexpr double kContinuitySigmas = 3;
 constexpr double kMostWidth = 0.35;     // of a rim, against its length
 constexpr int kStarts = 28;             // of the curve, that are tried
@@ -25,7 +28,6 @@ constexpr double kLeastGain = 40;       // of chi2, against the plane alone
 constexpr double kStraightest_m = 100;  // radius
 
 struct Sample {
-  std::uint32_t index;
   Vec2 at;  // on the plane
   double height_m, weight;
 };
@@ -96,8 +98,8 @@ Fit fit_rise(const Rim& rim, int power, double first_m, double last_m) {
   return best;
 }
 
-// Samples of the plane that lie beyond the start of a curve.
-std::vector<std::uint32_t> beyond_start(const Rim& rim) {
+// Where the curve begins, metres outwards from the rim's middle, if it is one.
+std::optional<double> curve_start(const Rim& rim) {
   double first = 0, last = 0;
   for (const Sample& sample : rim.inside) first = std::min(first, rim.outwards.dot(sample.at - rim.middle));
   for (const Sample& sample : rim.outside) last = std::max(last, rim.outwards.dot(sample.at - rim.middle));
@@ -106,19 +108,22 @@ std::vector<std::uint32_t> beyond_start(const Rim& rim) {
             crease = fit_rise(rim, 1, first, last);
   if (curve.chi2 > kMostChi2 * count || curve.chi2 > crease.chi2 - kBetter ||
       curve.chi2 > flat.chi2 - kLeastGain || !(2 * std::abs(curve.rise) * kStraightest_m > 1))
-    return {};
-  std::vector<std::uint32_t> samples;
-  for (const Sample& sample : rim.inside)
-    if (rim.outwards.dot(sample.at - rim.middle) > curve.start_m) samples.push_back(sample.index);
-  return samples;
+    return std::nullopt;
+  return curve.start_m;
 }
 
 class RimFinder {
  public:
   RimFinder(const RangeImage& image, const RangeNoise& noise, double excess,
             const std::vector<std::uint32_t>& labels, const std::vector<Plane>& planes,
-            const PlaneRegions& regions)
-      : image_(image), noise_(noise), excess_(excess), labels_(labels), planes_(planes), regions_(regions) {}
+            const PlaneRegions& regions, int stride)
+      : image_(image),
+        noise_(noise),
+        excess_(excess),
+        labels_(labels),
+        planes_(planes),
+        regions_(regions),
+        stride_(stride) {}
 
   // Rims of the planes in a tile; samples of the rim lie in it.
   std::vector<std::vector<std::uint32_t>> trimmed(const Tile& tile) const {
@@ -145,9 +150,12 @@ class RimFinder {
   }
   bool goes_on_smoothly(int row, int col, const Plane& plane) const {
     constexpr std::array<std::array<int, 2>, 4> kSides = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+    const std::uint32_t own = labels_[image_.index(row, col)];
     return std::any_of(kSides.begin(), kSides.end(), [&](const auto& side) {
-      if (!free_at(row + side[0], col + side[1]) || !free_at(row + 2 * side[0], col + 2 * side[1]))
+      const int r = row + side[0], c = col + side[1];
+      if (r < 0 || r >= image_.rows || c < 0 || c >= image_.cols || labels_[image_.index(r, c)] == own)
         return false;
+      if (!free_at(r, c) || !free_at(row + 2 * side[0], col + 2 * side[1])) return false;
       const std::size_t i = image_.index(row, col), first = image_.index(row + side[0], col + side[1]),
                         second = image_.index(row + 2 * side[0], col + 2 * side[1]);
       const PlaneHeight height = height_over(image_, noise_, plane, i);
@@ -170,30 +178,33 @@ class RimFinder {
     Rim rim;
     std::vector<Vec2> points;
     for (const std::uint32_t i : rim_samples) points.push_back(on_plane(i));
+    const int inwards = kInwards * stride_, onwards = kOnwards * stride_;
     // How far each sample of the tile and its surroundings is from the rim.
-    const int top = std::max(tile.row - kInwards, 0), left = std::max(tile.col - kInwards, 0),
-              bottom = std::min(tile.row + tile.rows + kInwards, image_.rows),
-              right = std::min(tile.col + tile.cols + kInwards, image_.cols), width = right - left;
+    const int top = std::max(tile.row - inwards, 0), left = std::max(tile.col - inwards, 0),
+              bottom = std::min(tile.row + tile.rows + inwards, image_.rows),
+              right = std::min(tile.col + tile.cols + inwards, image_.cols), width = right - left;
     std::vector<std::uint8_t> reach(static_cast<std::size_t>(bottom - top) * static_cast<std::size_t>(width));
-    for (const std::uint32_t i : rim_samples) {
+    for (std::size_t k = 0; k < rim_samples.size(); k += static_cast<std::size_t>(stride_)) {
+      const std::uint32_t i = rim_samples[k];
       const int row = static_cast<int>(i) / image_.cols, col = static_cast<int>(i) % image_.cols;
-      for (int r = std::max(row - kInwards, top); r < std::min(row + kInwards + 1, bottom); ++r)
-        for (int c = std::max(col - kInwards, left); c < std::min(col + kInwards + 1, right); ++c) {
+      for (int r = std::max(row - inwards, top); r < std::min(row + inwards + 1, bottom); ++r)
+        for (int c = std::max(col - inwards, left); c < std::min(col + inwards + 1, right); ++c) {
           auto& near = reach[static_cast<std::size_t>((r - top) * width + c - left)];
           const int away = std::max(std::abs(r - row), std::abs(c - col));
-          near = std::max<std::uint8_t>(near, static_cast<std::uint8_t>(kInwards + 1 - away));
+          near = std::max<std::uint8_t>(near, static_cast<std::uint8_t>(inwards + 1 - away));
         }
     }
-    for (int row = top; row < bottom; ++row)
-      for (int col = left; col < right; ++col) {
-        const int away = kInwards + 1 - reach[static_cast<std::size_t>((row - top) * width + col - left)];
+    const auto away = [&](int row, int col) {
+      return inwards + 1 - reach[static_cast<std::size_t>((row - top) * width + col - left)];
+    };
+    for (int row = top; row < bottom; row += stride_)
+      for (int col = left; col < right; col += stride_) {
         const std::size_t i = image_.index(row, col);
         const bool inside = labels_[i] == label;
-        if (away > (inside ? kInwards : kOnwards) || (!inside && !free_at(row, col))) continue;
+        if (away(row, col) > (inside ? inwards : onwards) || (!inside && !free_at(row, col))) continue;
         const PlaneHeight height = height_over(image_, noise_, plane, i);
         if (height.weight == 0) continue;
-        const Sample sample{static_cast<std::uint32_t>(i), on_plane(i), height.height_m,
-                            height.weight / (excess_ * excess_)};
+        const Sample sample{on_plane(i), height.height_m, height.weight / (excess_ * excess_)};
         (inside ? rim.inside : rim.outside).push_back(sample);
       }
     if (rim.inside.size() < kFewest || rim.outside.size() < kFewest || !orient(rim, points)) return {};
@@ -203,7 +214,16 @@ class RimFinder {
       return !(s > 0) || std::abs(sample.height_m) > s + kContinuitySigmas / std::sqrt(sample.weight);
     });
     if (rim.outside.size() < kFewest) return {};
-    return beyond_start(rim);
+    const auto start = curve_start(rim);
+    std::vector<std::uint32_t> beyond;
+    if (!start) return beyond;
+    for (int row = top; row < bottom; ++row)
+      for (int col = left; col < right; ++col)
+        if (const std::size_t i = image_.index(row, col);
+            labels_[i] == label && image_.mask[i] == kMeasured && away(row, col) <= inwards &&
+            rim.outwards.dot(on_plane(i) - rim.middle) > *start)
+          beyond.push_back(static_cast<std::uint32_t>(i));
+    return beyond;
   }
 
   const RangeImage& image_;
@@ -212,15 +232,18 @@ class RimFinder {
   const std::vector<std::uint32_t>& labels_;
   const std::vector<Plane>& planes_;
   const PlaneRegions& regions_;
+  int stride_;  // samples
 };
 
 }  // namespace
 
 std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const RangeNoise& noise, double excess,
                                              std::vector<std::uint32_t>& labels,
-                                             const std::vector<Plane>& planes, const PlaneRegions& regions) {
-  const RimFinder finder(image, noise, excess, labels, planes, regions);
-  const auto tiles = make_tiles(image.rows, image.cols, kTile);
+                                             const std::vector<Plane>& planes, const PlaneRegions& regions,
+                                             int square) {
+  const int stride = std::clamp((square + kSquare / 2) / kSquare, 1, 8);
+  const RimFinder finder(image, noise, excess, labels, planes, regions, stride);
+  const auto tiles = make_tiles(image.rows, image.cols, kTile * stride);
   std::vector<std::vector<std::vector<std::uint32_t>>> trimmed(tiles.size());
   parallel_for(tiles.size(), [&](std::size_t t) { trimmed[t] = finder.trimmed(tiles[t]); });
   std::vector<std::uint32_t> changed;

@@ -32,7 +32,7 @@ struct Wall {
     regions.regions.resize(1);
   }
   std::vector<std::uint32_t> trim(double excess = 1) {
-    return stages::trim_tangent_rims(image, stages::RangeNoise{kSigma_m}, excess, labels, planes, regions);
+    return stages::trim_tangent_rims(image, stages::RangeNoise{kSigma_m}, excess, labels, planes, regions, 7);
   }
   // With the wall's label, of the vault's rows and of the wall's.
   std::pair<int, int> labelled() const {
