@@ -20,8 +20,8 @@ struct StepChanges {
 // what it is. Parts become regions (small, with a plane and the squares in which they lie) and take their
 // samples; those of one plane at one height are one region. Strips that are the beginning of a curved surface
 // lose their label. What windows of a whole scan commonly leave their planes by (correlated noise, waviness)
-// counts as noise. A plane that would lose three fifths of its samples to parts is banded (by quantised ranges,
-// say) and stays whole.
+// counts as noise. A plane that would lose three fifths of its samples to parts is banded (by quantised
+// ranges, say) and stays whole.
 StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int square, const RangeNoise& noise,
                         const StepLimits& limits, std::vector<std::uint32_t>& labels,
                         std::vector<Plane>& planes, PlaneRegions& regions);
