@@ -2,10 +2,7 @@
 
 #include <sys/mman.h>
 
-#include <algorithm>
 #include <cstdint>
-
-#include "core/parallel.hpp"
 
 namespace hybrid {
 
@@ -14,14 +11,7 @@ void prefer_large_pages(void* memory, std::size_t bytes) {
   // Whole pages inside the memory alone. A system that refuses goes on with ordinary ones.
   const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kPage - 1) / kPage * kPage;
   const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / kPage * kPage;
-  if (begin >= end) return;
-  madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-  constexpr std::uintptr_t kChunk = 16 << 20;
-  if (end - begin < 2 * kChunk) return;
-  parallel_for((end - begin + kChunk - 1) / kChunk, [&](std::size_t i) {
-    const std::uintptr_t from = begin + i * kChunk;
-    madvise(reinterpret_cast<void*>(from), std::min(kChunk, end - from), MADV_POPULATE_WRITE);
-  });
+  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
 }  // namespace hybrid

@@ -194,9 +194,7 @@ std::vector<Part> share_out(const RangeImage& image, const RangeNoise& noise,
                             const std::vector<std::uint32_t>& labels, const std::vector<Plane>& planes,
                             const PlaneRegions& regions, const std::vector<StepProposal>& proposals,
                             double excess, std::int64_t least) {
-  const auto is_free = [&](std::size_t i) {
-    return image.mask[i] == kMeasured && (labels[i] == 0 || regions.regions[labels[i] - 1].curved);
-  };
+  const auto is_free = [&](std::size_t i) { return is_on_no_plane(image, labels, regions, i); };
   std::vector<Part> parts(proposals.size());
   parallel_for(proposals.size(), [&](std::size_t k) {
     const StepProposal& proposal = proposals[k];
@@ -258,8 +256,8 @@ StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int squ
     for (const std::uint32_t i : part.samples)
       if (labels[i] == label) samples.push_back(i);
     if (samples.empty()) continue;
-    changed.push_back(label);
     if (part.verdict == StepVerdict::curved) {
+      changed.push_back(label);
       for (const std::uint32_t i : samples) labels[i] = 0;
       continue;
     }
@@ -275,6 +273,7 @@ StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int squ
       level = levels.insert(level, {label, static_cast<std::uint32_t>(planes.size()), {}});
       changed.push_back(level->id);
     }
+    changed.push_back(label);
     level->height.add(part.height);
     auto& of_part = regions.regions[level->id - 1].squares;
     for (const std::uint32_t i : samples) {

@@ -7,6 +7,7 @@
 #include "geometry/plane.hpp"
 #include "geometry/range_image.hpp"
 #include "stages/noise_model.hpp"
+#include "stages/plane_regions.hpp"
 
 namespace hybrid::stages {
 
@@ -20,6 +21,12 @@ PlaneHeight height_over(const RangeImage& image, const RangeNoise& noise, const 
 // Whether a surface may go on between two samples beside or on a plane: by less than 45 degrees and `slack_m`
 // out of the plane, and not over a gap.
 bool surface_goes_on(const Plane& plane, const Vec3& from, const Vec3& to, double slack_m);
+
+// Measured, and on no plane.
+inline bool is_on_no_plane(const RangeImage& image, const std::vector<std::uint32_t>& labels,
+                           const PlaneRegions& regions, std::size_t i) {
+  return image.mask[i] == kMeasured && (labels[i] == 0 || regions.regions[labels[i] - 1].curved);
+}
 
 struct MeanHeight {
   double sum = 0, weight = 0;

@@ -2,8 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -37,11 +38,6 @@ struct Rim {
   std::vector<Sample> inside, outside;
   Vec2 middle, outwards;  // of the rim
 };
-
-bool is_free(const RangeImage& image, const std::vector<std::uint32_t>& labels, const PlaneRegions& regions,
-             std::size_t i) {
-  return image.mask[i] == kMeasured && (labels[i] == 0 || regions.regions[labels[i] - 1].curved);
-}
 
 // The rim's line and the side on which the surface goes on; false where it is no line.
 bool orient(Rim& rim, const std::vector<Vec2>& points) {
@@ -146,7 +142,7 @@ class RimFinder {
  private:
   bool free_at(int row, int col) const {
     return row >= 0 && row < image_.rows && col >= 0 && col < image_.cols &&
-           is_free(image_, labels_, regions_, image_.index(row, col));
+           is_on_no_plane(image_, labels_, regions_, image_.index(row, col));
   }
   bool goes_on_smoothly(int row, int col, const Plane& plane) const {
     constexpr std::array<std::array<int, 2>, 4> kSides = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};

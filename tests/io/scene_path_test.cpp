@@ -1,18 +1,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "core/error.hpp"
+#include "io/files.hpp"
 #include "io/scene_file.hpp"
 
 namespace hybrid::io {
 namespace {
 
 SceneFile read(const std::string& paths) {
-  const auto file = std::filesystem::path(::testing::TempDir()) / "scene-path-test.toml";
-  std::ofstream(file) << "[model]\nfile = \"box.obj\"\n" << paths;
-  return read_scene_file(file);
+  const testing::TemporaryFolder folder;
+  return read_scene_file(folder.write("scene.toml", "[model]\nfile = \"box.obj\"\n" + paths));
 }
 
 const std::string kPath = "[[path]]\nname = \"p\"\nframes = 4\n";
