@@ -4,6 +4,7 @@
 #include <queue>
 #include <unordered_map>
 
+#include "core/large_vector.hpp"
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
 #include "shared/params_window_planes.h"
@@ -25,7 +26,8 @@ constexpr double kMostBesideCurved = 0.3;
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
                                        const PlaneRegions& regions) {
-  std::vector<std::uint8_t> use(image.count());
+  std::vector<std::uint8_t> use;
+  resize_large(use, image.count());
   parallel_for(
       use.size(),
       [&](std::size_t i) {
@@ -36,11 +38,18 @@ std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vecto
   return use;
 }
 
+// Tile by tile: what tries them sorts.
 std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image,
                                    const std::vector<std::uint8_t>& use, const RangeNoise& noise,
                                    int tile_side) {
   std::vector<WindowSeed> seeds;
   const auto width = static_cast<std::size_t>(image.cols);
+  const auto rows = static_cast<std::size_t>(std::min(image.rows, tile_side)),
+             cols = static_cast<std::size_t>(std::min(image.cols, tile_side));
+  const std::size_t most = (rows + WINDOW_REACH - 1) * (cols + WINDOW_REACH - 1);
+  auto x = queue.array<float>(most), y = queue.array<float>(most), z = queue.array<float>(most);
+  auto free = queue.array<std::uint8_t>(most), shape = queue.array<std::uint8_t>(rows * cols);
+  std::vector<std::uint8_t> shapes(rows * cols);
   for (const Tile& tile : make_tiles(image.rows, image.cols, tile_side)) {
     WindowPlanesParams params{};
     params.rows = static_cast<std::uint32_t>(tile.rows);
@@ -55,27 +64,20 @@ std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image
     params.min_cosine = kWindowCosine;
     const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
                             params.halo_rows, params.halo_cols};
-    const std::size_t count = rect.rows * rect.cols;
-    auto x = queue.array<float>(count), y = queue.array<float>(count), z = queue.array<float>(count);
-    auto free = queue.array<std::uint8_t>(count);
-    auto shape =
-        queue.array<std::uint8_t>(static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.cols));
     queue.write_rect(x, image.x.data(), width, rect);
     queue.write_rect(y, image.y.data(), width, rect);
     queue.write_rect(z, image.z.data(), width, rect);
     queue.write_rect(free, use.data(), width, rect);
     queue.launch("window_planes", queue.kernel("window_planes"), device::grid(params.cols, params.rows),
                  params, x, y, z, free, shape);
-    const auto shapes = queue.read(shape);
-    for (std::size_t k = 0; k < shapes.size(); ++k)
+    queue.read_rect(shape, shapes.data(), params.cols, {0, 0, params.rows, params.cols});
+    for (std::uint32_t k = 0; k < params.rows * params.cols; ++k)
       if (shapes[k] != 0) {
-        const auto i = image.index(tile.row + static_cast<int>(k) / tile.cols,
-                                   tile.col + static_cast<int>(k) % tile.cols);
-        seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1),
-                         static_cast<std::uint32_t>(i), 0});
+        const auto i = static_cast<std::uint32_t>(image.index(tile.row + static_cast<int>(k / params.cols),
+                                                              tile.col + static_cast<int>(k % params.cols)));
+        seeds.push_back({i, static_cast<std::uint8_t>(shapes[k] - 1), i, 0});
       }
   }
-  std::sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
   return seeds;
 }
 
@@ -109,6 +111,8 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const std::vector<std:
     const Tile limits{top, left, std::min(row + kBlock + kAround, image.rows) - top,
                       std::min(col + kBlock + kAround, image.cols) - left};
     if (of_block[b].empty()) return;
+    std::sort(of_block[b].begin(), of_block[b].end(),
+              [](const auto& one, const auto& other) { return one.sample < other.sample; });
     BlockFloods floods(image, use, noise, limits);
     for (const WindowSeed& seed : of_block[b]) {
       if (!floods.is_open(seed.member)) continue;

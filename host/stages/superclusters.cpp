@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/large_vector.hpp"
 #include "shared/params_square_links.h"
 #include "stages/absorb_squares.hpp"
 #include "stages/coplanar_merge.hpp"
@@ -240,16 +241,18 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
 
   std::vector<Plane> planes;
   for (const PlaneRegion& region : regions.regions) planes.push_back(region.fit.plane);
-  auto labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, {}),
-                              planes, options);
+  std::vector<std::uint32_t> labels;
+  resize_large(labels, image.count());
+  label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, {}), planes, options,
+                labels);
   refit_planes(image, squares.square, labels, planes);
   SquarePresence presence;
   if (options.min_plane_samples > 0)
     presence = recover_small_planes(queue, image, squares, grid, labels, options, regions, planes);
   // The second pass competes with the planes refitted to the first one's labels, and with the small ones.
   const auto compete = [&](int rounds) {
-    labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
-                           planes, options);
+    label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence), planes,
+                  options, labels);
     polish_planes(image, squares.square, labels, squares.noise, planes, rounds);
   };
   compete(2);
