@@ -1,6 +1,7 @@
 #include "stages/small_planes.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <queue>
 #include <unordered_map>
 
@@ -23,6 +24,8 @@ constexpr double kLeastNoise_m = 1e-4;    // as estimate_range_noise(): what flo
 constexpr int kBlock = 64, kAround = 16;  // samples; floods of a block look so far around it
 constexpr double kMostChi2 = 1.6;         // per sample
 constexpr double kMostBesideCurved = 0.3;
+constexpr double kMostWorse = 30;         // chi2 of the three numbers that two planes have more than one
+constexpr double kLeastOfWaviness = 0.4;  // as plane_steps: two planes farther apart are no wavy wall
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
                                        const PlaneRegions& regions) {
@@ -146,6 +149,20 @@ SampleUse judge(const RangeImage& image, const std::vector<std::uint8_t>& use, c
   return scattered ? kFree : kTaken;
 }
 
+// The plane through the samples of two parts; none when they show that they lie on two: the fit to both is
+// worse than noise explains, by more than walls stray.
+std::optional<RayPlane> joint_plane(const RangeImage& image, const RayPlane& part, const PlaneFlood& flood,
+                                    double waviness_m) {
+  RayPlane joint = part;
+  for (const std::uint32_t i : flood.samples) joint.add(image.point(i));
+  if (!joint.solve()) return std::nullopt;
+  const auto count = static_cast<double>(joint.samples());
+  const double apart = part.squares_m2() + flood.plane.squares_m2(), worse = joint.squares_m2() - apart;
+  const double stray_m = kLeastOfWaviness * waviness_m;
+  if (worse * (count - 6) > kMostWorse * apart && worse > stray_m * stray_m * count) return std::nullopt;
+  return joint;
+}
+
 // Squares in which the flood has samples, sorted.
 std::vector<std::uint32_t> squares_of(const PlaneFlood& flood, const RangeImage& image,
                                       const SquareGrid& grid, int side) {
@@ -176,6 +193,7 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
     return labels[i] != 0 ? regions.regions[labels[i] - 1].fit.plane.normal : normal_of_blocked.at(i);
   };
   SquarePresence presence;
+  std::unordered_map<std::uint32_t, RayPlane> plane_of_small;
   const auto recover = [&](const std::vector<WindowSeed>& seeds) {
     const auto candidates = try_seeds(image, use, squares.noise, seeds, least);
     std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
@@ -202,14 +220,23 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
       if (verdict == kBlocked) continue;
       region.squares = squares_of(flood, image, grid, squares.square);
       std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
+      std::optional<RayPlane> joint;
+      if (id != 0 && regions.regions[id - 1].small) {
+        joint = joint_plane(image, plane_of_small.at(id), flood, options.waviness_m);
+        if (!joint) id = 0;
+      }
       if (id == 0) {
         regions.regions.push_back(region);
         planes.push_back(flood.plane.plane());
         id = static_cast<std::uint32_t>(regions.regions.size());
-      } else if (PlaneRegion& continued = regions.regions[id - 1]; continued.small) {
+        plane_of_small.emplace(id, flood.plane);
+      } else if (joint) {
+        PlaneRegion& continued = regions.regions[id - 1];
         continued.squares.insert(continued.squares.end(), region.squares.begin(), region.squares.end());
         continued.moments.merge(region.moments);
         continued.fit = fit_plane(continued.moments);
+        planes[id - 1] = joint->plane();
+        plane_of_small.at(id) = *joint;
       }
       for (const std::uint32_t square : region.squares) presence.emplace_back(square, id);
     }
