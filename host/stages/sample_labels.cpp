@@ -72,9 +72,11 @@ LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid
   return contest;
 }
 
-void label_samples(device::Queue& queue, const RangeImage& image, const SquarePlanes& squares,
-                   const SquareGrid& grid, const LabelContest& contest, const std::vector<Plane>& planes,
-                   const SuperclusterOptions& options, std::vector<std::uint32_t>& labels) {
+std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& image,
+                                        const SquarePlanes& squares, const SquareGrid& grid,
+                                        const LabelContest& contest, const std::vector<Plane>& planes,
+                                        const SuperclusterOptions& options,
+                                        std::vector<std::uint32_t>& labels) {
   const auto candidates = queue.array(contest.candidates);
   const auto own_plane = queue.array(contest.own_plane);
   const auto plane_table = queue.array(label_planes(planes));
@@ -85,6 +87,8 @@ void label_samples(device::Queue& queue, const RangeImage& image, const SquarePl
   auto x = queue.array<float>(largest), y = queue.array<float>(largest), z = queue.array<float>(largest);
   auto tile_labels = queue.array<std::uint32_t>(largest);
 
+  std::vector<std::uint32_t> found(largest);
+  std::vector<std::int64_t> moved(planes.size() + 1);
   const auto width = static_cast<std::size_t>(image.cols);
   for (const Tile& tile : tiles) {
     const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
@@ -104,8 +108,19 @@ void label_samples(device::Queue& queue, const RangeImage& image, const SquarePl
     params.min_cosine = kLabelCosine;
     queue.launch("label_samples", queue.kernel("label_samples"), device::grid(rect.cols, rect.rows), params,
                  x, y, z, candidates, own_plane, plane_table, tile_labels);
-    queue.read_rect(tile_labels, labels.data(), width, rect);
+    queue.read_rect(tile_labels, found.data(), rect.cols, {0, 0, rect.rows, rect.cols});
+    for (std::size_t row = 0; row < rect.rows; ++row) {
+      const std::uint32_t* after = &found[row * rect.cols];
+      std::uint32_t* before = &labels[(rect.row + row) * width + rect.col];
+      for (std::size_t col = 0; col < rect.cols; ++col) {
+        if (before[col] == after[col]) continue;
+        moved[before[col]] += 1;
+        moved[after[col]] += 1;
+        before[col] = after[col];
+      }
+    }
   }
+  return moved;
 }
 
 }  // namespace hybrid::stages

@@ -145,6 +145,17 @@ std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measu
   return id;
 }
 
+// Regions + 1 that gained or lost more than one of a thousand of their samples, about.
+std::vector<std::uint32_t> much_moved(const std::vector<std::int64_t>& moved, const PlaneRegions& regions,
+                                      int square) {
+  std::vector<std::uint32_t> labels;
+  for (std::uint32_t label = 1; label < moved.size(); ++label) {
+    const auto samples = std::ssize(regions.regions[label - 1].squares) * square * square;
+    if (1000 * moved[label] > samples) labels.push_back(label);
+  }
+  return labels;
+}
+
 PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions,
                            const std::vector<std::uint32_t>& id, std::vector<std::uint32_t> labels,
                            std::vector<Supercluster> measured) {
@@ -250,14 +261,16 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   if (options.min_plane_samples > 0)
     presence = recover_small_planes(queue, image, squares, grid, labels, options, regions, planes);
   // The second pass competes with the planes refitted to the first one's labels, and with the small ones.
-  const auto compete = [&](int rounds) {
-    label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence), planes,
-                  options, labels);
-    polish_planes(image, squares.square, labels, squares.noise, planes, rounds);
+  const auto compete = [&] {
+    return label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
+                         planes, options, labels);
   };
-  compete(2);
+  compete();
+  polish_planes(image, squares.square, labels, squares.noise, planes);
   const std::int64_t least = least_plane_samples(image, options);
-  if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete(1);
+  if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence))
+    if (const auto moved = much_moved(compete(), regions, squares.square); !moved.empty())
+      polish_planes(image, squares.square, labels, squares.noise, planes, 1, moved);
   auto [changed, excess] = split_steps(image, grid, squares.square, squares.noise,
                                        {least, options.waviness_m}, labels, planes, regions);
   const auto trimmed =
