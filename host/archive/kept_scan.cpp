@@ -81,9 +81,11 @@ void pass(File& file, Supercluster& supercluster) {
 
 template <typename File>
 void pass(File& file, PlaneSegmentation& segmentation) {
-  auto& [square, square_rows, square_cols, square_class, square_label, sample_label, superclusters] =
-      segmentation;
+  auto& [square, waviness_m, interleaved, square_rows, square_cols, square_class, square_label, sample_label,
+         superclusters] = segmentation;
   pass(file, square);
+  pass(file, waviness_m);
+  pass(file, interleaved);
   pass(file, square_rows);
   pass(file, square_cols);
   pass(file, square_class);

@@ -74,6 +74,8 @@ Json planes_json(const ScanProduct& product) {
           {"frame", "scan"},
           {"square", product.segmentation.square},
           {"sigma_m", product.sigma_m},
+          {"waviness_m", product.segmentation.waviness_m},
+          {"interleaved", product.segmentation.interleaved},
           {"superclusters", list},
           {"intersections", intersections_json(product.intersections)}};
 }
@@ -113,6 +115,8 @@ Json scan_figures(const ScanProduct& product) {
       {"extra_samples", extra},
       {"duplicate_samples", image.duplicates.size()},
       {"sigma_m", product.sigma_m},
+      {"waviness_m", product.segmentation.waviness_m},
+      {"interleaved", product.segmentation.interleaved},
       {"square", product.segmentation.square},
       {"squares",
        {{"undersampled", classed(kUndersampled)},

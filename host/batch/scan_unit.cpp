@@ -15,6 +15,7 @@
 #include "io/ply.hpp"
 #include "io/range_exr.hpp"
 #include "stages/class_picture.hpp"
+#include "stages/interleaving.hpp"
 #include "stages/straight_contours.hpp"
 
 namespace hybrid::batch {
@@ -115,6 +116,13 @@ ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan sca
   product.sigma_m = squares.sigma_m;
   progress.step("superclusters", unit);
   product.segmentation = stages::grow_superclusters(queue, product.image, squares, options.superclusters);
+  if (product.segmentation.interleaved > stages::kMostInterleaved) {
+    product.notes.push_back(fmt::format(
+        "{:.1f} % of the samples on planes lie between those of a parallel plane: walls stray farther "
+        "than planes.waviness = {:g} m; raise it, or let planes.most_waviness = 0.04 double it",
+        100 * product.segmentation.interleaved, product.segmentation.waviness_m));
+    log::warning("{}: {}", unit, product.notes.back());
+  }
   progress.step("contours", unit);
   product.boundary = stages::trace_contours(queue, product.image, product.segmentation, options.contours);
   product.intersections = stages::find_intersections(product.image, product.segmentation);

@@ -35,7 +35,9 @@ enum SquareClass : std::uint8_t {
 
 // All planes of one range image.
 struct PlaneSegmentation {
-  int square = 5;  // side in samples
+  int square = 5;          // side in samples
+  double waviness_m = 0;   // how far samples may stray from their plane, beyond the noise
+  double interleaved = 0;  // share of the labelled samples that lie between those of a parallel plane
   int square_rows = 0, square_cols = 0;
   std::vector<std::uint8_t> square_class;   // SquareClass, square_rows x square_cols
   std::vector<std::uint32_t> square_label;  // supercluster id per square, 0 = none

@@ -10,6 +10,7 @@
 #include "stages/absorb_squares.hpp"
 #include "stages/coplanar_merge.hpp"
 #include "stages/curved_regions.hpp"
+#include "stages/interleaving.hpp"
 #include "stages/plane_steps.hpp"
 #include "stages/refuted_planes.hpp"
 #include "stages/sample_labels.hpp"
@@ -188,59 +189,8 @@ PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, 
   return result;
 }
 
-}  // namespace
-
-const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table() {
-  using O = SuperclusterOptions;
-  static const std::vector<OptionRow<O>> table = {
-      {"angle", "deg", &O::angle_deg, 0.1, 45, "largest angle between neighbouring normals", {}},
-      {"angle_sigmas", "", &O::angle_sigmas, 0, 10, "... or this many of its standard deviations", {}},
-      {"distance_factor",
-       "",
-       &O::distance_factor,
-       1,
-       10,
-       "largest distance of neighbouring centroids, in squares",
-       {}},
-      {"offset_sigmas",
-       "",
-       &O::offset_sigmas,
-       1,
-       10,
-       "largest offset of neighbours out of plane, in sigmas",
-       {}},
-      {"min_squares", "squares", &O::min_squares, 1, 1e6, "superclusters with fewer squares are dropped", {}},
-      {"min_plane_samples",
-       "samples",
-       &O::min_plane_samples,
-       0,
-       1e9,
-       "samples of the smallest plane recovered from what those leave; 0 = none is",
-       {}},
-      {"label_sigmas",
-       "",
-       &O::label_sigmas,
-       1,
-       10,
-       "a plane's samples lie within this many sigmas of noise",
-       {}},
-      {"waviness", "m", &O::waviness_m, 0, 0.5, "... and this: how far real walls stray from a plane", {}},
-      {"min_curvature", "1/m", &O::min_curvature, 0.001, 100, "regions that bend more are no planes", {}},
-      {"max_crease_share",
-       "",
-       &O::max_crease_share,
-       0,
-       1,
-       "share of a rim in shallow creases that makes a facet",
-       {}},
-      {"tile", "samples", &O::tile, 16, 65536, "side of a tile on the device", {}},
-  };
-  return table;
-}
-
-PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& image,
-                                     const SquarePlanes& squares, const SuperclusterOptions& options) {
-  check_extent(image, squares);
+PlaneSegmentation segment(device::Queue& queue, const RangeImage& image, const SquarePlanes& squares,
+                          const SuperclusterOptions& options) {
   const SquareGrid grid(image, squares);
   const SquareLinks links = link_squares(queue, image, squares, grid, options);
   PlaneRegions regions = grow_regions(squares, grid, links, options);
@@ -282,6 +232,78 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
   auto measured = measure_planes(image, squares.square, labels, planes);
   const auto ids = number_regions(measured, regions, least);
   return assemble(squares, grid, regions, ids, std::move(labels), std::move(measured));
+}
+
+}  // namespace
+
+const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table() {
+  using O = SuperclusterOptions;
+  static const std::vector<OptionRow<O>> table = {
+      {"angle", "deg", &O::angle_deg, 0.1, 45, "largest angle between neighbouring normals", {}},
+      {"angle_sigmas", "", &O::angle_sigmas, 0, 10, "... or this many of its standard deviations", {}},
+      {"distance_factor",
+       "",
+       &O::distance_factor,
+       1,
+       10,
+       "largest distance of neighbouring centroids, in squares",
+       {}},
+      {"offset_sigmas",
+       "",
+       &O::offset_sigmas,
+       1,
+       10,
+       "largest offset of neighbours out of plane, in sigmas",
+       {}},
+      {"min_squares", "squares", &O::min_squares, 1, 1e6, "superclusters with fewer squares are dropped", {}},
+      {"min_plane_samples",
+       "samples",
+       &O::min_plane_samples,
+       0,
+       1e9,
+       "samples of the smallest plane recovered from what those leave; 0 = none is",
+       {}},
+      {"label_sigmas",
+       "",
+       &O::label_sigmas,
+       1,
+       10,
+       "a plane's samples lie within this many sigmas of noise",
+       {}},
+      {"waviness", "m", &O::waviness_m, 0, 0.5, "... and this: how far real walls stray from a plane", {}},
+      {"most_waviness",
+       "m",
+       &O::most_waviness_m,
+       0,
+       0.5,
+       "... doubled up to this as long as samples of parallel planes take turns",
+       {}},
+      {"min_curvature", "1/m", &O::min_curvature, 0.001, 100, "regions that bend more are no planes", {}},
+      {"max_crease_share",
+       "",
+       &O::max_crease_share,
+       0,
+       1,
+       "share of a rim in shallow creases that makes a facet",
+       {}},
+      {"tile", "samples", &O::tile, 16, 65536, "side of a tile on the device", {}},
+  };
+  return table;
+}
+
+PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& image,
+                                     const SquarePlanes& squares, const SuperclusterOptions& options) {
+  check_extent(image, squares);
+  SuperclusterOptions tried = options;
+  while (true) {
+    PlaneSegmentation result = segment(queue, image, squares, tried);
+    result.waviness_m = tried.waviness_m;
+    result.interleaved = interleaved_share(image, result);
+    tried.waviness_m *= 2;
+    if (result.interleaved <= kMostInterleaved || !(tried.waviness_m > 0) ||
+        tried.waviness_m > options.most_waviness_m)
+      return result;
+  }
 }
 
 }  // namespace hybrid::stages
