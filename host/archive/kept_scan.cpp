@@ -132,8 +132,8 @@ void pass(File& file, batch::ScanProduct& product) {
 
 template <typename File>
 void pass(File& file, Scan& scan) {
-  auto& [name, points, origin, exact, steps, intensity, rgb, grid_rows, grid_cols, row_by_row, range_grid, node,
-         world_from_scan, intensity_limits, crs, crs_records, notes] = scan;
+  auto& [name, points, origin, exact, steps, intensity, rgb, grid_rows, grid_cols, row_by_row, range_grid,
+         node, world_from_scan, intensity_limits, crs, crs_records, notes] = scan;
   pass(file, name);
   pass(file, points);
   pass(file, origin);

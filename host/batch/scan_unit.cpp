@@ -105,7 +105,8 @@ ScanProduct describe(const std::string& id, const Scan& scan, std::uint64_t samp
 }
 
 // What follows the range image.
-void find_planes(device::Queue& queue, const StageOptions& options, Progress& progress, ScanProduct& product) {
+void find_planes(device::Queue& queue, const StageOptions& options, Progress& progress,
+                 ScanProduct& product) {
   const std::string unit = "scan " + product.id;
   progress.step("square planes", unit);
   const auto squares = fit_squares(queue, product.image, options);

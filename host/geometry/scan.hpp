@@ -36,12 +36,12 @@ struct RangeGrid {
 struct Scan {
   std::string name;
   std::vector<std::array<float, 3>> points;  // metres, relative to `origin`
-  Vec3 origin = Vec3::Zero();    // added to every point: keeps georeferenced input precise in float
+  Vec3 origin = Vec3::Zero();  // added to every point: keeps georeferenced input precise in float
   // For conversions alone (io::ReadOptions::exact): the coordinates as the file has them, absolute, one per
   // point; what is no return is so by `points`. Empty where `points` hold the same.
   std::vector<std::array<double, 3>> exact;
-  std::optional<CoordinateSteps> steps;  // of `exact`, where the file stores whole numbers
-  std::vector<float> intensity;  // one per point, or empty
+  std::optional<CoordinateSteps> steps;          // of `exact`, where the file stores whole numbers
+  std::vector<float> intensity;                  // one per point, or empty
   std::vector<std::array<std::uint8_t, 3>> rgb;  // one per point, or empty
   int grid_rows = 0, grid_cols = 0;  // organised input: rows by ascending elevation as scanned, or
                                      // descending: not yet ordered

@@ -60,12 +60,11 @@ class LasReader {
 
   Scan read() {
     const bool colour = format_.red > 0;
-    ScanBuilder builder(
-        input_.name(), name_, header_.points,
-        {.intensity = true,
-         .colour = colour ? ColourKind::word : ColourKind::none,
-         .salvage = salvage_,
-         .exact = exact_});
+    ScanBuilder builder(input_.name(), name_, header_.points,
+                        {.intensity = true,
+                         .colour = colour ? ColourKind::word : ColourKind::none,
+                         .salvage = salvage_,
+                         .exact = exact_});
     for (const std::string& note : header_.notes) builder.add_note(note);
     add_points(builder);
     if (header_.points < header_.announced) {

@@ -16,8 +16,9 @@ constexpr std::size_t kBlock = 1 << 16;
 
 template <typename Body>  // body(block, first, end)
 void for_blocks(std::size_t count, const Body& body) {
-  parallel_for((count + kBlock - 1) / kBlock,
-               [&](std::size_t block) { body(block, block * kBlock, std::min((block + 1) * kBlock, count)); });
+  parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
+    body(block, block * kBlock, std::min((block + 1) * kBlock, count));
+  });
 }
 
 struct Extent {
@@ -61,10 +62,10 @@ bool survives(const Scan& scan, std::size_t sample, const LasSteps& steps) {
   const Vec3 point = scan.exact_point(sample);
   for (int axis = 0; axis < 3; ++axis) {
     const double back = steps.back(point[axis], axis);
-    if (scan.exact.empty()
-            ? static_cast<float>(back - scan.origin[axis]) != scan.points[sample][static_cast<std::size_t>(axis)]
-            : std::abs(back - point[axis]) >
-                  kLastDigit * std::max(std::abs(point[axis]), std::abs(steps.offset[axis])))
+    if (scan.exact.empty() ? static_cast<float>(back - scan.origin[axis]) !=
+                                 scan.points[sample][static_cast<std::size_t>(axis)]
+                           : std::abs(back - point[axis]) >
+                                 kLastDigit * std::max(std::abs(point[axis]), std::abs(steps.offset[axis])))
       return false;
   }
   return true;
@@ -101,8 +102,7 @@ bool choose_decimals(const Scan& scan, const std::vector<std::uint32_t>& returns
                      LasSteps& steps) {
   for (int axis = 0; axis < 3; ++axis)
     steps.offset[axis] = std::round((extent.least[axis] + extent.greatest[axis]) / 2) + 0.0;
-  const double farthest =
-      (extent.greatest - steps.offset).cwiseMax(steps.offset - extent.least).maxCoeff();
+  const double farthest = (extent.greatest - steps.offset).cwiseMax(steps.offset - extent.least).maxCoeff();
   const auto fits = [&](int decimals) { return farthest / power_of_ten(-decimals) < kMostSteps; };
   int decimals = kUsualDecimals;
   while (!fits(decimals)) --decimals;

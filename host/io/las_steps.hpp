@@ -10,7 +10,7 @@ namespace hybrid::io {
 struct LasSteps {
   Vec3 scale = Vec3::Constant(1e-5), offset = Vec3::Zero();
   Vec3 minimum = Vec3::Zero(), maximum = Vec3::Zero();  // as the file gives them
-  double rounding_m = 0;                                // by which a coordinate changes, at most; 0: none does
+  double rounding_m = 0;  // by which a coordinate changes, at most; 0: none does
 
   std::int32_t whole(double value, int axis) const;
   double back(double value, int axis) const { return whole(value, axis) * scale[axis] + offset[axis]; }

@@ -103,11 +103,10 @@ class PcdReader {
  private:
   ScanBuilder builder() const {
     // Single precision holds what was written in it.
-    const bool rounds =
-        header_.data == PcdData::ascii ||
-        std::ranges::any_of(std::array{used_.x, used_.y, used_.z}, [](const PcdField* field) {
-          return field->type != ScalarType::f32;
-        });
+    const bool rounds = header_.data == PcdData::ascii ||
+                        std::ranges::any_of(std::array{used_.x, used_.y, used_.z}, [](const PcdField* field) {
+                          return field->type != ScalarType::f32;
+                        });
     ScanBuilder result(file_, name_, header_.points,
                        {.intensity = used_.intensity != nullptr,
                         .colour = used_.colour(),

@@ -32,23 +32,39 @@ const Row kRows[] = {
     {.name = "spherical png", .projection = E57Projection::spherical, .png = true},
     {.name = "spherical and reference", .projection = E57Projection::spherical, .reference = true},
     {.name = "cylindrical jpeg", .projection = E57Projection::cylindrical},
-    {.name = "cylindrical png mask scan", .projection = E57Projection::cylindrical, .png = true, .mask = true,
+    {.name = "cylindrical png mask scan",
+     .projection = E57Projection::cylindrical,
+     .png = true,
+     .mask = true,
      .scan = true},
-    {.name = "cylindrical and reference", .projection = E57Projection::cylindrical, .mask = true,
+    {.name = "cylindrical and reference",
+     .projection = E57Projection::cylindrical,
+     .mask = true,
      .reference = true},
     {.name = "reference jpeg", .projection = E57Projection::visual_reference, .photograph = false},
-    {.name = "reference png mask", .projection = E57Projection::visual_reference, .png = true, .mask = true,
+    {.name = "reference png mask",
+     .projection = E57Projection::visual_reference,
+     .png = true,
+     .mask = true,
      .photograph = false},
-    {.name = "reference scan", .projection = E57Projection::visual_reference, .pose = false, .scan = true,
+    {.name = "reference scan",
+     .projection = E57Projection::visual_reference,
+     .pose = false,
+     .scan = true,
      .photograph = false},
 };
 
 // Bytes that no two rows share; nothing decodes them here.
-std::string picture_of(const Row& row) { return std::string("picture of ") + row.name; }
-std::string mask_of(const Row& row) { return std::string("mask of ") + row.name; }
+std::string picture_of(const Row& row) {
+  return std::string("picture of ") + row.name;
+}
+std::string mask_of(const Row& row) {
+  return std::string("mask of ") + row.name;
+}
 
 io::E57Image image_of(const Row& row) {
-  io::E57Image image{.name = row.name, .projection = row.projection, .png = row.png, .width = 40, .height = 20};
+  io::E57Image image{
+      .name = row.name, .projection = row.projection, .png = row.png, .width = 40, .height = 20};
   image.guid = std::string("{") + row.name + "}";
   if (row.scan) image.scan_guid = kScanGuid;
   if (row.pose) image.world_from_image = Pose{1, Eigen::Quaterniond(0.8, 0, 0.6, 0), {1, 2, 3.5}};
@@ -83,22 +99,22 @@ std::filesystem::path write_rows(const TemporaryFolder& folder) {
     const std::string end = kRows[i].projection == E57Projection::spherical ? "</sphericalRepresentation>"
                                                                             : "</cylindricalRepresentation>";
     const std::string xml = io::E57File(folder.write("now.e57", bytes)).xml();
-    const auto from = xml.find(end, xml.find(kRows[i].name));
-    const std::string rest = xml.substr(from, 60);  // tells this element from its like
+    const auto from = xml.find(kRows[i].name);
+    const std::string element = xml.substr(from, xml.find(end, from) + end.size() - from);
     const io::E57Blob& blob = images[i - 1].picture;
     bytes = with_xml(
-        bytes, rest,
-        rest.substr(0, end.size()) +
-            fmt::format("<visualReferenceRepresentation type=\"Structure\"><{0}Image type=\"Blob\" "
-                        "fileOffset=\"{1}\" length=\"{2}\"/><imageWidth type=\"Integer\">8</imageWidth>"
-                        "<imageHeight type=\"Integer\">4</imageHeight></visualReferenceRepresentation>",
-                        kRows[i - 1].png ? "png" : "jpeg", blob.offset, blob.length) +
-            rest.substr(end.size()));
+        bytes, element,
+        element + fmt::format("<visualReferenceRepresentation type=\"Structure\"><{0}Image type=\"Blob\" "
+                              "fileOffset=\"{1}\" length=\"{2}\"/><imageWidth type=\"Integer\">8</imageWidth>"
+                              "<imageHeight type=\"Integer\">4</imageHeight></visualReferenceRepresentation>",
+                              kRows[i - 1].png ? "png" : "jpeg", blob.offset, blob.length));
   }
   return folder.write("in.e57", bytes);
 }
 
-std::string text(const std::vector<char>& bytes) { return {bytes.begin(), bytes.end()}; }
+std::string text(const std::vector<char>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
 
 void expect_rows(const std::filesystem::path& path) {
   const io::E57File file(path);
@@ -151,7 +167,8 @@ TEST(E57ImagesTable, EveryKindIsRead) {
   expect_rows(file);
   const auto found = io::e57_photographs(io::E57File(file).contents());
   const auto noted = [&](const std::string& part) {
-    return std::ranges::count_if(found.notes, [&](const std::string& note) { return note.find(part) != note.npos; });
+    return std::ranges::count_if(found.notes,
+                                 [&](const std::string& note) { return note.find(part) != note.npos; });
   };
   EXPECT_EQ(noted("no pose"), 1);
   EXPECT_EQ(noted("a visual reference has no camera"), 3);

@@ -58,7 +58,8 @@ std::vector<Sample> samples_of(const Case& c) {
   return samples;
 }
 
-std::filesystem::path write_case(const TemporaryFolder& folder, const Case& c, const std::vector<Sample>& samples) {
+std::filesystem::path write_case(const TemporaryFolder& folder, const Case& c,
+                                 const std::vector<Sample>& samples) {
   io::E57Scan scan{.guid = "{s}", .name = "scan"};
   auto& fields = scan.points.fields;
   E57Columns columns;
@@ -97,7 +98,8 @@ std::filesystem::path write_case(const TemporaryFolder& folder, const Case& c, c
   scan.rows = io::E57Limits{0, static_cast<double>(kRows - 1 + 2 * c.spare)};
   scan.columns = io::E57Limits{0, static_cast<double>(kCols - 1 + 2 * c.spare)};
   if (c.intensity) {
-    add(real_field("intensity"), [](const Sample&, std::size_t i) { return 0.001 * static_cast<double>(i % 999); });
+    add(real_field("intensity"),
+        [](const Sample&, std::size_t i) { return 0.001 * static_cast<double>(i % 999); });
     scan.intensity = io::E57Limits{0, 1};
   }
   if (c.colour) {
@@ -110,7 +112,9 @@ std::filesystem::path write_case(const TemporaryFolder& folder, const Case& c, c
   return file;
 }
 
-io::ScanEntry entry_of(const std::filesystem::path& file) { return io::list_scans(file).at(0); }
+io::ScanEntry entry_of(const std::filesystem::path& file) {
+  return io::list_scans(file).at(0);
+}
 
 template <typename T>
 void expect_same(const std::vector<T>& a, const std::vector<T>& b, const char* what) {
@@ -200,7 +204,7 @@ TEST(GridScan, AnythingElseIsLeftToTheListOfSamples) {
     EXPECT_FALSE(stages::arrange_grid(io::read_scan(file, 0)).x.empty()) << what;
   };
   auto samples = samples_of(plain);
-  samples[700].row = samples[20].row, samples[700].col = samples[20].col;
+  samples[701].row = samples[21].row, samples[701].col = samples[21].col;
   refused(samples, "two at one node");
   samples = samples_of(plain);
   samples[300].row = kRows + 5;

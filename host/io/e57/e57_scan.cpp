@@ -108,9 +108,9 @@ class ScanReader {
   void take(const E57Records& records) {
     SampleTally& tally = tallies_[records.first / E57RecordReader::kRange];
     const std::size_t first = records.first, count = records.count;
-    samples_.points(records, std::span(scan_.points).subspan(first, count), tally,
-                    exact_ ? std::span(scan_.exact).subspan(first, count)
-                           : std::span<std::array<double, 3>>());
+    samples_.points(
+        records, std::span(scan_.points).subspan(first, count), tally,
+        exact_ ? std::span(scan_.exact).subspan(first, count) : std::span<std::array<double, 3>>());
     if (columns_.intensity) samples_.intensities(records, std::span(scan_.intensity).subspan(first, count));
     if (columns_.colour) samples_.colours(records, std::span(scan_.rgb).subspan(first, count));
     std::uint64_t done = first;  // the lost ranges of several fields overlap

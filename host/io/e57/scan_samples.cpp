@@ -76,7 +76,8 @@ void ScanSamples::choose_origin(const E57RecordReader& reader) {
 }
 
 bool ScanSamples::rounds() const {
-  return columns_.spherical || !origin_.isZero() || std::ranges::any_of(columns_.place, [&](std::size_t slot) {
+  return columns_.spherical || !origin_.isZero() ||
+         std::ranges::any_of(columns_.place, [&](std::size_t slot) {
            return table_.fields[columns_.fields[slot]].type != E57Type::single_real;
          });
 }
