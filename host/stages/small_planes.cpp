@@ -1,6 +1,8 @@
 #include "stages/small_planes.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 #include <queue>
 #include <unordered_map>
@@ -23,6 +25,9 @@ constexpr float kWindowCosine = 0.02f;    // noise along rays nearer to grazing 
 constexpr double kLeastNoise_m = 1e-4;    // as estimate_range_noise(): what floats and the model leave
 constexpr int kBlock = 64, kAround = 16;  // samples; floods of a block look so far around it
 constexpr double kMostChi2 = 1.6;         // per sample
+constexpr double kFoundBySquares = 0.25;  // of the samples
+constexpr double kSameNormal = 0.998;     // cosine
+constexpr double kFollowing = 2;          // standard deviations
 constexpr double kMostBesideCurved = 0.3;
 constexpr double kMostWorse = 30;         // chi2 of the three numbers that two planes have more than one
 constexpr double kLeastOfWaviness = 0.4;  // as plane_steps: two planes farther apart are no wavy wall
@@ -133,15 +138,47 @@ std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int sid
   return sample / cols / n * static_cast<std::uint32_t>(grid.cols) + sample % cols / n;
 }
 
+// Squares found the flood's plane on their own, too few for a supercluster.
+bool squares_found(const PlaneRegions& regions, const PlaneFlood& flood, double waviness_m) {
+  const Plane plane = flood.plane.plane();
+  const auto samples = static_cast<double>(flood.samples.size());
+  return std::any_of(regions.regions.begin(), regions.regions.end(), [&](const PlaneRegion& region) {
+    return region.few && region.moments.weight >= kFoundBySquares * samples &&
+           region.fit.plane.normal.dot(plane.normal) >= kSameNormal &&
+           std::abs(plane.distance(region.fit.centroid)) <= waviness_m;
+  });
+}
+
+// Residuals of neighbours, in sigmas, have more in common than chance explains. Noise that is only larger
+// than thought follows no neighbour: the sum of the products over pairs has a mean of 0 and a known variance.
+bool follows_neighbours(const RangeImage& image, const RangeNoise& noise, const PlaneFlood& flood) {
+  constexpr std::array<std::array<int, 2>, 6> kPairs = {{{0, 1}, {1, -1}, {1, 0}, {1, 1}, {0, 2}, {2, 0}}};
+  std::unordered_map<std::uint32_t, double> residuals;
+  for (const std::uint32_t i : flood.samples) {
+    const Vec3 point = image.point(i);
+    const double range = point.norm();
+    const auto [residual_m, cosine] = flood.plane.at(point, range);
+    residuals[i] = residual_m / noise.at(range, cosine);
+  }
+  double products = 0, pairs = 0;
+  for (const auto& pair : kPairs)
+    for (const std::uint32_t i : flood.samples) {
+      const auto other = residuals.find(i + static_cast<std::uint32_t>(pair[0] * image.cols + pair[1]));
+      if (other == residuals.end()) continue;
+      products += residuals[i] * other->second;
+      pairs += 1;
+    }
+  return products * static_cast<double>(flood.samples.size()) > kFollowing * std::sqrt(pairs) * flood.chi2;
+}
+
 // What a flood becomes. kTaken: a plane; kBlocked: part of a curved surface; kFree: neither.
 SampleUse judge(const RangeImage& image, const std::vector<std::uint8_t>& use, const PlaneFlood& flood,
-                const PlaneRegion& region, double sigma_m, double min_curvature,
+                const PlaneRegion& region, bool scattered, double sigma_m, double min_curvature,
                 const std::function<Vec3(std::uint32_t)>& blocked_normal) {
   const auto beside_curved = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
     return meets_curved_surface(image, use, flood.plane, sigma_m, i, blocked_normal);
   });
   const auto samples = static_cast<double>(flood.samples.size());
-  const bool scattered = flood.chi2 > kMostChi2 * (samples - 3);
   if (static_cast<double>(beside_curved) > kMostBesideCurved * samples ||
       is_strip_of_smooth_surface(image, flood, sigma_m, kMostBesideCurved) ||
       flood_bends(image, flood, region, min_curvature, scattered))
@@ -210,8 +247,11 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
         continue;
       }
       PlaneRegion region = region_of_flood(image, flood);
+      const bool scattered = flood.chi2 > kMostChi2 * static_cast<double>(size - 3) &&
+                             !(squares_found(regions, flood, options.waviness_m) &&
+                               !follows_neighbours(image, squares.noise, flood));
       const SampleUse verdict =
-          judge(image, use, flood, region, sigma_m, options.min_curvature, blocked_normal);
+          judge(image, use, flood, region, scattered, sigma_m, options.min_curvature, blocked_normal);
       if (verdict == kFree) continue;
       for (const std::uint32_t i : flood.samples) {
         use[i] = verdict;

@@ -90,6 +90,7 @@ void drop_small_regions(const SquareGrid& grid, int min_squares, PlaneRegions& r
     if (region.squares.empty()) continue;
     const std::size_t count = region.curved ? group_size[region.squares[0]] : region.squares.size();
     if (count >= static_cast<std::size_t>(min_squares)) continue;
+    region.few = !region.curved;
     region.curved = false;
     for (const std::uint32_t square : region.squares) regions.of_square[square] = 0;
     region.squares.clear();
