@@ -17,6 +17,7 @@
 #include "io/decimal.hpp"
 #include "io/exr_parts.hpp"
 #include "io/exr_threads.hpp"
+#include "io/grid_scan.hpp"
 #include "io/input_file.hpp"
 #include "io/read_scan.hpp"
 #include "stages/organised_grid.hpp"
@@ -56,12 +57,18 @@ Seconds fastest(int runs, const Body& body) {
   return best;
 }
 
-// Organised scans alone: an unorganised one needs the device.
-Json image_figures(const std::filesystem::path& file, int runs) {
+// Organised scans alone: an unorganised one needs the device. The way that `hybrid planes` takes, or with
+// `by_list` the one of other formats, by a list of samples.
+Json image_figures(const std::filesystem::path& file, int runs, bool by_list) {
   std::size_t samples = 0;
   const Seconds time = fastest(runs, [&] {
     samples = 0;
     for (const auto& entry : hybrid::io::list_scans(file)) {
+      if (auto grid = by_list ? std::nullopt : hybrid::io::read_grid_scan(file, entry)) {
+        hybrid::stages::orient_grid(grid->image, grid->rows_reversed, grid->cols_reversed);
+        samples += grid->samples;
+        continue;
+      }
       const hybrid::Scan scan = hybrid::io::read_scan(file, entry);
       samples += scan.points.size();
       hybrid::stages::arrange_grid(scan);
@@ -163,12 +170,13 @@ int main(int argc, char** argv) {
   CLI::App app{"Times the reading of scan files; prints JSON, the fastest of --runs"};
   std::vector<std::filesystem::path> files;
   int runs = 5, threads = 0;
-  bool numbers = false, report = false, image = false, range = false;
+  bool numbers = false, report = false, image = false, range = false, by_list = false;
   app.add_option("files", files, "scan files")->required();
   app.add_option("--runs", runs, "counted runs")->check(CLI::Range(1, 1000));
   app.add_option("--threads", threads, "threads, 0 = all cores");
   app.add_flag("--numbers", numbers, "of text files: their numbers alone, on one thread");
   app.add_flag("--image", image, "of organised scans: the whole way to a range image in memory");
+  app.add_flag("--by-list", by_list, "with --image: by a list of samples, as formats other than E57 go");
   app.add_flag("--range", range, "of range images: their channel range alone");
   app.add_flag("--report", report, "of one file: a line for bench/peers instead");
   CLI11_PARSE(app, argc, argv);
@@ -181,7 +189,7 @@ int main(int argc, char** argv) {
     Json rows = Json::array();
     for (const auto& file : files)
       rows.push_back(numbers ? parser_figures(file, runs)
-                     : image ? image_figures(file, runs)
+                     : image ? image_figures(file, runs, by_list)
                      : range ? range_figures(file, runs)
                              : read_figures(file, runs));
     std::cout << rows.dump(1) << "\n";

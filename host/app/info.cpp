@@ -117,6 +117,14 @@ Json images_json(const fs::path& file, bool salvage) {
       if (!image.scan_guid.empty() && contents.scans[k].guid == image.scan_guid) images.back()["scan"] = k;
     for (const auto& one : found.photographs)
       if (one.image == i) images.back()["photograph"] = one.photograph.name;
+    if (!image.scan_guid.empty() && images.back()["scan"].is_null())
+      images.back()["scan_guid"] = image.scan_guid;
+    for (const io::E57Representation& other : image.others)
+      images.back()["also"].push_back({{"type", io::name_of(other.projection)},
+                                       {"picture", other.png ? "PNG" : "JPEG"},
+                                       {"bytes", other.picture.length},
+                                       {"size", {other.width, other.height}},
+                                       {"mask", other.mask.has_value()}});
     images.back()["notes"] = image.notes;
   }
   if (images.empty()) return Json::object();

@@ -134,12 +134,18 @@ void pass(File& file, batch::ScanProduct& product) {
 
 template <typename File>
 void pass(File& file, Scan& scan) {
-  auto& [name, points, origin, intensity, rgb, grid_rows, grid_cols, row_by_row, range_grid, node,
-         world_from_scan, intensity_limits, crs, crs_records, notes] = scan;
+  auto& [name, points, origin, exact, steps, intensity, rgb, grid_rows, grid_cols, row_by_row, range_grid,
+         node, world_from_scan, intensity_limits, crs, crs_records, notes] = scan;
   pass(file, name);
   pass(file, points);
   pass(file, origin);
   const auto all = [&](auto&... members) { (pass(file, members), ...); };
+  all(exact);
+  pass_optional(file, steps, [&](CoordinateSteps& of_file) {
+    auto& [scale, offset] = of_file;
+    pass(file, scale);
+    pass(file, offset);
+  });
   all(intensity, rgb, grid_rows, grid_cols, row_by_row);
   pass_optional(file, range_grid, [&](RangeGrid& grid) {
     auto& [elevation_rad, azimuth_rad, wraps, interpolated, interpolated_point] = grid;

@@ -41,7 +41,7 @@ void check_output(const fs::path& file, const ConvertRequest& request, bool is_f
 
 // What goes where, all names checked before anything is read or written.
 std::vector<Output> plan(const ConvertRequest& request, const io::ScanWriter& writer) {
-  auto entries = io::list_scans(request.in, {.salvage = request.salvage});
+  auto entries = io::list_scans(request.in, {.salvage = request.salvage, .exact = true});
   if (request.index) entries = {io::scan_at(request.in, entries, *request.index)};
   std::vector<Output> outputs;
   if (writer.several || entries.size() == 1) {

@@ -99,6 +99,15 @@ PlacedCamera place_camera(const E57Anchor& anchor, const std::vector<E57Frame>& 
   return {world_from_cam.inverse(), with};
 }
 
+// The picture of an image that is for people alone.
+std::optional<io::E57Representation> reference_of(const io::E57Image& image) {
+  if (image.projection == io::E57Projection::visual_reference)
+    return io::E57Representation{.png = image.png, .picture = image.picture};
+  for (const io::E57Representation& other : image.others)
+    if (other.projection == io::E57Projection::visual_reference) return other;
+  return {};
+}
+
 void write_references(const fs::path& folder, const fs::path& file, std::size_t scan, bool salvage) {
   if (io::lower_case(file.extension().string()) != ".e57") return;
   const io::E57File opened(file, {.salvage = salvage});
@@ -106,7 +115,8 @@ void write_references(const fs::path& folder, const fs::path& file, std::size_t 
   std::set<std::string> taken;
   for (std::size_t i = 0; i < contents.images.size(); ++i) {
     const io::E57Image& image = contents.images[i];
-    if (image.projection != io::E57Projection::visual_reference || image.picture.length == 0) continue;
+    const auto reference = reference_of(image);
+    if (!reference || reference->picture.length == 0) continue;
     std::size_t owner = 0;
     for (std::size_t k = 0; k < contents.scans.size(); ++k)
       if (!image.scan_guid.empty() && contents.scans[k].guid == image.scan_guid) owner = k;
@@ -118,8 +128,8 @@ void write_references(const fs::path& folder, const fs::path& file, std::size_t 
     std::string unique = name;
     for (int number = 2; !taken.insert(unique).second; ++number) unique = fmt::format("{}-{}", name, number);
     try {
-      const std::vector<char> bytes = opened.read_blob(image.picture, io::place_of(opened, i));
-      io::write_text(folder / ("reference-" + unique + (image.png ? ".png" : ".jpg")),
+      const std::vector<char> bytes = opened.read_blob(reference->picture, io::place_of(opened, i));
+      io::write_text(folder / ("reference-" + unique + (reference->png ? ".png" : ".jpg")),
                      std::string(bytes.begin(), bytes.end()));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;

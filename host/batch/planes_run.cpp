@@ -3,11 +3,11 @@
 #include "batch/e57_images.hpp"
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
+#include "batch/scene_scan.hpp"
 #include "batch/timing_json.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
-#include "io/scanner_position.hpp"
 #include "io/scene_file.hpp"
 
 namespace hybrid::batch {
@@ -16,18 +16,18 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json process_one(device::Queue& queue, const PlanesRequest& request, const std::string& id,
-                 const std::filesystem::path& file, const io::FileFingerprint& print, Scan scan,
-                 std::size_t index, Progress& progress) {
-  if (request.scanner) io::place_scanner(scan, *request.scanner);
-  if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
-    log::warning("scan {}: {}", id, doubt);
-  auto [product, remains] = process_scan(queue, id, std::move(scan), request.options, progress);
+                 const std::filesystem::path& file, const io::FileFingerprint& print,
+                 const io::ScanEntry& entry, Progress& progress) {
+  io::SceneScan one;
+  one.file = file;
+  one.scanner = request.scanner;
+  auto [product, remains] = make_planes(queue, id, one, entry, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;
   write_plane_outputs(folder, product, remains, {{"source", file.filename().string()}, {"hash", print.xxh3}});
   write_detail(folder, product, remains, nullptr);
   if (request.options.lossless) product.sample_file = write_samples(folder, product, remains);
-  write_references(folder, file, index, request.salvage);
+  write_references(folder, file, entry.index, request.salvage);
   Json figures = scan_figures(product);
   figures["file"] = file.filename().string();
   figures["xxh3"] = print.xxh3;
@@ -67,8 +67,7 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
         if (request.only && *request.only != i) continue;
         guarded("scan " + id, [&] {
           if (i > 0) progress.step("read", "scan " + id);
-          scans.push_back(process_one(queue, request, id, file, print, io::read_scan(file, entries[i]),
-                                      entries[i].index, progress));
+          scans.push_back(process_one(queue, request, id, file, print, entries[i], progress));
         });
       }
       if (request.only) io::scan_at(file, entries, *request.only);

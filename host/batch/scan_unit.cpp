@@ -16,6 +16,7 @@
 #include "io/range_exr.hpp"
 #include "stages/class_picture.hpp"
 #include "stages/interleaving.hpp"
+#include "stages/organised_grid.hpp"
 #include "stages/straight_contours.hpp"
 
 namespace hybrid::batch {
@@ -94,23 +95,20 @@ ScanRemains keep_remains(Scan scan, const RangeImage& image) {
   return remains;
 }
 
-}  // namespace
-
-ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
-                           const StageOptions& options, Progress& progress, const EditImage& edit) {
-  ProcessedScan processed;
-  ScanProduct& product = processed.product;
+ScanProduct describe(const std::string& id, const Scan& scan, std::uint64_t samples, std::int64_t returns) {
+  ScanProduct product;
   product.id = id;
-  product.input_samples = static_cast<std::int64_t>(scan.points.size());
-  product.input_returns = count_returns(scan);
+  product.input_samples = static_cast<std::int64_t>(samples);
+  product.input_returns = returns;
   product.recorded_pose = scan.world_from_scan;
   product.notes = scan.notes;
-  const std::string unit = "scan " + id;
+  return product;
+}
 
-  progress.step("resample", unit);
-  product.image = stages::resample_scan(queue, scan, options.resample);
-  if (edit) edit(product.image, scan);
-  processed.remains = keep_remains(std::move(scan), product.image);
+// What follows the range image.
+void find_planes(device::Queue& queue, const StageOptions& options, Progress& progress,
+                 ScanProduct& product) {
+  const std::string unit = "scan " + product.id;
   progress.step("square planes", unit);
   const auto squares = fit_squares(queue, product.image, options);
   product.sigma_m = squares.sigma_m;
@@ -132,6 +130,30 @@ ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan sca
       stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
   product.stray = stages::find_stray_samples(queue, product.image, product.segmentation.sample_label,
                                              product.sigma_m, options.stray);
+}
+
+}  // namespace
+
+ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
+                           const StageOptions& options, Progress& progress, const EditImage& edit) {
+  ProcessedScan processed{describe(id, scan, scan.points.size(), count_returns(scan)), {}};
+  progress.step("resample", "scan " + id);
+  processed.product.image = stages::resample_scan(queue, scan, options.resample);
+  if (edit) edit(processed.product.image, scan);
+  processed.remains = keep_remains(std::move(scan), processed.product.image);
+  find_planes(queue, options, progress, processed.product);
+  return processed;
+}
+
+ProcessedScan process_scan(device::Queue& queue, const std::string& id, io::GridScan grid,
+                           const StageOptions& options, Progress& progress) {
+  ProcessedScan processed{
+      describe(id, grid.scan, grid.samples, static_cast<std::int64_t>(grid.returns)),
+      {.intensity = !grid.image.intensity.empty(), .colour = !grid.image.rgb.empty(), .crs = grid.scan.crs}};
+  progress.step("resample", "scan " + id);
+  stages::orient_grid(grid.image, grid.rows_reversed, grid.cols_reversed);
+  processed.product.image = std::move(grid.image);
+  find_planes(queue, options, progress, processed.product);
   return processed;
 }
 

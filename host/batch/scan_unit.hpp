@@ -10,6 +10,7 @@
 #include "device/queue.hpp"
 #include "geometry/image.hpp"
 #include "geometry/scan.hpp"
+#include "io/grid_scan.hpp"
 #include "io/ply.hpp"
 #include "io/samples/sample_file.hpp"
 #include "stages/contour_faces.hpp"
@@ -59,6 +60,11 @@ struct ProcessedScan {
 };
 ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
                            const StageOptions& options, Progress& progress, const EditImage& edit = {});
+
+// The same of a scan whose samples are in their nodes already, as arranged by the input's own grid; for
+// options without min_range_m, which needs the samples that it sets aside.
+ProcessedScan process_scan(device::Queue& queue, const std::string& id, io::GridScan grid,
+                           const StageOptions& options, Progress& progress);
 
 // Colours of the range image's nodes, when photographs were projected on them.
 using NodeColours = stages::Renderer::ColouredRange;

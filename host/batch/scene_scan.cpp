@@ -1,6 +1,7 @@
 #include "batch/scene_scan.hpp"
 
 #include "core/log.hpp"
+#include "io/grid_scan.hpp"
 #include "io/read_scan.hpp"
 #include "io/scanner_position.hpp"
 
@@ -25,6 +26,9 @@ Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io
 ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
                           const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress,
                           const EditImage& edit) {
+  if (!edit && !entry.depth && !entry.scanner && options.resample.min_range_m == 0)
+    if (auto grid = io::read_grid_scan(entry.file, scan_entry))
+      return process_scan(queue, id, *std::move(grid), options, progress);
   return process_scan(queue, id, read_scene_scan(id, entry, scan_entry), options, progress, edit);
 }
 

@@ -15,6 +15,11 @@ struct CrsRecord {
   std::string bytes;
 };
 
+// The steps in which a file gives coordinates: whole number * scale + offset.
+struct CoordinateSteps {
+  Vec3 scale = Vec3::Zero(), offset = Vec3::Zero();
+};
+
 // What a range image says of its grid beyond the samples: a scan read from one is laid out as that image was.
 struct RangeGrid {
   std::vector<double> elevation_rad;  // per row, decreasing
@@ -31,8 +36,12 @@ struct RangeGrid {
 struct Scan {
   std::string name;
   std::vector<std::array<float, 3>> points;  // metres, relative to `origin`
-  Vec3 origin = Vec3::Zero();    // added to every point: keeps georeferenced input precise in float
-  std::vector<float> intensity;  // one per point, or empty
+  Vec3 origin = Vec3::Zero();  // added to every point: keeps georeferenced input precise in float
+  // For conversions alone (io::ReadOptions::exact): the coordinates as the file has them, absolute, one per
+  // point; what is no return is so by `points`. Empty where `points` hold the same.
+  std::vector<std::array<double, 3>> exact;
+  std::optional<CoordinateSteps> steps;          // of `exact`, where the file stores whole numbers
+  std::vector<float> intensity;                  // one per point, or empty
   std::vector<std::array<std::uint8_t, 3>> rgb;  // one per point, or empty
   int grid_rows = 0, grid_cols = 0;  // organised input: rows by ascending elevation as scanned, or
                                      // descending: not yet ordered
@@ -45,6 +54,9 @@ struct Scan {
   std::vector<std::uint32_t> node;
   static constexpr std::uint32_t kNoNode = 0xffffffffu;
   Vec3 point(std::size_t i) const { return origin + Vec3(points[i][0], points[i][1], points[i][2]); }
+  Vec3 exact_point(std::size_t i) const {
+    return exact.empty() ? point(i) : Vec3(exact[i][0], exact[i][1], exact[i][2]);
+  }
   bool organised() const { return grid_rows > 1 && grid_cols > 1; }
   // Of a sample in a grid without `node`.
   std::size_t grid_index(int row, int col) const {

@@ -232,10 +232,10 @@ ScanEntry list_exr_records(const fs::path& file) {
   return entry;
 }
 
-Scan read_exr_records(const fs::path& file) {
+Scan read_exr_records(const fs::path& file, const ReadOptions& options) {
   const ExrSource source({file});
   const auto reader = source.open(source.points(0));
-  return read_e57(file.string(), source.contents(), 0, *reader, false);
+  return read_e57(file.string(), source.contents(), 0, *reader, options);
 }
 
 }  // namespace hybrid::io

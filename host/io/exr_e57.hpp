@@ -45,6 +45,6 @@ std::string write_exr_parts(const E57Source& source, const std::filesystem::path
 
 // Its one scan, by the header; with all that read_e57() would tell of the E57 file.
 ScanEntry list_exr_records(const std::filesystem::path& file);
-Scan read_exr_records(const std::filesystem::path& file);
+Scan read_exr_records(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace hybrid::io

@@ -114,7 +114,8 @@ void write_exr_records(const std::filesystem::path& file, const E57Scan& scan, c
 // Of any file: whether it is such an image. Throws ErrorKind::input when it is no image.
 bool holds_exr_records(const std::filesystem::path& file);
 
-// The image again, as records in their order. In memory: four bytes per record, and groups as in writing.
+// The image again, as records in their order. In memory: groups as in writing, a bit per record, and four
+// bytes for each where they are in no scanner's order.
 class ExrRecords : public E57RecordReader {
  public:
   // The header alone.

@@ -12,6 +12,7 @@
 #include "core/parallel.hpp"
 #include "io/exr_errors.hpp"
 #include "io/exr_header.hpp"
+#include "io/exr_record_index.hpp"
 #include "io/exr_record_tiles.hpp"
 #include "io/exr_threads.hpp"
 #include "io/range_exr_band.hpp"
@@ -24,7 +25,6 @@ namespace {
 using namespace records_attribute;
 
 constexpr std::uint64_t kBlock_records = 1 << 16;
-constexpr std::uint32_t kNowhere = 0xffffffffu;  // also: a node without a record
 
 }  // namespace
 
@@ -116,28 +116,6 @@ struct ExrRecords::State {
     return tiles;
   }
 
-  void place(const RecordTiles& tiles, std::size_t group) {
-    const RecordGroup& g = groups[group];
-    const std::uint32_t* source = tiles.words(0);
-    for (std::size_t i = 0; i < g.pixels(); ++i) {
-      if (source[i] == kNowhere) continue;
-      const auto width = static_cast<std::size_t>(g.width);
-      const auto pixel = static_cast<std::uint32_t>((i / width + static_cast<std::size_t>(g.y)) *
-                                                        static_cast<std::size_t>(layout.cols) +
-                                                    i % width + static_cast<std::size_t>(g.x));
-      if (source[i] >= layout.samples || pixel_of[source[i]] != kNowhere)
-        fail_input(
-            "{}: channel source: row {}, column {}: expected every record from 0 to {} once, found {}; copy "
-            "or "
-            "write the file again",
-            file, pixel / static_cast<std::uint32_t>(layout.cols),
-            pixel % static_cast<std::uint32_t>(layout.cols), layout.samples - 1, source[i]);
-      pixel_of[source[i]] = pixel;
-      ++placed;
-      last[group] = std::max<std::uint64_t>(last[group], source[i] + std::uint64_t{1});
-    }
-  }
-
   std::string file;
   std::unique_ptr<Imf::TiledInputFile> in;
   RecordLayout layout;
@@ -147,10 +125,8 @@ struct ExrRecords::State {
   std::vector<RecordGroup> groups;
   std::vector<FieldChannels> fields;
   std::vector<RecordChannel> channels;
-  std::vector<std::size_t> raw;         // by field: its first channel
-  std::vector<std::uint32_t> pixel_of;  // each record
-  std::vector<std::uint64_t> last;      // of each group: the end of its records
-  std::uint64_t placed = 0;
+  std::vector<std::size_t> raw;  // by field: its first channel
+  std::optional<RecordIndex> index;
 
   // What the last read() left for the next.
   std::vector<std::size_t> cached_fields;
@@ -170,16 +146,26 @@ struct ExrRecords::State {
       for (std::size_t k = 0; k < fields.at(field).names.size(); ++k)
         cached_channels.push_back(channels[raw[field] + k]);
     }
+    if (!index->keeps_all()) cached_channels.push_back(channels[0]);  // source
   }
 
   // Loads the groups of records [first, end); those before them will not be asked for soon.
   void load_groups(std::uint64_t first, std::uint64_t end) {
+    const auto want = [&](std::size_t group) {
+      if (cached[group]) return;
+      cached[group] = std::make_unique<RecordTiles>(load(group, cached_channels));
+      index->load(group, cached[group]->words(cached_channels.size() - 1));
+    };
     for (std::size_t group = 0; group < groups.size(); ++group)
-      if (last[group] <= first) cached[group].reset();
-    for (std::uint64_t record = first; record < end; ++record) {
-      const std::size_t group = group_at(layout, pixel_of[record]);
-      if (!cached[group]) cached[group] = std::make_unique<RecordTiles>(load(group, cached_channels));
-    }
+      if (index->end(group) <= first) {
+        cached[group].reset();
+        index->unload(group);
+      } else if (!index->keeps_all() && index->first(group) < end) {
+        want(group);
+      }
+    if (!index->keeps_all()) return;
+    const std::uint32_t* pixels = index->pixels(first, static_cast<std::size_t>(end - first));
+    for (std::uint64_t i = 0; i < end - first; ++i) want(group_at(layout, pixels[i]));
   }
 
   // The stored bits of a field, without its minimum.
@@ -242,8 +228,7 @@ void ExrRecords::open(const E57Table& table) {
   s.groups = groups_of(s.layout);
   s.fields = channels_of(table, s.layout);
   s.list_channels();
-  s.pixel_of.assign(s.layout.samples, kNowhere);
-  s.last.assign(s.groups.size(), 0);
+  s.index.emplace(s.file, s.layout, s.groups);
   const int across = s.in->numXTiles();
   std::vector<std::uint64_t> hashes(static_cast<std::size_t>(across) *
                                     static_cast<std::size_t>(s.in->numYTiles()));
@@ -251,19 +236,22 @@ void ExrRecords::open(const E57Table& table) {
     check_interrupted();
     const RecordTiles tiles = s.load(group, s.channels);
     tiles.hash(s.channels, across, hashes);
-    s.place(tiles, group);
+    s.index->add(group, tiles.words(0));
   }
+  if (s.index->wants_all())
+    for (std::size_t group = 0; group < s.groups.size(); ++group)
+      s.index->keep(group, s.load(group, std::span(s.channels).first(1)).words(0));
   std::vector<std::string> texts;
   for (const char* name : {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts})
     texts.push_back(s.text(name));
   if (const std::string sums = s.text(kPartSums); !sums.empty()) texts.push_back(sums);
   const std::string expected = s.text(range_attribute::kChecksum), found = records_checksum(texts, hashes);
-  if (s.placed != s.layout.samples || expected != found)
+  if (s.index->placed() != s.layout.samples || expected != found)
     fail_input(
         "{}: content: expected {} records and checksum {}, found {} and {}; the file is damaged: copy or "
         "write "
         "it again",
-        s.file, s.layout.samples, expected, s.placed, found);
+        s.file, s.layout.samples, expected, s.index->placed(), found);
 }
 
 void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, std::uint64_t count,
@@ -273,6 +261,7 @@ void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, 
   for (std::uint64_t at = first, end = first + count; at < end; at += kBlock_records) {
     const std::uint64_t block_end = std::min(at + kBlock_records, end);
     s.load_groups(at, block_end);
+    const std::uint32_t* block = s.index->pixels(at, static_cast<std::size_t>(block_end - at));
     parallel_for((block_end - at + kRange - 1) / kRange, [&](std::size_t range) {
       E57Records records{.first = at + range * kRange,
                          .integers = std::vector<std::span<const std::int64_t>>(fields.size()),
@@ -280,7 +269,7 @@ void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, 
       records.count = static_cast<std::size_t>(std::min<std::uint64_t>(kRange, block_end - records.first));
       std::vector<std::int64_t> integers(fields.size() * kRange);
       std::vector<double> reals(fields.size() * kRange);
-      const std::uint32_t* pixels = &s.pixel_of[records.first];
+      const std::uint32_t* pixels = block + (records.first - at);
       for (std::size_t k = 0; k < fields.size(); ++k) {
         const auto integer = std::span(integers).subspan(k * kRange, records.count);
         const auto real = std::span(reals).subspan(k * kRange, records.count);

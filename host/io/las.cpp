@@ -46,10 +46,11 @@ struct Part {
 
 class LasReader {
  public:
-  LasReader(const std::filesystem::path& file, const std::string& name, bool salvage)
+  LasReader(const std::filesystem::path& file, const std::string& name, const ReadOptions& options)
       : input_(file),
-        salvage_(salvage),
-        header_(read_las_header(input_, salvage)),
+        salvage_(options.salvage),
+        exact_(options.exact),
+        header_(read_las_header(input_, options.salvage)),
         format_(las_point_format(header_.point_format)),
         name_(name) {
     any_.assign(header_.record_bytes, '\0');
@@ -59,9 +60,11 @@ class LasReader {
 
   Scan read() {
     const bool colour = format_.red > 0;
-    ScanBuilder builder(
-        input_.name(), name_, header_.points,
-        {.intensity = true, .colour = colour ? ColourKind::word : ColourKind::none, .salvage = salvage_});
+    ScanBuilder builder(input_.name(), name_, header_.points,
+                        {.intensity = true,
+                         .colour = colour ? ColourKind::word : ColourKind::none,
+                         .salvage = salvage_,
+                         .exact = exact_});
     for (const std::string& note : header_.notes) builder.add_note(note);
     add_points(builder);
     if (header_.points < header_.announced) {
@@ -76,6 +79,11 @@ class LasReader {
     note_unused(builder);
     Scan scan = builder.finish();
     scan.intensity_limits = {0.0f, 65535.0f};
+    if (!scan.exact.empty()) {
+      const auto& [sx, sy, sz] = header_.scale;
+      const auto& [ox, oy, oz] = header_.offset;
+      scan.steps = {{sx, sy, sz}, {ox, oy, oz}};
+    }
     scan.crs = header_.crs;
     scan.crs_records = std::move(header_.crs_records);
     return scan;
@@ -168,7 +176,7 @@ class LasReader {
   }
 
   InputFile input_;
-  bool salvage_;
+  bool salvage_, exact_;
   LasHeader header_;
   const LasPointFormat& format_;
   std::string name_, any_;
@@ -191,7 +199,7 @@ std::vector<ScanEntry> list_las(const std::filesystem::path& file, const ReadOpt
 }
 
 Scan read_las(const std::filesystem::path& file, const ScanEntry& entry) {
-  return LasReader(file, entry.name, entry.salvage).read();
+  return LasReader(file, entry.name, {.salvage = entry.salvage, .exact = entry.exact}).read();
 }
 
 }  // namespace hybrid::io

@@ -73,12 +73,13 @@ ScanSample make_sample(const UsedFields& used, const Number& number, const Bits&
 
 class PcdReader {
  public:
-  PcdReader(const std::filesystem::path& file, bool salvage)
+  PcdReader(const std::filesystem::path& file, const ReadOptions& options)
       : input_(file),
         file_(input_.name()),
-        salvage_(salvage),
+        salvage_(options.salvage),
+        exact_(options.exact),
         damage_(file_),
-        header_(read_pcd_header(input_, salvage)),
+        header_(read_pcd_header(input_, options.salvage)),
         announced_(header_.points),
         data_(header_.data_offset),
         data_bytes_(input_.size() - data_),
@@ -101,9 +102,16 @@ class PcdReader {
 
  private:
   ScanBuilder builder() const {
-    ScanBuilder result(
-        file_, name_, header_.points,
-        {.intensity = used_.intensity != nullptr, .colour = used_.colour(), .salvage = salvage_});
+    // Single precision holds what was written in it.
+    const bool rounds = header_.data == PcdData::ascii ||
+                        std::ranges::any_of(std::array{used_.x, used_.y, used_.z}, [](const PcdField* field) {
+                          return field->type != ScalarType::f32;
+                        });
+    ScanBuilder result(file_, name_, header_.points,
+                       {.intensity = used_.intensity != nullptr,
+                        .colour = used_.colour(),
+                        .salvage = salvage_,
+                        .exact = exact_ && rounds});
     for (const std::string& note : header_.notes) result.add_note(note);
     if (!unused_.empty()) result.add_note("fields not used: " + unused_);
     return result;
@@ -312,7 +320,7 @@ class PcdReader {
 
   InputFile input_;
   const std::string& file_;
-  bool salvage_;
+  bool salvage_, exact_;
   Damage damage_;
   PcdHeader header_;
   std::uint64_t announced_;          // points, by the header
@@ -328,7 +336,7 @@ const char* name_of(PcdData data) {
 }  // namespace
 
 Scan read_pcd(const std::filesystem::path& file, const ReadOptions& options) {
-  return PcdReader(file, options.salvage).read();
+  return PcdReader(file, options).read();
 }
 
 std::vector<ScanEntry> list_pcd(const std::filesystem::path& file, const ReadOptions& options) {

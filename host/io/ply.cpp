@@ -66,10 +66,11 @@ ScanSample make_sample(const UsedProperties& used, const Number& number) {
 
 class PlyReader {
  public:
-  PlyReader(const std::filesystem::path& file, bool salvage)
+  PlyReader(const std::filesystem::path& file, const ReadOptions& options)
       : input_(file),
         file_(input_.name()),
-        salvage_(salvage),
+        salvage_(options.salvage),
+        exact_(options.exact),
         damage_(file_),
         header_(read_ply_header(input_)),
         at_(header_.data_offset),
@@ -148,8 +149,15 @@ class PlyReader {
     const UsedProperties used = find_properties(file_, vertex, unused);
     ColourKind colour = ColourKind::none;
     if (used.colour()) colour = colour_kind(vertex.properties[*used.red].type);
+    // Single precision holds what was written in it; text may have more digits than its header says.
+    const bool rounds = ascii() || std::ranges::any_of(std::array{used.x, used.y, used.z}, [&](Index place) {
+                          return vertex.properties[*place].type != ScalarType::f32;
+                        });
     ScanBuilder builder(file_, name_, vertex.count,
-                        {.intensity = used.intensity.has_value(), .colour = colour, .salvage = salvage_});
+                        {.intensity = used.intensity.has_value(),
+                         .colour = colour,
+                         .salvage = salvage_,
+                         .exact = exact_ && rounds});
     if (!unused.empty()) builder.add_note("properties not used: " + unused);
     places_.assign(vertex.properties.size(), 0);
     if (ascii() && !vertex.has_lists()) {
@@ -307,7 +315,7 @@ class PlyReader {
 
   InputFile input_;
   const std::string& file_;
-  bool salvage_, cut_short_ = false;
+  bool salvage_, exact_, cut_short_ = false;
   Damage damage_;
   std::string list_problem_;
   PlyHeader header_;
@@ -328,7 +336,7 @@ const char* name_of(PlyFormat format) {
 }  // namespace
 
 Scan read_ply(const std::filesystem::path& file, const ReadOptions& options) {
-  return PlyReader(file, options.salvage).read();
+  return PlyReader(file, options).read();
 }
 
 std::vector<ScanEntry> list_ply(const std::filesystem::path& file) {

@@ -225,7 +225,8 @@ Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry) {
   ScanBuilder builder(input.name(), entry.name, entry.samples,
                       {.intensity = intensity,
                        .colour = colour ? ColourKind::byte : ColourKind::none,
-                       .salvage = entry.salvage});
+                       .salvage = entry.salvage,
+                       .exact = entry.exact});
   bool commas = false;
   add_text_samples(
       input, {entry.offset, entry.line}, entry.samples, columns, builder, commas,

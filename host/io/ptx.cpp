@@ -289,7 +289,8 @@ Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
                       {.intensity = true,
                        .colour = columns == 7 ? ColourKind::byte : ColourKind::none,
                        .zero_is_no_return = true,
-                       .salvage = entry.salvage});
+                       .salvage = entry.salvage,
+                       .exact = entry.exact});
   const bool colour = columns == 7;
   bool commas = false;
   add_text_samples(

@@ -32,7 +32,8 @@ std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOpt
 }
 
 Scan read_exr(const std::filesystem::path& file, const ScanEntry& entry) {
-  return holds_exr_records(file) ? read_exr_records(file) : read_exr_scan(file, {.salvage = entry.salvage});
+  return holds_exr_records(file) ? read_exr_records(file, {.exact = entry.exact})
+                                 : read_exr_scan(file, {.salvage = entry.salvage});
 }
 
 std::vector<ScanEntry> list_e57(const std::filesystem::path& file, const ReadOptions& options) {
@@ -59,7 +60,7 @@ std::vector<ScanEntry> list_e57(const std::filesystem::path& file, const ReadOpt
 }
 
 Scan read_e57_entry(const std::filesystem::path& file, const ScanEntry& entry) {
-  return read_e57(E57File(file, {.salvage = entry.salvage}), entry.index);
+  return read_e57(E57File(file, {.salvage = entry.salvage}), entry.index, entry.exact);
 }
 
 std::vector<ScanEntry> list_ply_entry(const std::filesystem::path& file, const ReadOptions&) {
@@ -69,7 +70,7 @@ std::vector<ScanEntry> list_ply_entry(const std::filesystem::path& file, const R
 // Of a file with one scan.
 template <Scan (*read)(const std::filesystem::path&, const ReadOptions&)>
 Scan read_one(const std::filesystem::path& file, const ScanEntry& entry) {
-  return read(file, {.salvage = entry.salvage});
+  return read(file, {.salvage = entry.salvage, .exact = entry.exact});
 }
 
 constexpr ScanFormat kFormats[] = {
@@ -106,7 +107,10 @@ const ScanFormat& format_of(const std::filesystem::path& file) {
 
 std::vector<ScanEntry> list_scans(const std::filesystem::path& file, const ReadOptions& options) {
   auto entries = format_of(file).list(file, options);
-  for (ScanEntry& entry : entries) entry.salvage = options.salvage;
+  for (ScanEntry& entry : entries) {
+    entry.salvage = options.salvage;
+    entry.exact = options.exact;
+  }
   return entries;
 }
 
@@ -124,6 +128,11 @@ const ScanEntry& scan_at(const std::filesystem::path& file, const std::vector<Sc
   if (index >= entries.size())
     fail_input("{}: index {}: the file holds {} scans (0-based)", file.string(), index, entries.size());
   return entries[index];
+}
+
+std::optional<GridScan> read_grid_scan(const std::filesystem::path& file, const ScanEntry& entry) {
+  if (!entry.problem.empty() || entry.salvage || lower_case(file.extension().string()) != ".e57") return {};
+  return read_e57_grid(E57File(file), entry.index);
 }
 
 bool has_scan_extension(const std::filesystem::path& file) {

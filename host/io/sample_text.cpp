@@ -26,6 +26,18 @@ void append_coordinate(std::string& text, double origin, float relative) {
   append(text, value);
 }
 
+// Of whole steps the fewest decimals that tell one from the next.
+void append_step(std::string& text, double value, double step) {
+  constexpr double kClose = 1e-4;  // steps
+  double power = 1;
+  for (int decimals = 0; decimals <= 15; ++decimals, power *= 10) {
+    const double whole = std::round(value * power);
+    if (std::abs(whole) > 0x1p53) break;
+    if (std::abs(whole / power - value) <= kClose * step) return append(text, whole / power + 0.0);
+  }
+  append(text, value);
+}
+
 }  // namespace
 
 void append_number(std::string& text, double value) {
@@ -48,7 +60,10 @@ void append_point(std::string& text, const Scan& scan, std::size_t sample) {
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (axis > 0) text += ' ';
-    if (scan.origin.isZero())
+    if (!scan.exact.empty())
+      append_step(text, scan.exact[sample][static_cast<std::size_t>(axis)],
+                  scan.steps ? scan.steps->scale[axis] : 0.0);
+    else if (scan.origin.isZero())
       append(text, point[static_cast<std::size_t>(axis)]);
     else
       append_coordinate(text, scan.origin[axis], point[static_cast<std::size_t>(axis)]);

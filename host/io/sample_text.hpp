@@ -10,7 +10,8 @@ namespace hybrid::io {
 void append_number(std::string& text, double value);
 void append_number(std::string& text, float value);
 // "x y z", the shortest decimals that a reader turns into the same sample: where the scan has an origin, of
-// that sum no more digits than the sample has. A no-return is "0 0 0".
+// that sum no more digits than the sample has. Of exact coordinates the shortest that are the same double, or
+// the same whole number of the file's steps. A no-return is "0 0 0".
 void append_point(std::string& text, const Scan& scan, std::size_t sample);
 void append_colour(std::string& text, const std::array<std::uint8_t, 3>& rgb);  // " r g b"
 

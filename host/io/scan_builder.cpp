@@ -1,6 +1,7 @@
 #include "io/scan_builder.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -48,11 +49,12 @@ ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_
   scan_.name = std::move(name);
   try {
     scan_.points.reserve(count);
+    if (options.exact) scan_.exact.reserve(count);
     if (options.intensity) scan_.intensity.reserve(count);
     if (options.colour == ColourKind::byte) scan_.rgb.reserve(count);
     if (options.colour > ColourKind::byte) colours_.reserve(count);
   } catch (const std::bad_alloc&) {
-    const std::uint64_t point_bytes = 12 + (options.intensity ? 4 : 0) +
+    const std::uint64_t point_bytes = 12 + (options.exact ? 24 : 0) + (options.intensity ? 4 : 0) +
                                       (options.colour == ColourKind::none   ? 0
                                        : options.colour == ColourKind::byte ? 3
                                                                             : 15);
@@ -93,6 +95,7 @@ void ScanBuilder::Tally::add(const Tally& later) {
 
 void ScanBuilder::add_point(double x, double y, double z) {
   const bool no_return = !are_coordinates(x, y, z, scan_.points.size(), tally_) || !is_return(x, y, z);
+  if (options_.exact) scan_.exact.push_back({x, y, z});
   if (no_return || !origin_chosen_) {
     if (!no_return) {
       waiting_index_.push_back(scan_.points.size());
@@ -108,6 +111,7 @@ void ScanBuilder::add_point(double x, double y, double z) {
 void ScanBuilder::add_lost(std::uint64_t count) {
   for (; count > 0; --count) {
     scan_.points.push_back({kNaN, kNaN, kNaN});
+    if (options_.exact) scan_.exact.push_back({});
     if (options_.intensity) add_intensity(0);
     if (options_.colour != ColourKind::none) add_colour(0, 0, 0);
   }
@@ -115,6 +119,7 @@ void ScanBuilder::add_lost(std::uint64_t count) {
 
 void ScanBuilder::grow(std::size_t count) {
   scan_.points.resize(count);
+  if (options_.exact) scan_.exact.resize(count);
   if (options_.intensity) scan_.intensity.resize(count);
   if (options_.colour == ColourKind::byte) scan_.rgb.resize(count);
   if (options_.colour > ColourKind::byte) colours_.resize(count);
@@ -125,6 +130,7 @@ void ScanBuilder::put(std::size_t at, const ScanSample& sample, Tally& tally) {
       are_coordinates(sample.x, sample.y, sample.z, at, tally) && is_return(sample.x, sample.y, sample.z)
           ? relative({sample.x, sample.y, sample.z})
           : std::array{kNaN, kNaN, kNaN};
+  if (options_.exact) scan_.exact[at] = {sample.x, sample.y, sample.z};
   if (options_.intensity) scan_.intensity[at] = static_cast<float>(sample.intensity);
   const auto& [red, green, blue] = sample.rgb;
   if (options_.colour == ColourKind::byte)
@@ -188,6 +194,7 @@ Scan ScanBuilder::finish() {
   judge_absurd();
   if (!waiting_.empty()) choose_origin();
   if (!colours_.empty()) scale_colours();
+  if (holds_the_same(scan_)) scan_.exact = {};
   if (tally_.not_finite > 0)
     add_note(fmt::format("{} of {} points are not finite: taken as no-returns", tally_.not_finite,
                          scan_.points.size()));
@@ -196,6 +203,16 @@ Scan ScanBuilder::finish() {
     add_note(fmt::format("coordinates are large: kept relative to ({}, {}, {})", scan_.origin.x(),
                          scan_.origin.y(), scan_.origin.z()));
   return std::move(scan_);
+}
+
+bool holds_the_same(const Scan& scan) {
+  constexpr std::size_t kBlock = 1 << 16;
+  std::atomic<bool> same{true};
+  parallel_for((scan.exact.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t i = block * kBlock, end = std::min(i + kBlock, scan.exact.size()); i < end && same; ++i)
+      if (std::isfinite(scan.points[i][0]) && scan.point(i) != scan.exact_point(i)) same = false;
+  });
+  return same;
 }
 
 bool within(const std::vector<float>& values, float least, float greatest) {

@@ -37,6 +37,7 @@ class ScanBuilder {
     ColourKind colour = ColourKind::none;
     bool zero_is_no_return = false;  // "0 0 0" becomes NaN, without a note
     bool salvage = false;            // absurd coordinates become NaN, with a note, instead of an error
+    bool exact = false;              // fills Scan::exact, unless the points hold the same
   };
   // Throws ErrorKind::input when `count` samples cannot be indexed by 32 bits, ErrorKind::device (whose exit
   // code means memory, too) when there is no memory for them.
@@ -114,6 +115,9 @@ void ScanBuilder::add_parts(const std::vector<std::size_t>& counts, const Sample
   });
   for (const Tally& tally : tallies) tally_.add(tally);
 }
+
+// Whether Scan::exact says no more than the points.
+bool holds_the_same(const Scan& scan);
 
 // Whether all values lie between two; NaN does not count.
 bool within(const std::vector<float>& values, float least, float greatest);

@@ -8,6 +8,8 @@ namespace hybrid::io {
 struct ReadOptions {
   // Of damaged files use what is good, and say in the scan's notes what is lost, instead of failing.
   bool salvage = false;
+  // Also the coordinates that float would round (Scan::exact): 24 more bytes per sample.
+  bool exact = false;
 };
 
 // One scan of a file, as its headers tell it.
@@ -20,7 +22,7 @@ struct ScanEntry {
   std::string unit{};                // of coordinates, where the format or the file says; else ""
   std::string problem{};             // why it cannot be read, or ""
   // For its reader.
-  bool salvage = false;                      // ReadOptions
+  bool salvage = false, exact = false;       // ReadOptions
   std::size_t index = 0;                     // in the file
   std::uint64_t offset = 0, line = 1;        // where it starts
   std::uint64_t end = 0;                     // where it ends

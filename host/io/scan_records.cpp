@@ -19,7 +19,9 @@ bool counts(const std::array<float, 3>& point) {
 
 // The same samples have the same.
 std::string identifier(const Scan& scan) {
-  const XXH128_hash_t points = XXH3_128bits(scan.points.data(), scan.points.size() * sizeof scan.points[0]);
+  const XXH128_hash_t points =
+      scan.exact.empty() ? XXH3_128bits(scan.points.data(), scan.points.size() * sizeof scan.points[0])
+                         : XXH3_128bits(scan.exact.data(), scan.exact.size() * sizeof scan.exact[0]);
   const XXH128_hash_t all =
       XXH3_128bits_withSeed(scan.name.data(), scan.name.size(), points.low64 ^ points.high64);
   return fmt::format("{{{:08X}-{:04X}-{:04X}-{:04X}-{:012X}}}", all.high64 >> 32, all.high64 >> 16 & 0xffff,
@@ -49,7 +51,8 @@ ScanRecords::ScanRecords(const Scan& scan) : scan_(scan) {
   const auto whole_field = [&](Kind kind, const char* name, std::int64_t maximum) {
     add(kind, {.name = name, .minimum = 0, .maximum = maximum});
   };
-  const auto type = scan.origin.isZero() ? E57Type::single_real : E57Type::double_real;
+  const bool single = scan.origin.isZero() && scan.exact.empty();
+  const auto type = single ? E57Type::single_real : E57Type::double_real;
   add(x, {.name = "cartesianX", .type = type});
   add(y, {.name = "cartesianY", .type = type});
   add(z, {.name = "cartesianZ", .type = type});
@@ -99,7 +102,7 @@ double ScanRecords::real(Kind kind, std::size_t sample) const {
   if (kind == intensity) return static_cast<double>(scan_.intensity[sample]);
   const auto& point = scan_.points[sample];
   if (!counts(point)) return 0;
-  return scan_.origin[static_cast<int>(kind)] + static_cast<double>(point[static_cast<std::size_t>(kind)]);
+  return scan_.exact_point(sample)[static_cast<int>(kind)];
 }
 
 void ScanRecords::read(std::span<const std::size_t> fields, std::uint64_t first, std::uint64_t count,

@@ -7,8 +7,8 @@
 namespace hybrid::io {
 
 // A scan's samples as the records of an E57 file: coordinates in single precision (double where the scan has
-// an origin), the state of no-returns, indices of its grid, intensity, colour. Samples beside the grid have
-// no indices and are left out. Refers to the scan.
+// an origin or exact ones), the state of no-returns, indices of its grid, intensity, colour. Samples beside
+// the grid have no indices and are left out. Refers to the scan.
 class ScanRecords : public E57RecordReader {
  public:
   explicit ScanRecords(const Scan& scan);

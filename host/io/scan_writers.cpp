@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "io/intensity_map.hpp"
+#include "io/las_steps.hpp"
 #include "io/sample_text.hpp"
 #include "io/text_cursor.hpp"
 #include "io/write_scan.hpp"
@@ -40,7 +41,7 @@ const std::vector<ScanWriter>& scan_writers() {
        .crs = true,
        .intensity_limits = kLasIntensity,
        .whole_intensity = true,
-       .step_m = 1e-5,
+       .las_steps = true,
        .write = write_las},
       {.extension = ".e57",
        .name = "E57",
@@ -96,7 +97,10 @@ WriteLosses losses_of(const ScanWriter& writer, const Scan& scan) {
         return map(value) != std::round(map(value));
       }))
     losses.changed.emplace_back("intensity rounded to whole numbers");
-  if (writer.step_m > 0) losses.changed.push_back(fmt::format("coordinates rounded to {} m", writer.step_m));
+  if (writer.las_steps)
+    if (const LasSteps steps = choose_las_steps(scan, returns_of(scan)); steps.rounding_m > 0)
+      losses.changed.push_back(fmt::format("coordinates rounded to steps of {:.6g} m, by up to {:.2g} m",
+                                           steps.scale.maxCoeff(), steps.rounding_m));
   return losses;
 }
 

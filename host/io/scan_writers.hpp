@@ -22,7 +22,7 @@ struct ScanWriter {
   bool no_returns = false;
   std::optional<std::array<float, 2>> intensity_limits{};  // least and greatest value that it can hold
   bool whole_intensity = false;
-  double step_m = 0;  // of coordinates, where they are rounded to one
+  bool las_steps = false;  // coordinates are whole numbers (las_steps.hpp)
   // The whole file by rename when complete; takes one scan of the source unless it holds `several`.
   void (*write)(const std::filesystem::path& file, const ScanSource& next) = nullptr;
 };

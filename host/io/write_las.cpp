@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "io/intensity_map.hpp"
 #include "io/las_crs.hpp"
 #include "io/las_header.hpp"
+#include "io/las_steps.hpp"
 #include "io/output.hpp"
 #include "io/record_blocks.hpp"
 #include "io/sample_text.hpp"
@@ -13,39 +13,7 @@
 namespace hybrid::io {
 namespace {
 
-constexpr double kFinestStep_m = 1e-5;
 constexpr std::uint16_t kWktIsUsed = 16;  // of the global encoding
-
-// Coordinates as whole steps from an offset.
-struct Steps {
-  double scale = kFinestStep_m;
-  Vec3 offset = Vec3::Zero();
-  Vec3 minimum = Vec3::Zero(), maximum = Vec3::Zero();  // as the file gives them
-
-  std::int32_t whole(double value, int axis) const {
-    return static_cast<std::int32_t>(std::lround((value - offset[axis]) / scale));
-  }
-  double back(double value, int axis) const { return whole(value, axis) * scale + offset[axis]; }
-};
-
-Steps choose_steps(const Scan& scan, const std::vector<std::uint32_t>& returns) {
-  Steps steps;
-  if (returns.empty()) return steps;
-  Vec3 least = scan.point(returns[0]), greatest = least;
-  for (const std::uint32_t i : returns) {
-    least = least.cwiseMin(scan.point(i));
-    greatest = greatest.cwiseMax(scan.point(i));
-  }
-  for (int axis = 0; axis < 3; ++axis)
-    steps.offset[axis] = std::round((least[axis] + greatest[axis]) / 2) + 0.0;
-  const double farthest = (greatest - steps.offset).cwiseMax(steps.offset - least).maxCoeff();
-  while (farthest / steps.scale >= std::numeric_limits<std::int32_t>::max()) steps.scale *= 10;
-  for (int axis = 0; axis < 3; ++axis) {
-    steps.minimum[axis] = steps.back(least[axis], axis);
-    steps.maximum[axis] = steps.back(greatest[axis], axis);
-  }
-  return steps;
-}
 
 struct Layout {
   bool wkt = false;  // LAS 1.4 with its point formats; else 1.2
@@ -81,7 +49,7 @@ std::string records_of(const Layout& layout) {
 }
 
 // No dates: the same scan gives the same bytes.
-std::string header(const Layout& layout, const Steps& steps, std::uint64_t points) {
+std::string header(const Layout& layout, const LasSteps& steps, std::uint64_t points) {
   const std::string records = records_of(layout);
   const std::uint16_t header_bytes = layout.wkt ? 375 : 227;
   std::string bytes = "LASF";
@@ -102,7 +70,7 @@ std::string header(const Layout& layout, const Steps& steps, std::uint64_t point
   append_raw(bytes, few);
   append_raw(bytes, few);  // first returns
   append_text(bytes, "", 16);
-  for (int axis = 0; axis < 3; ++axis) append_raw(bytes, steps.scale);
+  for (int axis = 0; axis < 3; ++axis) append_raw(bytes, steps.scale[axis]);
   for (int axis = 0; axis < 3; ++axis) append_raw(bytes, steps.offset[axis]);
   for (int axis = 0; axis < 3; ++axis) {
     append_raw(bytes, steps.maximum[axis]);
@@ -123,7 +91,7 @@ void write_las(const std::filesystem::path& file, const ScanSource& next) {
   const auto scan = next();
   if (!scan) return;
   const auto returns = returns_of(*scan);
-  const Steps steps = choose_steps(*scan, returns);
+  const LasSteps steps = choose_las_steps(*scan, returns);
   const Layout layout = choose_layout(*scan);
   const LasPointFormat& format = las_point_format(layout.format);
   const IntensityMap map = map_intensity(*scan, kLasIntensity);
@@ -133,7 +101,7 @@ void write_las(const std::filesystem::path& file, const ScanSource& next) {
     out.write(head.data(), head.size());
     write_records(out, returns.size(), [&](std::size_t i, std::string& bytes) {
       const std::size_t at = returns[i], start = bytes.size();
-      const Vec3 point = scan->point(at);
+      const Vec3 point = scan->exact_point(at);
       for (int axis = 0; axis < 3; ++axis) append_raw(bytes, steps.whole(point[axis], axis));
       const double intensity = scan->intensity.empty() ? 0 : map(scan->intensity[at]);
       append_raw(bytes, static_cast<std::uint16_t>(std::lround(std::clamp(intensity, 0.0, 65535.0))));

@@ -16,8 +16,12 @@ std::size_t nodes_of(const Scan& scan) {
   return static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
 }
 
+bool holds_doubles(const Scan& scan) {
+  return !scan.origin.isZero() || !scan.exact.empty();
+}
+
 std::string header(const Scan& scan) {
-  const bool large = !scan.origin.isZero(), intensity = !scan.intensity.empty(), colour = !scan.rgb.empty();
+  const bool large = holds_doubles(scan), intensity = !scan.intensity.empty(), colour = !scan.rgb.empty();
   const int size = large ? 8 : 4;
   std::string fields = "FIELDS x y z", sizes = fmt::format("SIZE {} {} {}", size, size, size),
               types = "TYPE F F F", counts = "COUNT 1 1 1";
@@ -51,7 +55,7 @@ void write_pcd(const std::filesystem::path& file, const ScanSource& next) {
   const auto scan = next();
   if (!scan) return;
   const std::string head = header(*scan);
-  const bool large = !scan->origin.isZero();
+  const bool large = holds_doubles(*scan);
   const auto cols = static_cast<std::size_t>(scan->grid_cols);
   const GridSamples grid(*scan);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
@@ -63,8 +67,10 @@ void write_pcd(const std::filesystem::path& file, const ScanSource& next) {
       const bool there = at != Scan::kNoNode;
       const auto point = there ? scan->points[at] : std::array{kNaN, kNaN, kNaN};
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (large)
-          append_raw(bytes, scan->origin[static_cast<int>(axis)] + static_cast<double>(point[axis]));
+        if (large && there && is_return(point))
+          append_raw(bytes, scan->exact_point(at)[static_cast<int>(axis)]);
+        else if (large)
+          append_raw(bytes, std::numeric_limits<double>::quiet_NaN());
         else
           append_raw(bytes, point[axis]);
       }

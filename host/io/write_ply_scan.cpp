@@ -9,7 +9,7 @@ void write_ply_scan(const std::filesystem::path& file, const ScanSource& next) {
   const auto scan = next();
   if (!scan) return;
   const auto returns = returns_of(*scan);
-  const bool large = !scan->origin.isZero();
+  const bool large = !scan->origin.isZero() || !scan->exact.empty();
   const char* real = large ? "double" : "float";
   std::string head = fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", returns.size());
   for (const char axis : {'x', 'y', 'z'}) head += fmt::format("property {} {}\n", real, axis);
@@ -22,7 +22,7 @@ void write_ply_scan(const std::filesystem::path& file, const ScanSource& next) {
     write_records(out, returns.size(), [&](std::size_t i, std::string& bytes) {
       const std::size_t at = returns[i];
       if (large) {
-        const Vec3 point = scan->point(at);
+        const Vec3 point = scan->exact_point(at);
         for (int axis = 0; axis < 3; ++axis) append_raw(bytes, point[axis]);
       } else {
         append_raw(bytes, scan->points[at]);

@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.hpp"
 #include "core/large_vector.hpp"
 #include "core/parallel.hpp"
 #include "geometry/placed_range_image.hpp"
-#include "stages/sweeps.hpp"
+#include "stages/grid_tables.hpp"
 
 namespace hybrid::stages {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kMostSteps = 0.9;  // of a table's steps that must go one way
 
 bool is_return(const Vec3& point) {
   const double square = point.squaredNorm();
@@ -102,131 +98,50 @@ class GridSamples {
   std::vector<std::uint32_t> extra_;
 };
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return NAN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Calls take(point) for the returns of a row or column of `count` nodes, of which node(k, sample) finds the
-// k-th: for some of them evenly spread, enough for a median, or for all where these hold few returns.
-template <typename Node, typename Take>
-void for_some_returns(const Scan& scan, int count, const Node& node, const Take& take) {
-  constexpr int kSome = 128, kFew = 16;
-  const auto visit = [&](int first, int stride) {
-    int returns = 0;
-    for (int k = first; k < count; k += stride) {
-      std::size_t i = 0;
-      if (!node(k, i)) continue;
-      const Vec3 point = scan.point(i);
-      if (!is_return(point)) continue;
-      take(point);
-      ++returns;
-    }
-    return returns;
-  };
-  const int stride = std::max(count / kSome, 1);
-  if (visit(stride / 2, stride) >= kFew || stride == 1) return;
-  for (int first = 0; first < stride; ++first)
-    if (first != stride / 2) visit(first, stride);
-}
-
-std::vector<double> row_elevations(const Scan& scan, const GridSamples& grid) {
-  std::vector<double> table(static_cast<std::size_t>(scan.grid_rows));
-  parallel_for(table.size(), [&](std::size_t row) {
-    std::vector<double> values;
-    for_some_returns(
-        scan, scan.grid_cols,
-        [&](int col, std::size_t& i) { return grid.find(static_cast<int>(row), col, i); },
-        [&](const Vec3& p) { values.push_back(std::atan2(p.z(), std::hypot(p.x(), p.y()))); });
-    table[row] = median(values);
-  });
-  return table;
-}
-
-// Medians of offsets from the column's mean direction, then unwrapped from one measured column to the next.
-std::vector<double> column_azimuths(const Scan& scan, const GridSamples& grid) {
-  std::vector<double> table(static_cast<std::size_t>(scan.grid_cols));
-  parallel_for(table.size(), [&](std::size_t col) {
-    Vec2 sum = Vec2::Zero();
-    std::vector<double> azimuths;
-    for_some_returns(
-        scan, scan.grid_rows,
-        [&](int row, std::size_t& i) { return grid.find(row, static_cast<int>(col), i); },
-        [&](const Vec3& p) {
-          sum += p.head<2>() / p.norm();
-          azimuths.push_back(std::atan2(p.y(), p.x()));
-        });
-    const double mean = std::atan2(sum.y(), sum.x());
-    for (double& azimuth : azimuths) azimuth = wrapped(azimuth - mean);
-    table[col] = mean + median(azimuths);
-  });
-  double before = NAN;
-  for (double& azimuth : table) {
-    if (std::isnan(azimuth)) continue;
-    if (!std::isnan(before)) azimuth = before + wrapped(azimuth - before);
-    before = azimuth;
+// The samples where the file's grid has them.
+class ScanNodes : public NodePoints {
+ public:
+  ScanNodes(const Scan& scan, const GridSamples& grid)
+      : NodePoints(scan.grid_rows, scan.grid_cols), scan_(scan), grid_(grid) {}
+  bool find(int row, int col, Vec3& point) const override {
+    std::size_t i = 0;
+    if (!grid_.find(row, col, i)) return false;
+    point = scan_.point(i);
+    return is_return(point);
   }
-  return table;
-}
 
-// NaN entries by linear interpolation, beyond the ends with the mean step; then whether they go one
-// way, as nearly all must: -1 down, 1 up, 0 neither.
-int complete(std::vector<double>& table) {
-  std::vector<std::size_t> known;
-  for (std::size_t i = 0; i < table.size(); ++i)
-    if (!std::isnan(table[i])) known.push_back(i);
-  if (known.size() < 2) return 0;
-  const double mean_step =
-      (table[known.back()] - table[known.front()]) / static_cast<double>(known.back() - known.front());
-  for (std::size_t k = 1; k < known.size(); ++k) {
-    const std::size_t a = known[k - 1], b = known[k];
-    for (std::size_t i = a + 1; i < b; ++i)
-      table[i] = table[a] + (table[b] - table[a]) * static_cast<double>(i - a) / static_cast<double>(b - a);
-  }
-  const std::size_t first = known.front(), last = known.back();
-  for (std::size_t i = 0; i < first; ++i)
-    table[i] = table[first] - mean_step * static_cast<double>(first - i);
-  for (std::size_t i = last + 1; i < table.size(); ++i)
-    table[i] = table[last] + mean_step * static_cast<double>(i - last);
-  std::size_t up = 0, down = 0;
-  for (std::size_t i = 1; i < table.size(); ++i) {
-    up += table[i] > table[i - 1];
-    down += table[i] < table[i - 1];
-  }
-  const std::size_t steps = table.size() - 1;
-  if (static_cast<double>(std::max(up, down)) < kMostSteps * static_cast<double>(steps)) return 0;
-  if (std::max(up, down) < steps) {  // noise about an even table
-    const double from = table.front(), step = (table.back() - from) / static_cast<double>(steps);
-    for (std::size_t i = 0; i < table.size(); ++i) table[i] = from + step * static_cast<double>(i);
-  }
-  return up > down ? 1 : -1;
-}
+ private:
+  const Scan& scan_;
+  const GridSamples& grid_;
+};
 
-// Median angle between the rays of neighbours `row_step` rows and `col_step` columns apart.
-double typical_angle(const Scan& scan, const GridSamples& grid, int row_step, int col_step) {
-  std::vector<double> found;
-  for (int col = 0; col + col_step < scan.grid_cols; ++col)
-    for (int row = 0; row + row_step < scan.grid_rows; ++row) {
-      std::size_t a = 0, b = 0;
-      if (!grid.find(row, col, a) || !grid.find(row + row_step, col + col_step, b)) continue;
-      const Vec3 p = scan.point(a), q = scan.point(b);
-      const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
-      if (angle > 0) found.push_back(angle);
-    }
-  const double typical = median(found);
-  return std::isnan(typical) ? 0 : typical;
-}
+// The same of an image whose first row, or column, may be the file's last.
+class ImageNodes : public NodePoints {
+ public:
+  ImageNodes(const RangeImage& image, bool rows_reversed, bool cols_reversed)
+      : NodePoints(image.rows, image.cols), image_(image), rows_(rows_reversed), cols_(cols_reversed) {}
+  bool find(int row, int col, Vec3& point) const override {
+    const std::size_t i = image_.index(rows_ ? rows() - 1 - row : row, cols_ ? cols() - 1 - col : col);
+    if (image_.mask[i] != kMeasured) return false;
+    point = image_.point(i);
+    return true;
+  }
 
-std::vector<double> even_table(int count, double step) {
-  std::vector<double> table;
-  for (int i = 0; i < count; ++i) table.push_back((i - 0.5 * (count - 1)) * step);
-  return table;
+ private:
+  const RangeImage& image_;
+  bool rows_, cols_;
+};
+
+void take_tables(GridTables tables, RangeImage& image) {
+  image.elevation_rad = std::move(tables.elevation_rad);
+  image.azimuth_rad = std::move(tables.azimuth_rad);
+  image.wraps = !tables.even && is_full_turn(image.azimuth_rad);
 }
 
 // Rows upside down, columns the other way round, of an image's values.
-void flip(std::vector<std::uint32_t>& values, int rows, int cols, bool flip_rows, bool flip_cols) {
+template <typename T>
+void flip(std::vector<T>& values, int rows, int cols, bool flip_rows, bool flip_cols) {
+  if (values.empty()) return;
   const auto row_at = [&](std::size_t row) {
     return values.begin() + static_cast<std::ptrdiff_t>(row * static_cast<std::size_t>(cols));
   };
@@ -322,23 +237,21 @@ RangeImage arrange_grid(const Scan& scan) {
   if (first == scan.points.size()) fail_no_return(scan);
 
   GridSamples grid(scan);
-  std::vector<double> elevation = row_elevations(scan, grid), azimuth = column_azimuths(scan, grid);
-  const int rows_go = complete(elevation), cols_go = complete(azimuth);
-  const double turn = azimuth.back() - azimuth.front();
-  const bool even = rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn;
-  if (even) {
-    elevation = even_table(scan.grid_rows, -typical_angle(scan, grid, 1, 0));
-    azimuth = even_table(scan.grid_cols, typical_angle(scan, grid, 0, 1));
-  } else {
-    if (rows_go > 0) std::reverse(elevation.begin(), elevation.end());
-    if (cols_go < 0) std::reverse(azimuth.begin(), azimuth.end());
-  }
-  RangeImage image = place(scan, grid, !even && rows_go > 0, !even && cols_go < 0);
+  GridTables tables = find_grid_tables(ScanNodes(scan, grid));
+  RangeImage image = place(scan, grid, tables.flip_rows, tables.flip_cols);
   image.extra = grid.extra();
-  image.elevation_rad = std::move(elevation);
-  image.azimuth_rad = std::move(azimuth);
-  image.wraps = !even && is_full_turn(image.azimuth_rad);
+  take_tables(std::move(tables), image);
   return image;
+}
+
+void orient_grid(RangeImage& image, bool rows_reversed, bool cols_reversed) {
+  GridTables tables = find_grid_tables(ImageNodes(image, rows_reversed, cols_reversed));
+  const bool rows = tables.flip_rows != rows_reversed, cols = tables.flip_cols != cols_reversed;
+  if (rows || cols) {
+    const auto turn = [&](auto&... values) { (flip(values, image.rows, image.cols, rows, cols), ...); };
+    turn(image.range_m, image.x, image.y, image.z, image.mask, image.source, image.intensity, image.rgb);
+  }
+  take_tables(std::move(tables), image);
 }
 
 }  // namespace hybrid::stages

@@ -15,4 +15,8 @@ namespace hybrid::stages {
 // from there.
 RangeImage arrange_grid(const Scan& scan);
 
+// The same of a range image that holds the file's grid already, its first row (or column) the file's last
+// where it says reversed: fills the tables, and turns what is not turned yet.
+void orient_grid(RangeImage& image, bool rows_reversed, bool cols_reversed);
+
 }  // namespace hybrid::stages

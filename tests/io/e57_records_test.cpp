@@ -195,6 +195,23 @@ TEST(E57Records, EveryPrototypeAndOrderComesBackByteForByte) {
       }
 }
 
+// Columns in no order: every group of tiles has records from everywhere, and all places are kept.
+TEST(E57Records, ColumnsInNoOrderComeBackByteForByte) {
+  const TemporaryFolder folder;
+  constexpr std::int64_t kRows = 20, kCols = 901;  // four groups of tiles
+  Made made = make_scan(reals(kXyz), Grid::columns, kRows * kCols);
+  const std::size_t fields = made.scan.points.fields.size();
+  for (std::int64_t i = 0; i < kRows * kCols; ++i) {
+    made.columns.integers[fields - 2][static_cast<std::size_t>(i)] = i % kRows;
+    made.columns.integers[fields - 1][static_cast<std::size_t>(i)] = i / kRows * 7 % kCols;
+  }
+  const auto file = folder.path() / "a.e57", back = folder.path() / "back.e57";
+  write(file, {made}, 0);
+  back_and_forth(file, back, folder.path());
+  EXPECT_TRUE(io::ExrRecords(folder.path() / "a-0.exr").layout().by_columns);
+  EXPECT_TRUE(bytes_of(file) == bytes_of(back));
+}
+
 // No float and no pair of them holds these.
 TEST(E57Records, DoublesKeepAllTheirBits) {
   const TemporaryFolder folder;

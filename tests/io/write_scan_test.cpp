@@ -193,7 +193,7 @@ TEST(WriteScan, LossesAreNamed) {
   EXPECT_EQ(losses("a.pcd", scan), " | ");
   EXPECT_TRUE(holds(losses("a.ply", scan), "grid (4 x 5), pose"));
   EXPECT_TRUE(holds(losses("a.pts", scan), "intensity rounded to whole numbers"));
-  EXPECT_TRUE(holds(losses("a.las", scan), "coordinates rounded to 1e-05 m"));
+  EXPECT_TRUE(holds(losses("a.las", scan), "coordinates rounded to steps of 1e-06 m, by up to 5e-07 m"));
   Scan scaled = scan;
   scaled.world_from_scan->scale = 2;
   scaled.crs = "EPSG:27700";

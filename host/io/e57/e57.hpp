@@ -8,6 +8,8 @@
 #include "io/e57/e57_model.hpp"
 #include "io/e57/paged_file.hpp"
 #include "io/e57/table_reader.hpp"
+#include "io/grid_scan.hpp"
+#include "io/scan_entry.hpp"
 
 namespace hybrid::io {
 
@@ -53,10 +55,13 @@ class E57File {
 // (stored * scale + offset): what they mean is for the reader to say who knows the scanner, so the file's
 // limits are given in a note. Scan::name is the file's stem, with the index when there are several scans;
 // fields that Scan does not hold are listed in a note.
-Scan read_e57(const E57File& file, std::size_t index);
+// With `exact` coordinates that float would round are kept, too (Scan::exact).
+Scan read_e57(const E57File& file, std::size_t index, bool exact = false);
 // The same of records that lie elsewhere, but without what E57File::notes() tells.
 Scan read_e57(const std::string& file, const E57Contents& contents, std::size_t index,
-              const E57RecordReader& reader, bool salvage);
+              const E57RecordReader& reader, const ReadOptions& options);
+// One scan with its samples in their nodes, where that can be done (grid_scan.hpp).
+std::optional<GridScan> read_e57_grid(const E57File& file, std::size_t index);
 // Of every scan in a file. In salvage a scan that cannot be read is left out, with a note at the others;
 // throws when none can.
 std::vector<Scan> read_e57(const std::filesystem::path& file, const E57Options& options = {});

@@ -66,6 +66,15 @@ struct E57Blob {
   std::uint64_t length = 0;  // of its content
 };
 
+// A further picture of the same image: a panorama's preview, as it may be.
+struct E57Representation {
+  E57Projection projection = E57Projection::visual_reference;
+  bool png = false;  // else JPEG
+  E57Blob picture{};
+  std::optional<E57Blob> mask{};  // always PNG
+  int width = 0, height = 0;      // pixels
+};
+
 // One photograph's description (images2D).
 struct E57Image {
   std::string guid{}, name{}, description{}, sensor{};
@@ -80,6 +89,7 @@ struct E57Image {
   double pixel_width = 0, pixel_height = 0;  // pinhole: metres; spherical, cylinder's width: radians
   double principal_x = 0, principal_y = 0;   // pixels from the left and top edge
   double radius_m = 0;                       // cylindrical
+  std::vector<E57Representation> others{};   // than the one above, which says most about the camera
   std::vector<std::string> dropped{};
   std::vector<std::string> notes{};
 };

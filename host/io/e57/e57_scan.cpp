@@ -6,8 +6,10 @@
 #include "core/error.hpp"
 #include "core/large_vector.hpp"
 #include "io/e57/e57.hpp"
+#include "io/e57/grid_scatter.hpp"
 #include "io/e57/scan_grid.hpp"
 #include "io/e57/scan_samples.hpp"
+#include "io/scan_builder.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -16,19 +18,19 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 class ScanReader {
  public:
-  ScanReader(const std::string& file, const E57Scan& source, const E57RecordReader& reader, bool salvage)
-      : salvage_(salvage),
+  ScanReader(const std::string& file, const E57Scan& source, const E57RecordReader& reader,
+             const ReadOptions& options)
+      : salvage_(options.salvage),
         source_(source),
         where_(file + ": " + source.points.what),
         reader_(reader),
         samples_(where_, source, reader),
-        columns_(samples_.columns()) {}
+        columns_(samples_.columns()),
+        exact_(options.exact && samples_.rounds()) {}
 
   Scan read() {
     allocate();
-    scan_.world_from_scan = source_.world_from_scan;
-    scan_.notes = source_.notes;
-    scan_.origin = samples_.origin();
+    describe();
     ScanGrid grid(source_, columns_, reader_.count());
     tallies_.resize(reader_.count() / E57RecordReader::kRange + 1);
     reader_.read(columns_.fields, 0, reader_.count(), [&](const E57Records& records) {
@@ -40,14 +42,51 @@ class ScanReader {
       reader_.read(columns_.fields, 0, reader_.count(),
                    [&](const E57Records& records) { grid.add(records); });
     }
-    scan_.notes.insert(scan_.notes.end(), reader_.notes().begin(), reader_.notes().end());
     note_tallies();
+    if (exact_ && holds_the_same(scan_)) scan_.exact = {};
+    if (!scan_.exact.empty()) scan_.steps = samples_.steps();
     grid.finish(scan_);
     add_notes();
     return std::move(scan_);
   }
 
+  std::optional<GridScan> read_grid() {
+    auto scatter = GridScatter::of(source_, samples_, reader_);
+    if (!scatter) return {};
+    tallies_.resize(reader_.count() / E57RecordReader::kRange + 1);
+    reader_.read(columns_.fields, 0, reader_.count(), [&](const E57Records& records) {
+      std::array<std::array<float, 3>, E57RecordReader::kRange> points;
+      std::array<float, E57RecordReader::kRange> intensity;
+      std::array<std::array<std::uint8_t, 3>, E57RecordReader::kRange> rgb;
+      const std::size_t count = records.count;
+      const auto some_intensity = std::span(intensity).first(columns_.intensity ? count : 0);
+      const auto some_rgb = std::span(rgb).first(columns_.colour ? count : 0);
+      samples_.points(records, std::span(points).first(count),
+                      tallies_[records.first / E57RecordReader::kRange]);
+      if (columns_.intensity) samples_.intensities(records, some_intensity);
+      if (columns_.colour) samples_.colours(records, some_rgb);
+      scatter->add(records, std::span(points).first(count), some_intensity, some_rgb);
+    });
+    auto grid = scatter->finish();
+    if (!grid) return {};
+    scan_.grid_rows = grid->scan.grid_rows;
+    scan_.grid_cols = grid->scan.grid_cols;
+    describe();
+    note_tallies();
+    add_notes();
+    grid->scan = std::move(scan_);
+    return grid;
+  }
+
  private:
+  // What the file says of the scan.
+  void describe() {
+    scan_.world_from_scan = source_.world_from_scan;
+    scan_.notes = source_.notes;
+    scan_.origin = samples_.origin();
+    scan_.notes.insert(scan_.notes.end(), reader_.notes().begin(), reader_.notes().end());
+  }
+
   void allocate() {
     const std::uint64_t count = reader_.count();
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
@@ -55,20 +94,23 @@ class ScanReader {
       fail_input("{}: expected at most {} points, found {}; split the file", where_, kMost, count);
     try {
       resize_large(scan_.points, count);
+      if (exact_) resize_large(scan_.exact, count);
       if (columns_.intensity) resize_large(scan_.intensity, count);
       if (columns_.colour) resize_large(scan_.rgb, count);
     } catch (const std::bad_alloc&) {
       fail(ErrorKind::device,
            "{}: expected {} MiB of memory for {} points, found less free; split the file or use another "
            "machine",
-           where_, count * 23 >> 20, count);
+           where_, count * (exact_ ? 47 : 23) >> 20, count);
     }
   }
 
   void take(const E57Records& records) {
     SampleTally& tally = tallies_[records.first / E57RecordReader::kRange];
     const std::size_t first = records.first, count = records.count;
-    samples_.points(records, std::span(scan_.points).subspan(first, count), tally);
+    samples_.points(
+        records, std::span(scan_.points).subspan(first, count), tally,
+        exact_ ? std::span(scan_.exact).subspan(first, count) : std::span<std::array<double, 3>>());
     if (columns_.intensity) samples_.intensities(records, std::span(scan_.intensity).subspan(first, count));
     if (columns_.colour) samples_.colours(records, std::span(scan_.rgb).subspan(first, count));
     std::uint64_t done = first;  // the lost ranges of several fields overlap
@@ -92,7 +134,7 @@ class ScanReader {
     const auto note = [&](std::uint64_t number, const std::string& text) {
       if (number > 0)
         scan_.notes.push_back(
-            fmt::format("{} of {} points {}: taken as no-returns", number, scan_.points.size(), text));
+            fmt::format("{} of {} points {}: taken as no-returns", number, reader_.count(), text));
     };
     if (sum.absurd > 0) {
       const auto problem = fmt::format("point {}: expected a coordinate within {} m, found {}",
@@ -108,7 +150,7 @@ class ScanReader {
                                         reader_.bad_pages().size(),
                                         *reader_.bad_pages().begin() * PagedFile::kPage_bytes));
     const auto share =
-        static_cast<double>(sum.lost) / static_cast<double>(std::max<std::size_t>(scan_.points.size(), 1));
+        static_cast<double>(sum.lost) / static_cast<double>(std::max<std::uint64_t>(reader_.count(), 1));
     note(sum.lost, fmt::format("({:.2f} %) are lost to damage", 100 * share));
   }
 
@@ -123,7 +165,7 @@ class ScanReader {
     if (columns_.intensity && source_.intensity)
       scan_.notes.push_back(
           fmt::format("intensities from {} to {}", source_.intensity->minimum, source_.intensity->maximum));
-    if (scan_.points.empty()) scan_.notes.push_back("no points");
+    if (reader_.count() == 0) scan_.notes.push_back("no points");
     if (!scan_.origin.isZero())
       scan_.notes.push_back(fmt::format("coordinates are large: kept relative to ({}, {}, {})",
                                         scan_.origin.x(), scan_.origin.y(), scan_.origin.z()));
@@ -135,29 +177,45 @@ class ScanReader {
   const E57RecordReader& reader_;
   ScanSamples samples_;
   const ScanColumns& columns_;
+  bool exact_;
   std::vector<SampleTally> tallies_;
   Scan scan_;
 };
 
-}  // namespace
-
-Scan read_e57(const std::string& file, const E57Contents& contents, std::size_t index,
-              const E57RecordReader& reader, bool salvage) {
-  Scan scan = ScanReader(file, contents.scans.at(index), reader, salvage).read();
+void name_scan(const std::string& file, const E57Contents& contents, std::size_t index, Scan& scan) {
   scan.name = std::filesystem::path(file).stem().string();
   if (contents.scans.size() > 1) scan.name += fmt::format("-{}", index);
   scan.crs = contents.coordinate_system;
   if (const auto& limits = contents.scans[index].intensity)
     scan.intensity_limits = {static_cast<float>(limits->minimum), static_cast<float>(limits->maximum)};
+}
+
+}  // namespace
+
+Scan read_e57(const std::string& file, const E57Contents& contents, std::size_t index,
+              const E57RecordReader& reader, const ReadOptions& options) {
+  Scan scan = ScanReader(file, contents.scans.at(index), reader, options).read();
+  name_scan(file, contents, index, scan);
   return scan;
 }
 
-Scan read_e57(const E57File& file, std::size_t index) {
+std::optional<GridScan> read_e57_grid(const E57File& file, std::size_t index) {
+  if (file.pages().salvage()) return {};  // what is lost has no node
+  const E57Scan& source = file.contents().scans.at(index);
+  const E57TableReader reader = file.open(source.points);
+  auto grid = ScanReader(file.name(), source, reader, {}).read_grid();
+  if (!grid) return {};
+  name_scan(file.name(), file.contents(), index, grid->scan);
+  grid->scan.notes.insert(grid->scan.notes.end(), file.notes().begin(), file.notes().end());
+  return grid;
+}
+
+Scan read_e57(const E57File& file, std::size_t index, bool exact) {
   const std::vector<E57Scan>& scans = file.contents().scans;
   if (index >= scans.size())
     fail_input("{}: expected scan {}, found {} scans; choose one of them", file.name(), index, scans.size());
-  Scan scan =
-      read_e57(file.name(), file.contents(), index, file.open(scans[index].points), file.pages().salvage());
+  Scan scan = read_e57(file.name(), file.contents(), index, file.open(scans[index].points),
+                       {.salvage = file.pages().salvage(), .exact = exact});
   scan.notes.insert(scan.notes.end(), file.notes().begin(), file.notes().end());
   return scan;
 }

@@ -145,6 +145,18 @@ int pixels_of(const XmlPlace& place, const Node& node) {
   return static_cast<int>(count);
 }
 
+E57Representation representation_of(const XmlPlace& place, const Node& shown, E57Projection projection) {
+  E57Representation one{.projection = projection, .png = !shown.child("jpegImage")};
+  const Node picture = shown.child(one.png ? "pngImage" : "jpegImage");
+  if (!picture)
+    fail_input("{}: expected a jpegImage or pngImage, found none; export the file again", place.of(shown));
+  one.picture = blob_of(place, picture);
+  if (const Node mask = shown.child("imageMask")) one.mask = blob_of(place, mask);
+  one.width = pixels_of(place, shown.child("imageWidth"));
+  one.height = pixels_of(place, shown.child("imageHeight"));
+  return one;
+}
+
 E57Image image_of(const XmlPlace& place, const Node& node, bool salvage) {
   E57Image image{.guid = text_of(node.child("guid")),
                  .name = text_of(node.child("name")),
@@ -160,23 +172,23 @@ E57Image image_of(const XmlPlace& place, const Node& node, bool salvage) {
       {"visualReferenceRepresentation", E57Projection::visual_reference}};
   Node shown;
   for (const auto& [name, projection] : kKinds) {
-    if (shown || !node.child(name)) continue;
-    shown = node.child(name);
-    image.projection = projection;
+    if (!node.child(name)) continue;
+    if (!shown) shown = node.child(name);
+    image.others.push_back(representation_of(place, node.child(name), projection));
   }
   if (!shown)
     fail_input(
         "{}: expected a pinhole, spherical, cylindrical or visual reference representation, found none; "
         "export the file again",
         place.of(node));
-  image.png = !shown.child("jpegImage");
-  const Node picture = shown.child(image.png ? "pngImage" : "jpegImage");
-  if (!picture)
-    fail_input("{}: expected a jpegImage or pngImage, found none; export the file again", place.of(shown));
-  image.picture = blob_of(place, picture);
-  if (const Node mask = shown.child("imageMask")) image.mask = blob_of(place, mask);
-  image.width = pixels_of(place, shown.child("imageWidth"));
-  image.height = pixels_of(place, shown.child("imageHeight"));
+  const E57Representation& first = image.others.front();
+  image.projection = first.projection;
+  image.png = first.png;
+  image.picture = first.picture;
+  image.mask = first.mask;
+  image.width = first.width;
+  image.height = first.height;
+  image.others.erase(image.others.begin());
   const auto real = [&](const char* name) { return real_of(place, shown.child(name)); };
   image.focal_length_m = real("focalLength");
   image.pixel_width = real("pixelWidth");

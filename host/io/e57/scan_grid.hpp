@@ -26,18 +26,20 @@ class ScanGrid {
   // indices make no grid. Of several returns the first valid one takes the node.
   void finish(Scan& scan);
 
- private:
   struct Bounds {
     std::int64_t low = 0, high = -1;
     std::uint64_t extent() const {
       return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
     }
   };
+  // Of an index, as the file has it: indexBounds, else the field's own limits.
+  static Bounds declared(const std::optional<E57Limits>& bounds, const E57Field& field);
+
+ private:
   struct Range {
     Bounds row, column;
     bool outside = false, several = false;
   };
-  static Bounds declared(const std::optional<E57Limits>& bounds, const E57Field& field);
   bool choose_frame(Bounds row, Bounds column);
   bool in_order(const Scan& scan, bool row_by_row) const;
   void keep_first_returns(const Scan& scan, std::uint64_t nodes);

@@ -75,8 +75,28 @@ void ScanSamples::choose_origin(const E57RecordReader& reader) {
   if (!returns.empty()) origin_ = local_origin(returns);
 }
 
-void ScanSamples::points(const E57Records& records, std::span<std::array<float, 3>> to,
-                         SampleTally& tally) const {
+bool ScanSamples::rounds() const {
+  return columns_.spherical || !origin_.isZero() ||
+         std::ranges::any_of(columns_.place, [&](std::size_t slot) {
+           return table_.fields[columns_.fields[slot]].type != E57Type::single_real;
+         });
+}
+
+std::optional<CoordinateSteps> ScanSamples::steps() const {
+  CoordinateSteps steps;
+  if (columns_.spherical) return {};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const E57Field& field = table_.fields[columns_.fields[columns_.place[k]]];
+    if (!field.is_integer()) return {};
+    const bool scaled = field.type == E57Type::scaled_integer;
+    steps.scale[static_cast<int>(k)] = scaled ? field.scale : 1;
+    steps.offset[static_cast<int>(k)] = scaled ? field.offset : 0;
+  }
+  return steps;
+}
+
+void ScanSamples::points(const E57Records& records, std::span<std::array<float, 3>> to, SampleTally& tally,
+                         std::span<std::array<double, 3>> exact) const {
   thread_local Coordinates c;
   c.take(table_, columns_, records);
   const std::vector<double> state = values(records, columns_.invalid);
@@ -91,6 +111,7 @@ void ScanSamples::points(const E57Records& records, std::span<std::array<float, 
       tally.first_absurd = records.first + i;
       tally.absurd_value = std::max({std::abs(x), std::abs(y), std::abs(z)});
     }
+    if (!exact.empty()) exact[i] = {x, y, z};
     const bool zero = far && x == 0 && y == 0 && z == 0;
     to[i] = found == good && !zero ? std::array{static_cast<float>(x - ox), static_cast<float>(y - oy),
                                                 static_cast<float>(z - oz)}

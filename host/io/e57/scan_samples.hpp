@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/vectors.hpp"
+#include "geometry/scan.hpp"
 #include "io/e57/e57_model.hpp"
 #include "io/e57/record_reader.hpp"
 #include "io/e57/scan_colours.hpp"
@@ -33,8 +33,14 @@ class ScanSamples {
   const ScanColumns& columns() const { return columns_; }
   const Vec3& origin() const { return origin_; }
 
-  // One per record; NaN: no return. Lost records are left to the caller.
-  void points(const E57Records& records, std::span<std::array<float, 3>> to, SampleTally& tally) const;
+  // Whether the fields hold coordinates that points() rounds; where they are whole numbers, of what steps.
+  bool rounds() const;
+  std::optional<CoordinateSteps> steps() const;
+
+  // One per record; NaN: no return. Lost records are left to the caller. `exact`: as the file has them,
+  // absolute, or empty.
+  void points(const E57Records& records, std::span<std::array<float, 3>> to, SampleTally& tally,
+              std::span<std::array<double, 3>> exact = {}) const;
   // Where the columns have them. What is marked invalid is 0.
   void intensities(const E57Records& records, std::span<float> to) const;
   void colours(const E57Records& records, std::span<std::array<std::uint8_t, 3>> to) const;
