@@ -48,7 +48,9 @@ TEST_F(PerfectRoom, a_turned_pose_is_off_in_degrees) {
   rotation = Eigen::AngleAxisd(M_PI / 180, score::Vec3(1, 2, 3).normalized()).toRotationMatrix() * rotation;
   const auto marks = marks_of(results);
   EXPECT_NEAR(marks["scans"][1]["pose"]["rotation_deg"], 1, 1e-9);
-  EXPECT_NEAR(marks["registration"]["after_common_fit"]["rotation_largest_deg"], 0.5, 0.01);
+  // Half of it each, were it not for the places.
+  EXPECT_GT(marks["registration"]["after_common_fit"]["rotation_largest_deg"], 0.5);
+  EXPECT_LT(marks["registration"]["after_common_fit"]["rotation_rms_deg"], 0.7);
   expect_others_hold(marks, {"/scans/1/pose/rotation_deg", "/scans/1/pose/wrong", "/registration/*"});
 }
 
