@@ -67,15 +67,17 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
 }
 
 ScanScore score_scan(const SceneTruth& truth, const TrueScan& scan, const fs::path& results,
-                     const ScoreOptions& options) {
+                     const ScoreOptions& options, std::vector<PosePair>& accepted) {
   ScanScore score;
   score.id = scan.id;
   const TrueSamples samples = read_true_samples(scan);
   const fs::path folder = scan_folder(results, scan, samples);
   if (folder.empty()) return score;
   if (fs::exists(folder / "labels.exr")) score_labelled(folder, truth, scan, samples, options, score);
-  if (const auto pose = read_result_pose(folder))
+  if (const auto pose = read_result_pose(folder)) {
     score.pose = score_pose(*pose, scan.world_from_scan, options.limits);
+    if (pose->accepted) accepted.push_back({pose->world_from_scan, scan.world_from_scan});
+  }
   return score;
 }
 
@@ -133,9 +135,11 @@ SceneScore score_scene(const fs::path& truth_file, const fs::path& results, cons
   check_folders(truth, results, options);
   SceneScore score;
   score.title = truth.title;
+  std::vector<PosePair> accepted;
   for (const TrueScan& scan : truth.scans)
     if (options.scan.empty() || scan.id == options.scan)
-      score.scans.push_back(score_scan(truth, scan, results, options));
+      score.scans.push_back(score_scan(truth, scan, results, options, accepted));
+  if (accepted.size() >= 2) score.common_fit = fit_in_common(accepted);
   score.views = score_views(truth, results);
   const EditedModel edited = read_edited_model(results);
   const fs::path proxy = truth.folder / "proxy.obj";

@@ -6,6 +6,7 @@
 
 #include "score/measure/bleeding.hpp"
 #include "score/measure/boundary.hpp"
+#include "score/measure/common_fit.hpp"
 #include "score/measure/decimation.hpp"
 #include "score/measure/labels.hpp"
 #include "score/measure/normals.hpp"
@@ -50,6 +51,7 @@ struct ViewScore {
 struct SceneScore {
   std::string title;
   std::vector<ScanScore> scans;
+  std::optional<CommonFit> common_fit;  // of the accepted poses, where there are two and more
   std::vector<ViewScore> views;
   std::optional<OpeningScore> openings;
   std::vector<std::string> absent;  // measures without results, for people

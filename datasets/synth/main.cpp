@@ -6,6 +6,7 @@
 //   hybrid-synth room    --out DIR --seed 1 --preset tiny|demo [--megapixels M]
 //   hybrid-synth church  --out DIR --seed 1 --preset tiny|demo|full [--megapixels M] [--proxy-error 0.02]
 //                       [--only-scan nave]          that scan alone, the same bytes
+//                       [--scans 6]                 three more: porch, corner, aisle
 //   hybrid-synth archive N --out DIR --seed 1        scene-0000 ...: small churches, seeds one apart
 //
 // DIR holds scene.toml (written last), proxy.obj, scans/, photographs/, cameras/ (COLMAP), detail.ply (the
@@ -131,6 +132,9 @@ void add_only_scan(CLI::App& command, Request& r) {
 }
 
 void add_church_options(CLI::App& command, Request& r) {
+  command.add_option("--scans", r.options.scans, "front, nave, chancel, then porch, corner and aisle")
+      ->check(CLI::Range(3, 6))
+      ->capture_default_str();
   synth::ScannerModel& scanner = r.options.scanner;
   command
       .add_option("--noise-per-m", scanner.noise_per_m, "What the noise grows by with every metre of range")

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/log.hpp"
+#include "stages/joint_priors.hpp"
 #include "stages/scan_model.hpp"
 
 namespace hybrid::batch {
@@ -20,6 +21,16 @@ double face_sigma_m(const Registrations& registrations) {
   for (const auto& one : registrations)
     if (one && one->solved_with_faces) sigma = std::max(sigma, one->faces->disagreement_m);
   return sigma;
+}
+
+// What a scan's own registration knows of its pose. Where the faces are right as they are, ICP's covariance,
+// which covers all that lies within centimetres of them, lets neighbours' planes lead a well-placed scan
+// away.
+std::array<double, 36> prior_of(const ScanRegistration& one, const stages::ModelShapes& model) {
+  if (one.faces && one.faces->agree && !one.solved_with_faces && one.world_from_scan().scale == 1)
+    if (const auto exact = stages::covariance_on_exact_faces(one.evidence, model, one.world_from_scan()))
+      return *exact;
+  return one.icp.covariance;
 }
 
 Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& ids) {
@@ -134,12 +145,14 @@ void NeighbourRegistration::refine(Registrations& registrations) {
   std::vector<std::size_t> index;
   std::vector<stages::JointScan> scans;
   std::vector<std::string> ids;
+  stages::ModelShapes faces;
+  if (model_ != nullptr) faces = stages::measure_model(*model_);
   for (std::size_t i = 0; i < products_.size(); ++i) {
     if (!registrations[i]) continue;
     const ScanRegistration& one = *registrations[i];
     stages::JointScan scan{
         &one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
-    if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = one.icp.covariance;
+    if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = prior_of(one, faces);
     scans.push_back(scan);
     index.push_back(i);
     ids.push_back(products_[i].id);

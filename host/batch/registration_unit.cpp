@@ -1,5 +1,6 @@
 #include "batch/registration_unit.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -127,6 +128,21 @@ bool may_solve_faces(const StageOptions& options) {
          !options.icp.free_scale;
 }
 
+// Below this share of the planar area within centimetres of a face ICP has found nothing to hold on to.
+constexpr double kLeastOverlap = 0.001;
+
+void check_overlap(const PolygonModel& model, const ScanRegistration& result) {
+  if (result.icp.overlap >= kLeastOverlap) return;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : model.vertices) box.extend(vertex);
+  fail_input(
+      "registration: from its start no plane of the scan comes to lie on a face of the model that looks its "
+      "way; the model is {:.4g} m across, the scan's planes lie {:.4g} m away on average: check the model's "
+      "unit (unit in [model]), that it is not mirrored (faces counter-clockwise seen from the scanner), and "
+      "the pose or landmarks; fixed = true keeps a given pose as it is",
+      box.diagonal().norm(), result.evidence.reach_m);
+}
+
 stages::FaceOffsets faces_under(const PolygonModel& model, const StageOptions& options,
                                 const ScanProduct& product, const ScanRegistration& registration) {
   auto faces = stages::measure_face_offsets(product.segmentation, registration.evidence, model,
@@ -171,6 +187,7 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
     return result;
   }
   refine_to_model(queue, model, options, product, result);
+  check_overlap(model, result);
   if (!result.icp.converged)
     log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
   return result;

@@ -240,6 +240,20 @@ std::vector<SceneCase> scene_cases() {
        3,
        {"scan s: landmark 1 (line 9): pixel [1, 99999]: outside the range image"}},
 
+      {"nan_pose",
+       instead("1.61, 0, 1", "nan, 0, 1"),
+       4,
+       {"scene.toml:9: ", "pose: expected 16 finite numbers"}},
+      {"model_in_millimetres",
+       [](const fs::path& folder) {
+         io::write_text(folder / "proxy.obj",
+                        "v 0 0 0\nv 4000 0 0\nv 0 3000 0\nv 4000 3000 0\nv 0 0 2500\nv 4000 0 2500\n"
+                        "v 0 3000 2500\nv 4000 3000 2500\n"
+                        "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n");
+       },
+       3,
+       {"scan s: registration: from its start no plane", "the model is 5590 m across", "unit in [model]"}},
+
       // Files that the scene names: absent, of another kind, in circles.
       {"scan_missing", instead("\"s.ply\"", "\"t.ply\""), 4, {"scan s: ", "t.ply: no such file"}},
       {"scan_is_the_scene", instead("\"s.ply\"", "\"scene.toml\""), 4, {"scan s: ", "expected a scan as"}},

@@ -17,7 +17,29 @@ TEST_F(PerfectRoom, a_slightly_moved_pose_is_not_wrong) {
   results.scans[0].world_from_scan.translation.x() += 0.01;
   const auto marks = marks_of(results);
   EXPECT_NEAR(marks["scans"][0]["pose"]["translation_mm"], 10, 1e-6);
-  expect_others_hold(marks, {"/scans/0/pose/translation_mm"});
+  // Both give way: of 10 mm each keeps a half, less what a turn about the middle takes.
+  const auto& fit = marks["registration"]["after_common_fit"];
+  EXPECT_GT(fit["place_rms_mm"], 2);
+  EXPECT_LE(fit["place_rms_mm"], 5 + 1e-6);
+  EXPECT_NEAR(fit["moved_mm"], 5, 0.1);
+  expect_others_hold(marks, {"/scans/0/pose/translation_mm", "/registration/after_common_fit/*"});
+}
+
+TEST_F(PerfectRoom, a_motion_of_all_scans_is_no_error_among_them) {
+  Results results = perfect();
+  const auto turn = Eigen::AngleAxisd(0.3 * M_PI / 180, score::Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  for (auto& scan : results.scans) {
+    scan.world_from_scan.rotation = turn * scan.world_from_scan.rotation;
+    scan.world_from_scan.translation =
+        turn * scan.world_from_scan.translation + score::Vec3(0.01, 0.02, 0.02);
+  }
+  const auto marks = marks_of(results);
+  const auto& fit = marks["registration"]["after_common_fit"];
+  EXPECT_EQ(fit["scans"], 2);
+  EXPECT_NEAR(fit["place_rms_mm"], 0, 1e-6);
+  EXPECT_NEAR(fit["rotation_rms_deg"], 0, 1e-6);
+  EXPECT_NEAR(fit["moved_deg"], 0.3, 1e-6);
+  EXPECT_GT(marks["scans"][0]["pose"]["translation_mm"], 10);
 }
 
 TEST_F(PerfectRoom, a_turned_pose_is_off_in_degrees) {
@@ -26,6 +48,9 @@ TEST_F(PerfectRoom, a_turned_pose_is_off_in_degrees) {
   rotation = Eigen::AngleAxisd(M_PI / 180, score::Vec3(1, 2, 3).normalized()).toRotationMatrix() * rotation;
   const auto marks = marks_of(results);
   EXPECT_NEAR(marks["scans"][1]["pose"]["rotation_deg"], 1, 1e-9);
+  // Half of it each, were it not for the places.
+  EXPECT_GT(marks["registration"]["after_common_fit"]["rotation_largest_deg"], 0.5);
+  EXPECT_LT(marks["registration"]["after_common_fit"]["rotation_rms_deg"], 0.7);
   expect_others_hold(marks, {"/scans/1/pose/rotation_deg", "/scans/1/pose/wrong", "/registration/*"});
 }
 
@@ -47,6 +72,7 @@ TEST_F(PerfectRoom, an_abstained_pose_is_counted_apart_and_never_wrong) {
   EXPECT_EQ(marks["registration"]["abstained"], 1);
   EXPECT_EQ(marks["registration"]["right"], 1);
   EXPECT_EQ(marks["registration"]["wrong"], 0);
+  EXPECT_TRUE(marks["registration"]["after_common_fit"].is_null());  // one pose alone
   expect_others_hold(marks, {"/scans/0/pose/translation_mm", "/scans/0/pose/status", "/registration/*"});
 }
 

@@ -94,9 +94,19 @@ Json openings_json(const OpeningScore& score) {
           {"wrongly_reported_m2", or_null(score.wrongly_reported_m2)}};
 }
 
-Json registration_json(const std::vector<ScanScore>& scans) {
+Json common_fit_json(const CommonFit& fit) {
+  return {{"scans", fit.scans},
+          {"place_rms_mm", fit.place_rms_mm},
+          {"rotation_rms_deg", fit.rotation_rms_deg},
+          {"place_largest_mm", fit.place_largest_mm},
+          {"rotation_largest_deg", fit.rotation_largest_deg},
+          {"moved_mm", fit.moved_mm},
+          {"moved_deg", fit.moved_deg}};
+}
+
+Json registration_json(const SceneScore& score) {
   int accepted = 0, abstained = 0, wrong = 0, none = 0;
-  for (const ScanScore& scan : scans) {
+  for (const ScanScore& scan : score.scans) {
     if (!scan.pose)
       ++none;
     else if (!scan.pose->accepted)
@@ -104,7 +114,11 @@ Json registration_json(const std::vector<ScanScore>& scans) {
     else
       ++(scan.pose->wrong ? wrong : accepted);
   }
-  return {{"right", accepted}, {"wrong", wrong}, {"abstained", abstained}, {"no_result", none}};
+  return {{"right", accepted},
+          {"wrong", wrong},
+          {"abstained", abstained},
+          {"no_result", none},
+          {"after_common_fit", score.common_fit ? common_fit_json(*score.common_fit) : Json()}};
 }
 
 }  // namespace
@@ -149,7 +163,7 @@ Json scene_json(const SceneScore& score, const ScoreOptions& options) {
           {"wrong_beyond",
            {{"deg", options.limits.deg}, {"mm", options.limits.mm}, {"scale", options.limits.scale}}},
           {"scans", scans},
-          {"registration", registration_json(score.scans)},
+          {"registration", registration_json(score)},
           {"views", views},
           {"openings", score.openings ? openings_json(*score.openings) : Json()},
           {"not_in_these_results", score.absent}};

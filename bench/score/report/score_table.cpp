@@ -64,9 +64,9 @@ std::string hoover_table(const std::string& id, const PlaneScore& score) {
   return text;
 }
 
-std::string poses_table(const std::vector<ScanScore>& scans) {
+std::string poses_table(const SceneScore& score) {
   std::vector<Row> rows = {{"scan", "status", "rotation deg", "place mm", "scale"}};
-  for (const ScanScore& scan : scans) {
+  for (const ScanScore& scan : score.scans) {
     if (!scan.pose) continue;
     const PoseScore& pose = *scan.pose;
     rows.push_back({scan.id,
@@ -76,7 +76,15 @@ std::string poses_table(const std::vector<ScanScore>& scans) {
                     fmt::format("{:.5f}", pose.rotation_deg), fmt::format("{:.3f}", pose.translation_mm),
                     fmt::format("{:+.1e}", pose.scale_error)});
   }
-  return rows.size() > 1 ? aligned("registration", rows) : "";
+  if (rows.size() == 1) return "";
+  std::string text = aligned("registration", rows);
+  if (const auto& fit = score.common_fit)
+    text += fmt::format(
+        "  after one common rigid motion ({:.3f} mm, {:.5f} deg) of {} scans: rms {:.3f} mm, {:.5f} deg; "
+        "largest {:.3f} mm, {:.5f} deg\n\n",
+        fit->moved_mm, fit->moved_deg, fit->scans, fit->place_rms_mm, fit->rotation_rms_deg,
+        fit->place_largest_mm, fit->rotation_largest_deg);
+  return text;
 }
 
 std::string decimation_table(const std::vector<ScanScore>& scans) {
@@ -143,8 +151,8 @@ std::string scene_table(const SceneScore& score) {
   for (const ScanScore& scan : score.scans)
     if (scan.planes) labelled.emplace_back(scan.id, &*scan.planes);
   std::string text = fmt::format("against the truth of {}\n\n", score.title);
-  text += planes_table(labelled) + poses_table(score.scans) + decimation_table(score.scans) +
-          views_table(score.views);
+  text +=
+      planes_table(labelled) + poses_table(score) + decimation_table(score.scans) + views_table(score.views);
   if (score.openings) text += openings_table(*score.openings);
   if (!score.absent.empty()) {
     text += "not in these results:";

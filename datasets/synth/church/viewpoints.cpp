@@ -71,6 +71,15 @@ void place_church_viewpoints(World& world, const Plan& plan, const Options& opti
   world.scanners = {scanner("front", 0, {-1.2, -7.2, 1.6}, false, options.seed),
                     scanner("nave", 1, {0.15, from + 1.6, plan.floor + 1.6}, false, options.seed),
                     scanner("chancel", 2, {-0.2, to - 4.3, plan.floor + 1.6}, true, options.seed)};
+  // Where a survey would go next: before the door, which ties outside and inside together; the corner, which
+  // sees front and side wall; an aisle, which sees the other through the arcades.
+  const double aisle = (plan.arcade + plan.arcade_thick / 2 + plan.half_width) / 2;
+  const std::vector<ScannerPose> more = {
+      scanner("porch", 3, {0.45, -1.4, 1.6}, false, options.seed),
+      scanner("corner", 4, {plan.outer_half() + 4.5, -4.5, 1.6}, false, options.seed),
+      scanner("aisle", 5, {aisle, from + 0.45 * plan.length, plan.floor + 1.6}, true, options.seed)};
+  for (std::size_t k = world.scanners.size(); k < static_cast<std::size_t>(options.scans); ++k)
+    world.scanners.push_back(more.at(k - 3));
   const Vec3 eye(-4.6, -11.5, 1.9), target(0.5, 0, 4.7);
   const Vec3 nave(-0.4, from + 0.9, 2.2), altar(0.3, to, 2.8);
   const std::string out = world.photographs[1].name, in = world.photographs[4].name;
