@@ -12,10 +12,6 @@ namespace {
 // rounding.
 constexpr float kFaceTolerance_m = 1e-3f;
 
-std::uint32_t blend_mode(const RenderOptions& options) {
-  return options.blend == "nearest" ? BLEND_NEAREST : options.blend == "linear" ? BLEND_LINEAR : BLEND_DUAL;
-}
-
 // Photographs remembered per point: the k best and the one whose penalty ends them.
 std::size_t kept_photographs(const RenderOptions& options) {
   return options.weights == "ulr" ? static_cast<std::size_t>(options.ulr_k) + 1 : 0;
@@ -32,8 +28,9 @@ void fill(device::Queue& queue, device::Array<T>& array, std::size_t count, T va
 PhotoBlend::PhotoBlend(device::Queue& queue, const RenderOptions& options, std::size_t capacity)
     : queue_(queue),
       options_(options),
+      mode_(blend_mode(options)),
       kept_(kept_photographs(options)),
-      sums_(queue.array<float>(BLEND_PLANES * capacity)),
+      sums_(queue.array<float>(blend_planes(mode_) * capacity)),
       colour_(queue.array<float>(3 * capacity)),
       penalty_(queue.array<float>(kept_ * capacity)),
       seen_(queue.array<std::uint32_t>(capacity)),
@@ -44,7 +41,7 @@ PhotoBlend::PhotoBlend(device::Queue& queue, const RenderOptions& options, std::
 void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const DeviceBvh& everything,
                        const SurfaceTile& tile, const PhotoBlendView& view,
                        const std::vector<std::size_t>& used) {
-  fill(queue_, sums_, BLEND_PLANES * tile.count(), 0.0f);
+  fill(queue_, sums_, blend_planes(mode_) * tile.count(), 0.0f);
   fill(queue_, seen_, tile.count(), std::uint32_t{0});
   fill(queue_, best_, tile.count(), std::int32_t{-1});
   if (kept_ > 0) {
@@ -59,7 +56,7 @@ void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const
     else
       add(store, index, photograph, occluders, tile, view);
   }
-  const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), blend_mode(options_), {}};
+  const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), mode_.mode, mode_.bands, 0};
   queue_.launch("resolve_blend", queue_.kernel("resolve_blend"), device::grid(tile.count()), resolve,
                 tile.surface, sums_, seen_, colour_);
 }
@@ -72,7 +69,7 @@ void PhotoBlend::add(PhotographStore& store, std::size_t index, const Photograph
   params.pixel_rad = view.pixel_rad;
   params.cols = tile.cols;
   params.rows = tile.rows;
-  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
+  params.mix = mode_;
   params.photograph = static_cast<int>(index);
   params.feather_px = static_cast<float>(options_.feather_px);
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
@@ -111,7 +108,7 @@ void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
   params.camera = photograph.camera;
   params.cols = tile.cols;
   params.rows = tile.rows;
-  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
+  params.mix = mode_;
   params.photograph = static_cast<int>(index);
   params.kept = static_cast<std::uint32_t>(kept_);
   params.feather_px = static_cast<float>(options_.feather_px);

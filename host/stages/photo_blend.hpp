@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "device/queue.hpp"
+#include "stages/blend_bands.hpp"
 #include "stages/photograph_store.hpp"
 #include "stages/render_geometry.hpp"
 
@@ -42,6 +43,7 @@ class PhotoBlend {
 
   device::Queue& queue_;
   RenderOptions options_;
+  BlendMode mode_;
   std::size_t kept_;  // photographs remembered per point; 0 where weights need no ranks
   device::Array<float> sums_, colour_, penalty_;
   device::Array<std::uint32_t> seen_;

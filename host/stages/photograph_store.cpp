@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
 #include "shared/params_blur_photo.h"
+#include "stages/blend_bands.hpp"
 #include "stages/render_geometry.hpp"
 
 namespace hybrid::stages {
@@ -77,7 +78,7 @@ PhotographStore::PhotographStore(device::Queue& queue, const RenderScene& scene,
       scene_(scene),
       options_(options),
       origin_(origin),
-      low_bands_(low_bands),
+      sigmas_(low_bands ? band_sigmas(options) : std::vector<double>()),
       budget_bytes_(budget_bytes.value_or(queue.device().global_memory_bytes / 2)) {
   check(scene);
   set_gains(std::vector<std::array<double, 3>>(scene.photographs.size(), {1, 1, 1}));
@@ -93,7 +94,7 @@ void PhotographStore::set_gains(const std::vector<std::array<double, 3>>& gains)
 std::size_t PhotographStore::bytes(std::size_t index) const {
   const Image8& image = scene_.photograph_pixels[index];
   return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
-         (low_bands_ ? 12 : 4);
+         (4 + 8 * sigmas_.size());
 }
 
 CameraRecord PhotographStore::camera(std::size_t index) const {
@@ -121,7 +122,7 @@ const PhotographStore::Entry& PhotographStore::get(std::size_t index, const Devi
 PhotographStore::Entry PhotographStore::load(std::size_t index, const DeviceBvh& everything) {
   Entry entry{camera(index), queue_.array(rgba(scene_.photograph_pixels[index])),
               queue_.array<std::uint16_t>(0)};
-  if (low_bands_) blur(entry, index, everything);
+  if (!sigmas_.empty()) blur(entry, index, everything);
   return entry;
 }
 
@@ -129,25 +130,28 @@ void PhotographStore::blur(Entry& entry, std::size_t index, const DeviceBvh& eve
   const std::size_t width = entry.camera.width, height = entry.camera.height;
   const DistanceMap map = cast_distances(queue_, everything, entry.camera, options_.surface_tolerance_m);
   const auto rows = queue_.array<std::uint16_t>(4 * width * height);
-  entry.low = queue_.array<std::uint16_t>(4 * width * height);
-  const std::vector<float> gaussian = gaussian_weights(options_.sigma_px);
-  const auto weights = queue_.array(gaussian);
-  BlurPhotoParams params{};
-  params.width = entry.camera.width;
-  params.height = entry.camera.height;
-  params.radius = static_cast<std::uint32_t>(gaussian.size() - 1);
-  params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
-  params.slope = kSteepestSlope;
-  params.pixel_rad = pixel_rad(index);
+  entry.low = queue_.array<std::uint16_t>(4 * width * height * sigmas_.size());
   const auto& kernel = queue_.kernel(
       "blur_photo",
       {{"BLUR_FLAGS", static_cast<int>(entry.camera.flags & (CAMERA_WRAPS | CAMERA_HAS_MASK))}});
-  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low,
-                linear_[index], weights, map.distance, map.id, rows);
-  params.vertical = 1;
-  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, rows, linear_[index],
-                weights, map.distance, map.id, entry.low);
-  queue_.finish();  // the arrays of this scope are in use until then
+  for (std::size_t band = 0; band < sigmas_.size(); ++band) {
+    const std::vector<float> gaussian = gaussian_weights(sigmas_[band]);
+    const auto weights = queue_.array(gaussian);
+    BlurPhotoParams params{};
+    params.width = entry.camera.width;
+    params.height = entry.camera.height;
+    params.radius = static_cast<std::uint32_t>(gaussian.size() - 1);
+    params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
+    params.slope = kSteepestSlope;
+    params.pixel_rad = pixel_rad(index);
+    queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low,
+                  linear_[index], weights, map.distance, map.id, rows);
+    params.vertical = 1;
+    params.first = static_cast<std::uint32_t>(band * width * height);
+    queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, rows,
+                  linear_[index], weights, map.distance, map.id, entry.low);
+    queue_.finish();  // the arrays of this scope are in use until then
+  }
 }
 
 }  // namespace hybrid::stages

@@ -18,7 +18,8 @@ class PhotographStore {
   struct Entry {
     CameraRecord camera;                 // relative to the local origin
     device::Array<std::uint8_t> pixels;  // RGBA, sRGB; alpha 0: no photograph
-    device::Array<std::uint16_t> low;  // half x 4: the low band, linear light; empty unless it was asked for
+    device::Array<std::uint16_t> low;  // half x 4, linear light: an image per Gaussian of band_sigmas(), one
+                                       // after the other; empty unless they were asked for
   };
 
   // `everything`: the geometry whose visibility edges the low band respects. Scene and geometry must outlive
@@ -47,7 +48,7 @@ class PhotographStore {
   const RenderScene& scene_;
   RenderOptions options_;
   Vec3 origin_;
-  bool low_bands_;
+  std::vector<double> sigmas_;
   std::vector<device::Array<float>> linear_;
   std::vector<std::optional<Entry>> resident_;
   std::vector<bool> masked_;  // some of its pixels are none

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
+#include "stages/blend_bands.hpp"
 #include "stages/equalise.hpp"
 #include "stages/photo_blend.hpp"
 #include "stages/render_state.hpp"
@@ -210,8 +211,10 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        &O::blend,
        0,
        0,
-       "how photographs mix: the heaviest alone, all by weight, or all in the low band",
-       {"nearest", "linear", "dual"}},
+       "how photographs mix: the heaviest alone, all by weight, all in the low band, or in each band the "
+       "wider "
+       "the coarser it is",
+       {"nearest", "linear", "dual", "multi-band"}},
       {"weights",
        "",
        &O::weights,
@@ -239,14 +242,16 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        &O::sigma_px,
        0,
        50,
-       "Gaussian that splits photographs into low and high frequencies",
+       "Gaussian that splits photographs into low and high frequencies; the narrowest of multi-band",
        {}},
+      {"bands", "", &O::bands, 2, BLEND_MAX_BANDS, "blend = multi-band: frequency bands, each an octave", {}},
       {"high_power",
        "",
        &O::high_power,
        1,
        64,
-       "blend = dual: exponent of the weights in the high band; 1 is linear, 64 nearly the heaviest alone",
+       "exponent of the weights in the highest band of dual and multi-band; 1 is linear, 64 nearly the "
+       "heaviest alone",
        {}},
       {"feather_px",
        "px",
@@ -281,7 +286,7 @@ RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOpt
       options(o),
       origin(scene_box(s).isEmpty() ? Vec3(Vec3::Zero()) : Vec3(scene_box(s).center())),
       diagonal_m(scene_box(s).isEmpty() ? 1.0 : scene_box(s).diagonal().norm()),
-      store(q, s, o, origin, o.blend == "dual") {}
+      store(q, s, o, origin, !band_sigmas(o).empty()) {}
 
 const DeviceBvh& RenderState::geometry(const std::string& show) {
   std::string built = show;

@@ -17,15 +17,16 @@
 namespace hybrid::stages {
 
 struct RenderOptions {
-  std::string blend = "dual";      // "nearest" | "linear" | "dual"
+  std::string blend = "dual";      // "nearest" | "linear" | "dual" | "multi-band"
   std::string weights = "ulr";     // "angle" (Facade) | "ulr" (unstructured lumigraph)
   int ulr_k = 3;                   // photographs that mix in a pixel; the next one's penalty ends them
   double ulr_resolution = 0.05;    // penalty, rad, per time that a photograph is coarser than the view
   double ulr_field_of_view = 0.1;  // penalty, rad, at a photograph's border
   double sigma_px = 4;             // Gaussian that splits photographs into low and high frequencies
-  int high_power =
-      4;  // exponent of the weights in the high band: 1 as in the low band, 64 the heaviest alone
-  double feather_px = 32;             // weights fall to 0 over this distance to a photograph's border
+  int bands = 4;           // blend = "multi-band": of them, split by Gaussians of sigma_px, 2 sigma_px, ...
+  int high_power = 4;      // exponent of the weights in the highest band: 1 as in the lowest, 64 the heaviest
+                           // alone; of multi-band's others geometrically in between
+  double feather_px = 32;  // weights fall to 0 over this distance to a photograph's border
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
