@@ -1,6 +1,8 @@
 #include "stages/photo_blend.hpp"
 
 #include <limits>
+#include <set>
+#include <span>
 
 #include "shared/params_blend_photos.h"
 #include "shared/params_rank_photos.h"
@@ -49,7 +51,7 @@ void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const
     fill(queue_, ranked_, kept_ * tile.count(), std::int32_t{-1});
     for (std::size_t index : used) rank(store, index, occluders, everything, tile, view);
   }
-  for (std::size_t index : used) {
+  for (std::size_t index : kept_ > 0 ? ranked_photographs(tile.count()) : used) {
     const PhotographStore::Entry& photograph = store.get(index, everything);
     if (kept_ > 0)
       add_ranked(store, index, photograph, tile, view);
@@ -59,6 +61,17 @@ void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const
   const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), mode_.mode, mode_.bands, 0};
   queue_.launch("resolve_blend", queue_.kernel("resolve_blend"), device::grid(tile.count()), resolve,
                 tile.surface, sums_, seen_, colour_);
+}
+
+// Those that some point remembers: no other has to be on the device.
+std::vector<std::size_t> PhotoBlend::ranked_photographs(std::size_t points) {
+  std::vector<std::int32_t> ranked(kept_ * points);
+  queue_.read(ranked_, std::span<std::int32_t>(ranked));
+  std::set<std::int32_t> found;
+  std::int32_t last = -1;
+  for (const std::int32_t index : ranked)
+    if (index != last && index >= 0) found.insert(last = index);
+  return {found.begin(), found.end()};
 }
 
 void PhotoBlend::add(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
@@ -71,7 +84,7 @@ void PhotoBlend::add(PhotographStore& store, std::size_t index, const Photograph
   params.rows = tile.rows;
   params.mix = mode_;
   params.photograph = static_cast<int>(index);
-  params.feather_px = static_cast<float>(options_.feather_px);
+  params.feather_px = photograph.pixel_scale * static_cast<float>(options_.feather_px);
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.root;
@@ -111,7 +124,7 @@ void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
   params.mix = mode_;
   params.photograph = static_cast<int>(index);
   params.kept = static_cast<std::uint32_t>(kept_);
-  params.feather_px = static_cast<float>(options_.feather_px);
+  params.feather_px = photograph.pixel_scale * static_cast<float>(options_.feather_px);
   params.pixel_rad = view.pixel_rad;
   launch("blend_ranked", tile, params, tile.surface, penalty_, ranked_, photograph.pixels, photograph.low,
          store.linear(index), sums_, best_);

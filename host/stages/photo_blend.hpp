@@ -36,6 +36,7 @@ class PhotoBlend {
            const DeviceBvh& occluders, const SurfaceTile& tile, const PhotoBlendView& view);
   void rank(PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
             const DeviceBvh& everything, const SurfaceTile& tile, const PhotoBlendView& view);
+  std::vector<std::size_t> ranked_photographs(std::size_t points);
   void add_ranked(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
                   const SurfaceTile& tile, const PhotoBlendView& view);
   template <typename... Args>

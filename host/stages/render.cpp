@@ -10,6 +10,7 @@
 #include "stages/blend_bands.hpp"
 #include "stages/equalise.hpp"
 #include "stages/photo_blend.hpp"
+#include "stages/photograph_levels.hpp"
 #include "stages/render_state.hpp"
 
 namespace hybrid::stages {
@@ -274,6 +275,21 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        0,
        "multiply each photograph's channels so that photographs agree where they overlap",
        {}},
+      {"levels",
+       "",
+       &O::levels,
+       0,
+       0,
+       "halve photographs that are finer than a view, as often as they are: less memory, nothing flickers",
+       {}},
+      {"photograph_mb",
+       "MiB",
+       &O::photograph_mb,
+       16,
+       1 << 20,
+       "memory for photographs on the device, and a quarter of it for decoded ones; more stay only where one "
+       "alone needs it",
+       {}},
       {"samples_per_axis", "", &O::samples_per_axis, 1, 8, "primary rays per pixel, squared", {}},
       {"tile", "px", &O::tile, 16, 8192, "side of what is rendered at once; smaller needs less memory", {}},
   };
@@ -321,6 +337,7 @@ RenderedView Renderer::render(const ViewRequest& request) {
   const auto capacity = static_cast<std::size_t>(std::min(side, camera.width)) *
                         static_cast<std::size_t>(std::min(side, camera.height));
   ViewPass pass(*state_, request, capacity);
+  if (request.texture) state_->store.use_levels(photograph_levels(*state_, pass.shown, request.camera));
   RenderedView view = empty_view(camera);
   const int n = state_->options.samples_per_axis;
   for (const Tile& tile : make_tiles(camera.height, camera.width, side))

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,8 @@ struct RenderOptions {
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
   bool equalise = false;     // gains per photograph and channel that make the photographs' overlaps agree
+  bool levels = true;        // photographs finer than the view are halved first, as often as they are
+  int photograph_mb = 4096;  // memory for photographs on the device; changes no result
   int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
   int tile = 1024;           // side in pixels of what is rendered at once; changes no result
 };
@@ -51,10 +54,16 @@ struct RenderScene {
   PolygonModel contours;                    // of superclusters that no proxy face explains (METHOD 10)
   std::vector<std::uint32_t> contour_scan;  // per face of `contours`: index of its scan
   std::vector<Splat> splats;
+  std::vector<Vec3> scanners;  // where scans were made from
   std::vector<Photograph> photographs;
   std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph; alpha 0: masked, not
                                           // part of the photograph
+  // Gives the pixels of those whose image above has an extent and no pixels (RGB only), each time they are
+  // asked for: photographs that do not fit in memory all together.
+  std::function<std::shared_ptr<const Image8>(std::size_t index)> decode;
 };
+// The pixels of a photograph, wherever they are; the scene must outlive them.
+std::shared_ptr<const Image8> photograph_image(const RenderScene& scene, std::size_t index);
 
 struct ViewRequest {
   Photograph camera;          // full camera, distortion included
