@@ -263,8 +263,8 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
       std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
   if (view.texture && !view.photograph.empty() && left_out) {
     const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
-    const auto pixels = photographs.pixels->get(index);
-    const Image8& photograph = *pixels;
+    const auto image = photographs.pixels->get(index);
+    const Image8& photograph = *image;
     const auto mask = compared_mask(rendered, photograph);
     const auto quality = stages::compare_images(rendered.colour, photograph, mask);
     figures["left_out"] = {{"photograph", view.photograph},
