@@ -1,20 +1,22 @@
 // Adds one photograph to the colours of surface points: view-dependent projection of photographs (METHOD 10;
-// weights of Facade: Debevec, Taylor, Malik 1996; two frequency bands, the paper's reference 13).
-// A photograph sees point X when X projects inside it, the surface faces it and the ray from its centre to X
-// meets nothing before X (lib/photo_packet.h). Its weight is feather / (angle + one pixel), the angle between
-// the rays from X to the eye and to the photograph's centre. The host launches this once per photograph, in
-// index order, so their number has no limit; resolve_blend makes the colours.
+// weights of Facade: Debevec, Taylor, Malik 1996; two frequency bands, the paper's reference 13; more of
+// them: Burt and Adelson 1983, whose transitions are as wide as the band is coarse: here by a power of the
+// weights). A photograph sees point X when X projects inside it, the surface faces it and the ray from its
+// centre to X meets nothing before X (lib/photo_packet.h). Its weight is feather / (angle + one pixel), the
+// angle between the rays from X to the eye and to the photograph's centre. The host launches this once per
+// photograph, in index order, so their number has no limit; resolve_blend makes the colours.
 //
 // Mapping: one work-item per packet of VW points, as in ray_cast.cl.
 //
 // in: the tree; surface[SURFACE_PLANES * cols * rows] as ray_cast writes it (x NaN = no surface; radius > 0:
 // a splat with a known normal, < 0: one without, which faces everything, 0: a face);
 // photo[4 * width * height]: sRGB bytes, the fourth 0 where the photograph's mask says so (CAMERA_HAS_MASK):
-// what lies there is not seen; low[4 * width * height]: half, linear light (BLEND_DUAL only);
+// what lies there is not seen; low[4 * width * height * (bands - 1)]: half, linear light, an image per
+// Gaussian, the narrowest first (BLEND_BANDS only);
 // linear[3 * 256]: light of an sRGB byte, of red, green and blue: the photograph's own, gains included.
 //
-// in/out: sums[BLEND_PLANES * cols * rows]; seen[cols * rows] = photographs so far that see the point;
-// best[cols * rows] = the heaviest so far (-1 none).
+// in/out: sums[planes * cols * rows] (shared/params_blend_photos.h); seen[cols * rows] = photographs so far
+// that see the point; best[cols * rows] = the heaviest so far (-1 none).
 //
 // Defines: VW (1). Edges: a point at the photograph's very border weighs almost nothing but counts as seen.
 // Cost: 28 bytes of surface, 48 of photograph and 72 of sums per seen point, one shadow ray.
@@ -60,7 +62,7 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
     bilinear_at(&params.camera, columns[lane], rows[lane], &around);
     if (!is_photograph(&params.camera, &around, photo)) continue;
     seen[index[lane]] += 1u;
-    add_light(&around, params.mix, params.photograph, weights[lane], photo, low, linear, count, index[lane],
-              sums, best);
+    add_light(&around, params.mix, params.photograph, params.camera.width * params.camera.height,
+              weights[lane], photo, low, linear, count, index[lane], sums, best);
   }
 }

@@ -12,7 +12,7 @@
 // in: surface, penalty, ranked as rank_photos reads and leaves them; photo, low, linear as in
 // blend_photos.cl.
 //
-// in/out: sums[BLEND_PLANES * cols * rows], best[cols * rows], as in blend_photos.cl.
+// in/out: sums[planes * cols * rows], best[cols * rows], as in blend_photos.cl.
 //
 // Defines: VW (1). Edges: as in rank_photos.cl, whose visibility holds here. Cost: 12 bytes of surface,
 // 8 kept of ranks, 48 of photograph and 64 of sums per point that has the photograph. Reference twin:
@@ -68,7 +68,7 @@ kernel void blend_ranked(const BlendRankedParams params, global const float* res
     if (!(weights[lane] > 0.0f)) continue;
     Bilinear around;
     bilinear_at(&params.camera, columns[lane], rows[lane], &around);
-    add_light(&around, params.mix, params.photograph, feathers[lane] * weights[lane], photo, low, linear,
-              count, index[lane], sums, best);
+    add_light(&around, params.mix, params.photograph, params.camera.width * params.camera.height,
+              feathers[lane] * weights[lane], photo, low, linear, count, index[lane], sums, best);
   }
 }

@@ -12,8 +12,8 @@
 // camera
 // (+inf, 0: nothing).
 //
-// out: blurred[4 * width * height]: half, linear light; the fourth channel is 1, or 0 like the others where
-// there was nothing but masked pixels.
+// out: blurred[4 * width * height], from pixel `first` on: half, linear light; the fourth channel is 1, or 0
+// like the others where there was nothing but masked pixels.
 //
 // Define: BLUR_FLAGS: of the photograph's camera, CAMERA_WRAPS, CAMERA_HAS_MASK; asked per tap they cost a
 // photograph without them two thirds of its time.
@@ -71,5 +71,5 @@ kernel void blur_photo(const BlurPhotoParams params, global const uchar* restric
       sum += weights[apart] * light;
     }
   }
-  vstore_half4_rte(!kMasked || sum.w > 0.0f ? sum / sum.w : sum, centre, blurred);
+  vstore_half4_rte(!kMasked || sum.w > 0.0f ? sum / sum.w : sum, params.first + centre, blurred);
 }

@@ -1,15 +1,17 @@
 // Colours from what blend_photos summed over all photographs (METHOD 10): the weighted mean (linear), the
-// heaviest photograph (nearest), or the mean of the low bands plus the mean of the high bands, in which the
-// heaviest rules (dual). Seen by no photograph = red (1,0,0), the paper's figure 6.
+// heaviest photograph (nearest), or the mean of the lowest bands plus that of each higher one, in which the
+// heaviest rules the more the higher it is (bands). Seen by no photograph = red (1,0,0), the paper's
+// figure 6.
 //
 // Mapping: one work-item per point.
 //
-// in: sums[BLEND_PLANES * count] (shared/params_blend_photos.h), seen[count]; surface_x[count]: NaN = no
+// in: sums[planes * count] (shared/params_blend_photos.h), seen[count]; surface_x[count]: NaN = no
 // surface.
 //
-// out: colour[3 * count], linear light, interleaved; NaN where there is no surface. Dual is clamped at 0.
+// out: colour[3 * count], linear light, interleaved; NaN where there is no surface. Bands are clamped at 0.
 //
-// Cost: 44 bytes read, 12 written, 10 flops per point. Reference twin: tests/reference/resolve_blend.cpp.
+// Cost: 44 bytes read (16 more per band beyond two), 12 written, 10 flops per point. Reference twin:
+// tests/reference/resolve_blend.cpp.
 #include "shared/params_blend_photos.h"
 
 kernel void resolve_blend(const ResolveBlendParams params, global const float* restrict surface_x,
@@ -24,12 +26,17 @@ kernel void resolve_blend(const ResolveBlendParams params, global const float* r
   const float3 best = (float3)(sums[BLEND_BEST_R * count + i], sums[BLEND_BEST_G * count + i],
                                sums[BLEND_BEST_B * count + i]) /
                       sums[BLEND_BEST_SHARE * count + i];
+  float3 bands = mean + best;
+  for (uint band = 1u; params.mode == BLEND_BANDS && band + 1u < params.bands; ++band) {
+    global const float* at = sums + (size_t)(BLEND_PLANES + BLEND_BAND_PLANES * (band - 1u)) * count + i;
+    bands += (float3)(at[0], at[count], at[2u * count]) / at[3u * count];
+  }
   float3 result = (float3)(1.0f, 0.0f, 0.0f);
   if (isnan(surface_x[i]))
     result = (float3)(NAN);
   else if (seen[i] != 0u)
     result = params.mode == BLEND_NEAREST  ? best
              : params.mode == BLEND_LINEAR ? mean
-                                           : max(mean + best, (float3)(0.0f));
+                                           : max(bands, (float3)(0.0f));
   vstore3(result, i, colour);
 }

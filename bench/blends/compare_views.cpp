@@ -95,11 +95,12 @@ Json compare(const fs::path& scene_file, const std::vector<fs::path>& folders) {
         same_masks &= first == seen;
         mask[i] &= seen;
       }
+    const auto photograph = photographs.pixels->get(v);
     for (std::size_t f = 0; f < views.size(); ++f) {
-      const auto quality = stages::compare_images(views[f].colour, photographs.pixels[v], mask);
+      const auto quality = stages::compare_images(views[f].colour, *photograph, mask);
       add(rows[f], "psnr_db", quality.psnr_db);
       add(rows[f], "ssim", quality.ssim);
-      add(rows[f], "detail", detail(views[f].colour, photographs.pixels[v], mask, quality.gain[1]));
+      add(rows[f], "detail", detail(views[f].colour, *photograph, mask, quality.gain[1]));
       share += quality.share_seen;
     }
   }

@@ -80,7 +80,8 @@ void write_rib_export(stages::Renderer& renderer, const stages::RenderScene& sce
   }
   if (scene.photographs.empty()) note("scene.rib: no photographs: no projectors, everything is red");
   for (std::size_t i = 0; i < scene.photographs.size(); ++i) {
-    const auto& image = scene.photograph_pixels[i];
+    const auto pixels = stages::photograph_image(scene, i);
+    const Image8& image = *pixels;
     io::RibProjector projector{scene.photographs[i], fmt::format("slides/{:04}.tif", i),
                                fmt::format("depth/{:04}.tif", i)};
     io::write_tiff(made(projector.slide), without_alpha(image));

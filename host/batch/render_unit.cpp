@@ -132,12 +132,14 @@ std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photogr
   return files;
 }
 
-PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage) {
+PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage,
+                               std::size_t decoded_bytes) {
   PhotographSet set;
+  set.pixels = std::make_shared<KeptPhotographs>(decoded_bytes);
   if (!section.e57_files.empty()) {
     E57PhotographSet found = read_e57_photographs(section.e57_files, salvage);
     set.cameras = std::move(found.cameras);
-    set.pixels = std::move(found.pixels);
+    for (Image8& image : found.pixels) set.pixels->add(std::move(image));
     set.anchors = std::move(found.anchors);
     set.frames = std::move(found.frames);
     set.files = section.e57_files;
@@ -152,8 +154,7 @@ PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool s
   for (std::size_t i = 0; i < set.cameras.size(); ++i) {
     Photograph& photograph = set.cameras[i];
     photograph.cam_from_world = camera_in_world(photograph.cam_from_world, world_from_photographs);
-    set.pixels.push_back(
-        io::read_photograph(set.files[i], photograph.camera.width, photograph.camera.height));
+    set.pixels->add(set.files[i], photograph.camera.width, photograph.camera.height);
   }
   return set;
 }
@@ -181,13 +182,16 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
   stages::RenderScene scene;
   scene.proxy = model;
   scene.photographs = photographs.cameras;
-  scene.photograph_pixels = photographs.pixels;
+  for (std::size_t i = 0; i < photographs.pixels->count(); ++i)
+    scene.photograph_pixels.push_back(photographs.pixels->size(i));
+  scene.decode = [kept = photographs.pixels](std::size_t index) { return kept->get(index); };
   auto contours = world_contours(products, registrations);
   scene.contours = std::move(contours.model);
   scene.contour_scan = std::move(contours.scan);
   for (std::size_t i = 0; i < products.size(); ++i) {
     if (!registrations[i]) continue;
     const auto& product = products[i];
+    scene.scanners.push_back(registrations[i]->world_from_scan().translation);
     const auto splats =
         stages::make_splats(product.image, product.segmentation, product.drawn,
                             registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i));
@@ -259,7 +263,8 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
       std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
   if (view.texture && !view.photograph.empty() && left_out) {
     const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
-    const auto& photograph = photographs.pixels[index];
+    const auto image = photographs.pixels->get(index);
+    const Image8& photograph = *image;
     const auto mask = compared_mask(rendered, photograph);
     const auto quality = stages::compare_images(rendered.colour, photograph, mask);
     figures["left_out"] = {{"photograph", view.photograph},

@@ -4,16 +4,17 @@
 #include <vector>
 
 #include "batch/e57_images.hpp"
+#include "batch/kept_photographs.hpp"
 #include "batch/registration_unit.hpp"
 #include "io/scene_file.hpp"
 
 namespace hybrid::batch {
 
 // The photographs of a scene: cameras in the model's frame, pixels decoded and checked against their cameras'
-// sizes.
+// sizes; as many decoded photographs as KeptPhotographs' budget holds are in memory.
 struct PhotographSet {
   std::vector<Photograph> cameras;
-  std::vector<Image8> pixels;
+  std::shared_ptr<KeptPhotographs> pixels = std::make_shared<KeptPhotographs>();
   std::vector<std::filesystem::path> files;
   // Photographs out of E57 files, whose cameras stand in the file's frame until place_photographs.
   std::vector<E57Anchor> anchors;  // one per camera, or none
@@ -25,7 +26,8 @@ struct PhotographSet {
 std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
                                                     const std::vector<Photograph>& cameras);
 // In salvage a picture inside an E57 file that cannot be read is left out with a warning.
-PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage = false);
+PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage = false,
+                               std::size_t decoded_bytes = std::size_t{1} << 30);
 // Cameras out of E57 files into the world: by world_from_photographs where the scene file has it, else with
 // the scans (place_camera). Does nothing to other photographs.
 void place_photographs(const io::SceneFile::Photographs& section, const std::vector<PlacedScan>& scans,

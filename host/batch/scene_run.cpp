@@ -75,7 +75,9 @@ class Run {
       add_input(run_.scene.model->file);
     }
     if (run_.scene.photographs) {
-      run_.photographs = read_photographs(*run_.scene.photographs, request_.salvage);
+      run_.photographs =
+          read_photographs(*run_.scene.photographs, request_.salvage,
+                           (std::size_t{1} << 18) * static_cast<std::size_t>(options_.render.photograph_mb));
       for (const auto& file : run_.photographs.files)
         if (!is_scan_file(file)) add_input(file);
     }

@@ -60,6 +60,7 @@ Renderer::BakedChart Renderer::bake(const AtlasChart& chart, const std::vector<s
   const auto capacity = static_cast<std::size_t>(std::min(side, chart.rows)) *
                         static_cast<std::size_t>(std::min(side, chart.cols));
   SurfaceTile surface(s.queue, capacity);
+  s.store.use_levels({});
   PhotoBlend blend(s.queue, s.options, capacity);
   for (const Tile& part : make_tiles(chart.rows, chart.cols, side)) {
     surface.rows = static_cast<std::uint32_t>(part.rows);

@@ -60,6 +60,7 @@ Renderer::ColouredRange Renderer::colour_range_image(const RangeImage& image,
   const auto capacity = static_cast<std::size_t>(std::min(tile, image.rows)) *
                         static_cast<std::size_t>(std::min(tile, image.cols));
   SurfaceTile surface(s.queue, capacity);
+  s.store.use_levels({});
   PhotoBlend blend(s.queue, s.options, capacity);
   for (const Tile& part : make_tiles(image.rows, image.cols, tile)) {
     surface.rows = static_cast<std::uint32_t>(part.rows);

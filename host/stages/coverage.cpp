@@ -6,9 +6,12 @@
 #include <tuple>
 
 #include "geometry/face_frame.hpp"
+#include "stages/free_space.hpp"
 
 namespace hybrid::stages {
 namespace {
+
+constexpr double kClearance_m = 0.3;  // around a suggested camera
 
 constexpr double kMostTexels = 1e6, kFinest_m = 0.02;
 constexpr std::size_t kMostTargets = 8192;  // unseen texels that candidates are asked of
@@ -126,6 +129,17 @@ std::vector<Photograph> candidates_before(const std::vector<Place>& places, cons
   return cameras;
 }
 
+std::vector<Photograph> free_ones(Renderer& renderer, const RenderScene& scene,
+                                  const std::vector<Photograph>& candidates) {
+  std::vector<Vec3> places;
+  for (const Photograph& camera : candidates) places.push_back(camera.centre());
+  const auto free = in_free_space(renderer, scene, places, kClearance_m);
+  std::vector<Photograph> cameras;
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (free[i]) cameras.push_back(candidates[i]);
+  return cameras;
+}
+
 std::vector<NextCamera> choose(const std::vector<Photograph>& cameras, const std::vector<Texel>& targets,
                                const std::vector<std::vector<std::uint32_t>>& seen, int wanted) {
   double total = 0;
@@ -160,7 +174,8 @@ void suggest_cameras(Renderer& renderer, const RenderScene& scene, const std::ve
   Eigen::AlignedBox3d box;
   for (const Vec3& vertex : scene.proxy.vertices) box.extend(vertex);
   const double cell_m = std::max(0.5, box.diagonal().norm() / 16);
-  const auto cameras = candidates_before(places_of(targets, cell_m), like, cell_m);
+  const auto cameras =
+      free_ones(renderer, scene, candidates_before(places_of(targets, cell_m), like, cell_m));
   auto seen = renderer.seen_from(cameras, points_of(targets));
   for (std::size_t c = 0; c < cameras.size(); ++c)
     std::erase_if(seen[c], [&](std::uint32_t i) {

@@ -35,7 +35,8 @@ struct Coverage {
 // "Red means unseen" (paper figure 6), in square metres: the front of every face is sampled in a grid and
 // asked of all photographs, with proxy and scans in the way. Then cameras like the scene's, chosen one by one
 // for the area that they add (greedy): candidates stand before the unseen places at several distances and
-// angles; places that they see under more than 75 degrees do not count. The same for any number of threads.
+// angles, in free space that a scanner or a photograph has seen (in_free_space); places that they see under
+// more than 75 degrees do not count. The same for any number of threads.
 Coverage measure_coverage(Renderer& renderer, const RenderScene& scene, const CoverageOptions& options);
 
 }  // namespace hybrid::stages

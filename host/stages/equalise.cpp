@@ -135,14 +135,14 @@ std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState&
   std::vector<std::vector<Light>> lights(photographs.size());
   for (std::size_t p = 0; p < photographs.size(); ++p) {
     const double reach = coarse_factor(photographs[p], photographs.size()) / 2;
+    const auto image = photograph_image(state.scene, p);
     lights[p].resize(seen[p].size());
     parallel_for(
         seen[p].size(),
         [&](std::size_t i) {
           const auto at =
               photographs[p].camera.project(photographs[p].cam_from_world * points[seen[p][i]].position);
-          lights[p][i] =
-              at ? light_around(state.scene.photograph_pixels[p], *at, reach, linear) : Light{NAN, NAN, NAN};
+          lights[p][i] = at ? light_around(*image, *at, reach, linear) : Light{NAN, NAN, NAN};
         },
         1024);
   }

@@ -1,6 +1,8 @@
 #include "stages/photo_blend.hpp"
 
 #include <limits>
+#include <set>
+#include <span>
 
 #include "shared/params_blend_photos.h"
 #include "shared/params_rank_photos.h"
@@ -11,10 +13,6 @@ namespace {
 // Among faces a shadow ray stops only this short of the surface: their coordinates are exact but for
 // rounding.
 constexpr float kFaceTolerance_m = 1e-3f;
-
-std::uint32_t blend_mode(const RenderOptions& options) {
-  return options.blend == "nearest" ? BLEND_NEAREST : options.blend == "linear" ? BLEND_LINEAR : BLEND_DUAL;
-}
 
 // Photographs remembered per point: the k best and the one whose penalty ends them.
 std::size_t kept_photographs(const RenderOptions& options) {
@@ -32,8 +30,9 @@ void fill(device::Queue& queue, device::Array<T>& array, std::size_t count, T va
 PhotoBlend::PhotoBlend(device::Queue& queue, const RenderOptions& options, std::size_t capacity)
     : queue_(queue),
       options_(options),
+      mode_(blend_mode(options)),
       kept_(kept_photographs(options)),
-      sums_(queue.array<float>(BLEND_PLANES * capacity)),
+      sums_(queue.array<float>(blend_planes(mode_) * capacity)),
       colour_(queue.array<float>(3 * capacity)),
       penalty_(queue.array<float>(kept_ * capacity)),
       seen_(queue.array<std::uint32_t>(capacity)),
@@ -44,7 +43,7 @@ PhotoBlend::PhotoBlend(device::Queue& queue, const RenderOptions& options, std::
 void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const DeviceBvh& everything,
                        const SurfaceTile& tile, const PhotoBlendView& view,
                        const std::vector<std::size_t>& used) {
-  fill(queue_, sums_, BLEND_PLANES * tile.count(), 0.0f);
+  fill(queue_, sums_, blend_planes(mode_) * tile.count(), 0.0f);
   fill(queue_, seen_, tile.count(), std::uint32_t{0});
   fill(queue_, best_, tile.count(), std::int32_t{-1});
   if (kept_ > 0) {
@@ -52,16 +51,27 @@ void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const
     fill(queue_, ranked_, kept_ * tile.count(), std::int32_t{-1});
     for (std::size_t index : used) rank(store, index, occluders, everything, tile, view);
   }
-  for (std::size_t index : used) {
+  for (std::size_t index : kept_ > 0 ? ranked_photographs(tile.count()) : used) {
     const PhotographStore::Entry& photograph = store.get(index, everything);
     if (kept_ > 0)
       add_ranked(store, index, photograph, tile, view);
     else
       add(store, index, photograph, occluders, tile, view);
   }
-  const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), blend_mode(options_), {}};
+  const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), mode_.mode, mode_.bands, 0};
   queue_.launch("resolve_blend", queue_.kernel("resolve_blend"), device::grid(tile.count()), resolve,
                 tile.surface, sums_, seen_, colour_);
+}
+
+// Those that some point remembers: no other has to be on the device.
+std::vector<std::size_t> PhotoBlend::ranked_photographs(std::size_t points) {
+  std::vector<std::int32_t> ranked(kept_ * points);
+  queue_.read(ranked_, std::span<std::int32_t>(ranked));
+  std::set<std::int32_t> found;
+  std::int32_t last = -1;
+  for (const std::int32_t index : ranked)
+    if (index != last && index >= 0) found.insert(last = index);
+  return {found.begin(), found.end()};
 }
 
 void PhotoBlend::add(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
@@ -72,9 +82,9 @@ void PhotoBlend::add(PhotographStore& store, std::size_t index, const Photograph
   params.pixel_rad = view.pixel_rad;
   params.cols = tile.cols;
   params.rows = tile.rows;
-  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
+  params.mix = mode_;
   params.photograph = static_cast<int>(index);
-  params.feather_px = static_cast<float>(options_.feather_px);
+  params.feather_px = photograph.pixel_scale * static_cast<float>(options_.feather_px);
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.root;
@@ -111,10 +121,10 @@ void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
   params.camera = photograph.camera;
   params.cols = tile.cols;
   params.rows = tile.rows;
-  params.mix = {blend_mode(options_), static_cast<std::uint32_t>(options_.high_power)};
+  params.mix = mode_;
   params.photograph = static_cast<int>(index);
   params.kept = static_cast<std::uint32_t>(kept_);
-  params.feather_px = static_cast<float>(options_.feather_px);
+  params.feather_px = photograph.pixel_scale * static_cast<float>(options_.feather_px);
   params.pixel_rad = view.pixel_rad;
   launch("blend_ranked", tile, params, tile.surface, penalty_, ranked_, photograph.pixels, photograph.low,
          store.linear(index), sums_, best_);

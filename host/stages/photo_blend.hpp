@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "device/queue.hpp"
+#include "stages/blend_bands.hpp"
 #include "stages/photograph_store.hpp"
 #include "stages/render_geometry.hpp"
 
@@ -35,6 +36,7 @@ class PhotoBlend {
            const DeviceBvh& occluders, const SurfaceTile& tile, const PhotoBlendView& view);
   void rank(PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
             const DeviceBvh& everything, const SurfaceTile& tile, const PhotoBlendView& view);
+  std::vector<std::size_t> ranked_photographs(std::size_t points);
   void add_ranked(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
                   const SurfaceTile& tile, const PhotoBlendView& view);
   template <typename... Args>
@@ -42,6 +44,7 @@ class PhotoBlend {
 
   device::Queue& queue_;
   RenderOptions options_;
+  BlendMode mode_;
   std::size_t kept_;  // photographs remembered per point; 0 where weights need no ranks
   device::Array<float> sums_, colour_, penalty_;
   device::Array<std::uint32_t> seen_;

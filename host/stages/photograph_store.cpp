@@ -1,11 +1,14 @@
 #include "stages/photograph_store.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
 #include "shared/params_blur_photo.h"
+#include "stages/blend_bands.hpp"
+#include "stages/photograph_levels.hpp"
 #include "stages/render_geometry.hpp"
 
 namespace hybrid::stages {
@@ -63,6 +66,12 @@ std::vector<float> linear_table(const std::array<double, 3>& gains) {
 
 }  // namespace
 
+std::shared_ptr<const Image8> photograph_image(const RenderScene& scene, std::size_t index) {
+  const Image8& image = scene.photograph_pixels[index];
+  if (!image.pixels.empty() || !scene.decode) return {std::shared_ptr<const Image8>(), &image};
+  return scene.decode(index);
+}
+
 std::vector<float> gaussian_weights(double sigma_px) {
   const int radius = static_cast<int>(std::ceil(3 * sigma_px));
   std::vector<float> weights;
@@ -77,8 +86,11 @@ PhotographStore::PhotographStore(device::Queue& queue, const RenderScene& scene,
       scene_(scene),
       options_(options),
       origin_(origin),
-      low_bands_(low_bands),
-      budget_bytes_(budget_bytes.value_or(queue.device().global_memory_bytes / 2)) {
+      sigmas_(low_bands ? band_sigmas(options) : std::vector<double>()),
+      budget_bytes_(budget_bytes.value_or(
+          std::min<std::size_t>(queue.device().global_memory_bytes / 2,
+                                (std::size_t{1} << 20) * static_cast<std::size_t>(options.photograph_mb)))),
+      levels_(scene.photographs.size(), 0) {
   check(scene);
   set_gains(std::vector<std::array<double, 3>>(scene.photographs.size(), {1, 1, 1}));
   resident_.resize(scene.photographs.size());
@@ -90,10 +102,27 @@ void PhotographStore::set_gains(const std::vector<std::array<double, 3>>& gains)
   for (const auto& gain : gains) linear_.push_back(queue_.array(linear_table(gain)));
 }
 
+Photograph PhotographStore::halved(std::size_t index) const {
+  Photograph photograph = scene_.photographs[index];
+  photograph.camera = half_camera(photograph.camera, levels_[index]);
+  return photograph;
+}
+
 std::size_t PhotographStore::bytes(std::size_t index) const {
-  const Image8& image = scene_.photograph_pixels[index];
-  return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
-         (low_bands_ ? 12 : 4);
+  const Camera camera = halved(index).camera;
+  return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height) *
+         (4 + 8 * sigmas_.size());
+}
+
+void PhotographStore::use_levels(std::vector<int> levels) {
+  levels.resize(scene_.photographs.size(), 0);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (levels[i] == levels_[i]) continue;
+    if (resident_[i]) resident_bytes_ -= bytes(i);
+    resident_[i].reset();
+    if (visitor_ == i) visiting_.reset();
+  }
+  levels_ = std::move(levels);
 }
 
 CameraRecord PhotographStore::camera(std::size_t index) const {
@@ -113,15 +142,23 @@ const PhotographStore::Entry& PhotographStore::get(std::size_t index, const Devi
     resident_[index] = load(index, everything);
     return *resident_[index];
   }
+  if (visiting_ && visitor_ == index) return *visiting_;
   visiting_.reset();  // before its successor needs the memory
   visiting_ = load(index, everything);
+  visitor_ = index;
   return *visiting_;
 }
 
 PhotographStore::Entry PhotographStore::load(std::size_t index, const DeviceBvh& everything) {
-  Entry entry{camera(index), queue_.array(rgba(scene_.photograph_pixels[index])),
+  auto image = photograph_image(scene_, index);
+  for (int level = 0; level < levels_[index]; ++level)
+    image = std::make_shared<const Image8>(half_size(*image));
+  CameraRecord record = camera_record(halved(index), origin_);
+  if (masked_[index]) record.flags |= CAMERA_HAS_MASK;
+  Entry entry{record, queue_.array(rgba(*image)), std::ldexp(1.0f, -levels_[index]),
               queue_.array<std::uint16_t>(0)};
-  if (low_bands_) blur(entry, index, everything);
+  image.reset();
+  if (!sigmas_.empty()) blur(entry, index, everything);
   return entry;
 }
 
@@ -129,25 +166,28 @@ void PhotographStore::blur(Entry& entry, std::size_t index, const DeviceBvh& eve
   const std::size_t width = entry.camera.width, height = entry.camera.height;
   const DistanceMap map = cast_distances(queue_, everything, entry.camera, options_.surface_tolerance_m);
   const auto rows = queue_.array<std::uint16_t>(4 * width * height);
-  entry.low = queue_.array<std::uint16_t>(4 * width * height);
-  const std::vector<float> gaussian = gaussian_weights(options_.sigma_px);
-  const auto weights = queue_.array(gaussian);
-  BlurPhotoParams params{};
-  params.width = entry.camera.width;
-  params.height = entry.camera.height;
-  params.radius = static_cast<std::uint32_t>(gaussian.size() - 1);
-  params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
-  params.slope = kSteepestSlope;
-  params.pixel_rad = pixel_rad(index);
+  entry.low = queue_.array<std::uint16_t>(4 * width * height * sigmas_.size());
   const auto& kernel = queue_.kernel(
       "blur_photo",
       {{"BLUR_FLAGS", static_cast<int>(entry.camera.flags & (CAMERA_WRAPS | CAMERA_HAS_MASK))}});
-  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low,
-                linear_[index], weights, map.distance, map.id, rows);
-  params.vertical = 1;
-  queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, rows, linear_[index],
-                weights, map.distance, map.id, entry.low);
-  queue_.finish();  // the arrays of this scope are in use until then
+  for (std::size_t band = 0; band < sigmas_.size(); ++band) {
+    const std::vector<float> gaussian = gaussian_weights(sigmas_[band]);
+    const auto weights = queue_.array(gaussian);
+    BlurPhotoParams params{};
+    params.width = entry.camera.width;
+    params.height = entry.camera.height;
+    params.radius = static_cast<std::uint32_t>(gaussian.size() - 1);
+    params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
+    params.slope = kSteepestSlope;
+    params.pixel_rad = pixel_rad(index) / entry.pixel_scale;
+    queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, entry.low,
+                  linear_[index], weights, map.distance, map.id, rows);
+    params.vertical = 1;
+    params.first = static_cast<std::uint32_t>(band * width * height);
+    queue_.launch("blur_photo", kernel, device::grid(width, height), params, entry.pixels, rows,
+                  linear_[index], weights, map.distance, map.id, entry.low);
+    queue_.finish();  // the arrays of this scope are in use until then
+  }
 }
 
 }  // namespace hybrid::stages

@@ -7,8 +7,10 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
+#include "stages/blend_bands.hpp"
 #include "stages/equalise.hpp"
 #include "stages/photo_blend.hpp"
+#include "stages/photograph_levels.hpp"
 #include "stages/render_state.hpp"
 
 namespace hybrid::stages {
@@ -210,8 +212,10 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        &O::blend,
        0,
        0,
-       "how photographs mix: the heaviest alone, all by weight, or all in the low band",
-       {"nearest", "linear", "dual"}},
+       "how photographs mix: the heaviest alone, all by weight, all in the low band, or in each band the "
+       "wider "
+       "the coarser it is",
+       {"nearest", "linear", "dual", "multi-band"}},
       {"weights",
        "",
        &O::weights,
@@ -239,14 +243,16 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        &O::sigma_px,
        0,
        50,
-       "Gaussian that splits photographs into low and high frequencies",
+       "Gaussian that splits photographs into low and high frequencies; the narrowest of multi-band",
        {}},
+      {"bands", "", &O::bands, 2, BLEND_MAX_BANDS, "blend = multi-band: frequency bands, each an octave", {}},
       {"high_power",
        "",
        &O::high_power,
        1,
        64,
-       "blend = dual: exponent of the weights in the high band; 1 is linear, 64 nearly the heaviest alone",
+       "exponent of the weights in the highest band of dual and multi-band; 1 is linear, 64 nearly the "
+       "heaviest alone",
        {}},
       {"feather_px",
        "px",
@@ -269,6 +275,21 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        0,
        "multiply each photograph's channels so that photographs agree where they overlap",
        {}},
+      {"levels",
+       "",
+       &O::levels,
+       0,
+       0,
+       "halve photographs that are finer than a view, as often as they are: less memory, nothing flickers",
+       {}},
+      {"photograph_mb",
+       "MiB",
+       &O::photograph_mb,
+       16,
+       1 << 20,
+       "memory for photographs on the device, and a quarter of it for decoded ones; more stay only where one "
+       "alone needs it",
+       {}},
       {"samples_per_axis", "", &O::samples_per_axis, 1, 8, "primary rays per pixel, squared", {}},
       {"tile", "px", &O::tile, 16, 8192, "side of what is rendered at once; smaller needs less memory", {}},
   };
@@ -281,7 +302,7 @@ RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOpt
       options(o),
       origin(scene_box(s).isEmpty() ? Vec3(Vec3::Zero()) : Vec3(scene_box(s).center())),
       diagonal_m(scene_box(s).isEmpty() ? 1.0 : scene_box(s).diagonal().norm()),
-      store(q, s, o, origin, o.blend == "dual") {}
+      store(q, s, o, origin, !band_sigmas(o).empty()) {}
 
 const DeviceBvh& RenderState::geometry(const std::string& show) {
   std::string built = show;
@@ -316,6 +337,7 @@ RenderedView Renderer::render(const ViewRequest& request) {
   const auto capacity = static_cast<std::size_t>(std::min(side, camera.width)) *
                         static_cast<std::size_t>(std::min(side, camera.height));
   ViewPass pass(*state_, request, capacity);
+  if (request.texture) state_->store.use_levels(photograph_levels(*state_, pass.shown, request.camera));
   RenderedView view = empty_view(camera);
   const int n = state_->options.samples_per_axis;
   for (const Tile& tile : make_tiles(camera.height, camera.width, side))

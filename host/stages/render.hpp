@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,19 +18,22 @@
 namespace hybrid::stages {
 
 struct RenderOptions {
-  std::string blend = "dual";      // "nearest" | "linear" | "dual"
+  std::string blend = "dual";      // "nearest" | "linear" | "dual" | "multi-band"
   std::string weights = "ulr";     // "angle" (Facade) | "ulr" (unstructured lumigraph)
   int ulr_k = 3;                   // photographs that mix in a pixel; the next one's penalty ends them
   double ulr_resolution = 0.05;    // penalty, rad, per time that a photograph is coarser than the view
   double ulr_field_of_view = 0.1;  // penalty, rad, at a photograph's border
   double sigma_px = 4;             // Gaussian that splits photographs into low and high frequencies
-  int high_power =
-      4;  // exponent of the weights in the high band: 1 as in the low band, 64 the heaviest alone
-  double feather_px = 32;             // weights fall to 0 over this distance to a photograph's border
+  int bands = 4;           // blend = "multi-band": of them, split by Gaussians of sigma_px, 2 sigma_px, ...
+  int high_power = 4;      // exponent of the weights in the highest band: 1 as in the lowest, 64 the heaviest
+                           // alone; of multi-band's others geometrically in between
+  double feather_px = 32;  // weights fall to 0 over this distance to a photograph's border
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
   bool equalise = false;     // gains per photograph and channel that make the photographs' overlaps agree
+  bool levels = true;        // photographs finer than the view are halved first, as often as they are
+  int photograph_mb = 4096;  // memory for photographs on the device; changes no result
   int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
   int tile = 1024;           // side in pixels of what is rendered at once; changes no result
 };
@@ -50,10 +54,16 @@ struct RenderScene {
   PolygonModel contours;                    // of superclusters that no proxy face explains (METHOD 10)
   std::vector<std::uint32_t> contour_scan;  // per face of `contours`: index of its scan
   std::vector<Splat> splats;
+  std::vector<Vec3> scanners;  // where scans were made from
   std::vector<Photograph> photographs;
   std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph; alpha 0: masked, not
                                           // part of the photograph
+  // Gives the pixels of those whose image above has an extent and no pixels (RGB only), each time they are
+  // asked for: photographs that do not fit in memory all together.
+  std::function<std::shared_ptr<const Image8>(std::size_t index)> decode;
 };
+// The pixels of a photograph, wherever they are; the scene must outlive them.
+std::shared_ptr<const Image8> photograph_image(const RenderScene& scene, std::size_t index);
 
 struct ViewRequest {
   Photograph camera;          // full camera, distortion included

@@ -2,6 +2,7 @@
 #include <map>
 #include <string>
 
+#include "stages/blend_bands.hpp"
 #include "stages/photograph_store.hpp"
 #include "stages/render.hpp"
 #include "stages/render_geometry.hpp"
@@ -25,7 +26,7 @@ struct RenderState {
   const DeviceBvh& geometry(const std::string& show);
   // Whose visibility edges the low bands respect; anything when there are none.
   const DeviceBvh& everything(const DeviceBvh& shown) {
-    return options.blend == "dual" ? geometry("both") : shown;
+    return !band_sigmas(options).empty() ? geometry("both") : shown;
   }
 };
 

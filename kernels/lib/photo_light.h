@@ -65,34 +65,49 @@ static inline float whole_power(float x, uint n) {
   return power;
 }
 
-// Adds a high band to those of heavier and lighter photographs, each by (weight / heaviest)^high_power: the
-// heaviest rules, and hands over without a seam where another one becomes it. The sums are relative to the
-// heaviest so far, so that no power leaves the range of floats.
-static inline void add_high(float3 high, float weight, uint high_power, uint count, uint i,
-                            global float* sums) {
-  const float heaviest = sums[BLEND_BEST_WEIGHT * count + i];
-  const float kept = weight > heaviest ? whole_power(heaviest / weight, high_power) : 1.0f;
-  const float added = weight > heaviest ? 1.0f : whole_power(weight / heaviest, high_power);
-  global float* at = sums + BLEND_BEST_R * count + i;
-  at[0] = kept * at[0] + added * high.x;
-  at[count] = kept * at[count] + added * high.y;
-  at[2u * count] = kept * at[2u * count] + added * high.z;
+// Adds a band to those of heavier and lighter photographs, each by (weight / heaviest)^power: the heaviest
+// rules, and hands over without a seam where another one becomes it. The sums are relative to the heaviest so
+// far, so that no power leaves the range of floats. `at`: the band's red of the point.
+static inline void add_band(float3 band, float weight, float heaviest, uint power, uint count,
+                            global float* at) {
+  const float kept = weight > heaviest ? whole_power(heaviest / weight, power) : 1.0f;
+  const float added = weight > heaviest ? 1.0f : whole_power(weight / heaviest, power);
+  at[0] = kept * at[0] + added * band.x;
+  at[count] = kept * at[count] + added * band.y;
+  at[2u * count] = kept * at[2u * count] + added * band.z;
   at[3u * count] = kept * at[3u * count] + added;
 }
 
-// Adds the light that photograph number `photograph` has at a position to point i of `count`.
-static inline void add_light(const Bilinear* around, BlendMode mix, int photograph, float weight,
-                             global const uchar* photo, global const half* low, global const float* linear,
-                             uint count, uint i, global float* sums, global int* best) {
+// Splits the light into bands, adds all but the lowest, and returns that. `low` holds an image per Gaussian,
+// the narrowest first: what a Gaussian takes away is a band (Burt and Adelson 1983).
+static inline float3 add_bands(const Bilinear* around, BlendMode mix, uint photo_pixels, float3 light,
+                               float weight, global const half* low, uint count, uint i, global float* sums) {
+  const float heaviest = sums[BLEND_BEST_WEIGHT * count + i];
+  for (uint band = 0u; band + 1u < mix.bands; ++band) {
+    const float3 smooth = low_at(around, low + (size_t)4 * band * photo_pixels);
+    const uint plane = band == 0u ? BLEND_BEST_R : BLEND_PLANES + BLEND_BAND_PLANES * (band - 1u);
+    add_band(light - smooth, weight, heaviest, mix.power[band], count, sums + (size_t)plane * count + i);
+    light = smooth;
+  }
+  return light;
+}
+
+// Adds the light that photograph number `photograph`, of `photo_pixels` pixels, has at a position to point i
+// of `count`.
+static inline void add_light(const Bilinear* around, BlendMode mix, int photograph, uint photo_pixels,
+                             float weight, global const uchar* photo, global const half* low,
+                             global const float* linear, uint count, uint i, global float* sums,
+                             global int* best) {
   const float3 light = light_at(around, photo, linear);
-  const float3 smooth = mix.mode == BLEND_DUAL ? low_at(around, low) : light;
+  const float3 smooth = mix.mode == BLEND_BANDS
+                            ? add_bands(around, mix, photo_pixels, light, weight, low, count, i, sums)
+                            : light;
   sums[BLEND_SUM_R * count + i] += weight * smooth.x;
   sums[BLEND_SUM_G * count + i] += weight * smooth.y;
   sums[BLEND_SUM_B * count + i] += weight * smooth.z;
   sums[BLEND_SUM_WEIGHT * count + i] += weight;
-  if (mix.mode == BLEND_DUAL) add_high(light - smooth, weight, mix.high_power, count, i, sums);
   if (!(weight > sums[BLEND_BEST_WEIGHT * count + i])) return;
-  if (mix.mode != BLEND_DUAL) {
+  if (mix.mode != BLEND_BANDS) {
     sums[BLEND_BEST_R * count + i] = light.x;
     sums[BLEND_BEST_G * count + i] = light.y;
     sums[BLEND_BEST_B * count + i] = light.z;

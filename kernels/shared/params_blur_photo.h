@@ -9,7 +9,7 @@ typedef struct BlurPhotoParams {
   float tolerance_m;     // change of distance between neighbouring pixels that is no visibility edge ...
   float slope;           // ... plus this times the pixel's footprint, per pixel apart
   float pixel_rad;       // angle of one pixel of the photograph
-  HYBRID_UINT pad;
+  HYBRID_UINT first;     // pixel of `blurred` that the image begins at
 } BlurPhotoParams;
 LAYOUT_CHECK(BlurPhotoParams, 32);
 

@@ -29,7 +29,8 @@ typedef struct BlendRankedParams {
   HYBRID_UINT kept;  // as in RankPhotosParams
   float feather_px;
   float pixel_rad;  // angle of one pixel of the view
+  float pad[2];
 } BlendRankedParams;
-LAYOUT_CHECK(BlendRankedParams, sizeof(CameraRecord) + 32);
+LAYOUT_CHECK(BlendRankedParams, sizeof(CameraRecord) + 64);
 
 #endif

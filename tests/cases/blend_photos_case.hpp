@@ -10,6 +10,7 @@
 #include "cases/ray_cast_case.hpp"
 #include "geometry/camera.hpp"
 #include "shared/params_blend_photos.h"
+#include "stages/blend_bands.hpp"
 
 namespace hybrid::testing {
 
@@ -23,7 +24,7 @@ struct BlendPhotosCase {
   struct Photo {
     Photograph photograph;
     std::vector<std::uint8_t> pixels;  // RGBA
-    std::vector<float> low;            // 4 per pixel, multiples of 1/256: exact as half
+    std::vector<float> low;            // 4 per pixel and Gaussian, multiples of 1/256: exact as half
     bool masked = false;               // alpha 0 is no photograph
     CameraRecord record() const {
       CameraRecord camera = stages::camera_record(photograph, Vec3::Zero());
@@ -43,11 +44,12 @@ struct BlendPhotosCase {
     std::vector<float> linear;   // of an sRGB byte, per channel, times kChannelGains
     std::uint32_t cols = 0, rows = 0;
     std::array<float, 3> eye{};
-    BlendMode mix{BLEND_DUAL, 8};
+    BlendMode mix{BLEND_BANDS, 2, {8, 4, 2}};
     float pixel_rad = 0.001f;
     float feather_px = 8, tolerance_m = 0.02f, face_tolerance_m = 0.001f;
     int vector_width = 0;  // 0 = the device's
     std::size_t count() const { return std::size_t{cols} * rows; }
+    std::size_t planes() const { return stages::blend_planes(mix); }
   };
   struct Output {
     std::vector<float> sums;
@@ -61,7 +63,7 @@ struct BlendPhotosCase {
                                         input.scene.surfaces);
     const int width = input.vector_width ? input.vector_width : queue.vector_width();
     const auto surface = queue.array(input.surface), linear = queue.array(input.linear);
-    const auto sums = queue.array(std::vector<float>(BLEND_PLANES * input.count(), 0.0f));
+    const auto sums = queue.array(std::vector<float>(input.planes() * input.count(), 0.0f));
     const auto seen = queue.array(std::vector<std::uint32_t>(input.count(), 0));
     const auto best = queue.array(std::vector<std::int32_t>(input.count(), -1));
     for (std::size_t i = 0; i < input.photos.size(); ++i) {
@@ -96,8 +98,8 @@ struct BlendPhotosCase {
     const std::size_t count = got.seen.size();
     if (got.seen[i] != expected.seen[i] || got.best[i] != expected.best[i]) return false;
     const float weight = expected.sums[BLEND_SUM_WEIGHT * count + i];
-    for (std::size_t plane = 0; plane < BLEND_PLANES; ++plane) {
-      const bool relative = plane >= BLEND_BEST_R && plane <= BLEND_BEST_SHARE;
+    for (std::size_t plane = 0; plane < expected.sums.size() / count; ++plane) {
+      const bool relative = (plane >= BLEND_BEST_R && plane <= BLEND_BEST_SHARE) || plane >= BLEND_PLANES;
       const float tolerance = relative ? 1e-2f : 2e-3f * (1 + weight);
       if (!(std::abs(got.sums[plane * count + i] - expected.sums[plane * count + i]) < tolerance))
         return false;

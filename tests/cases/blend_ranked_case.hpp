@@ -26,7 +26,7 @@ struct BlendRankedCase {
     const auto surface = queue.array(blend.surface), linear = queue.array(blend.linear);
     const auto penalty = queue.array(input.ranks.penalty);
     const auto ranked = queue.array(input.ranks.photo);
-    const auto sums = queue.array(std::vector<float>(BLEND_PLANES * blend.count(), 0.0f));
+    const auto sums = queue.array(std::vector<float>(blend.planes() * blend.count(), 0.0f));
     const auto best = queue.array(std::vector<std::int32_t>(blend.count(), -1));
     for (std::size_t i = 0; i < blend.photos.size(); ++i) {
       const auto pixels = queue.array(blend.photos[i].pixels);
@@ -55,8 +55,8 @@ struct BlendRankedCase {
     const std::size_t count = got.best.size();
     if (got.best[i] != expected.best[i]) return false;
     const float weight = expected.sums[BLEND_SUM_WEIGHT * count + i];
-    for (std::size_t plane = 0; plane < BLEND_PLANES; ++plane) {
-      const bool relative = plane >= BLEND_BEST_R && plane <= BLEND_BEST_SHARE;
+    for (std::size_t plane = 0; plane < expected.sums.size() / count; ++plane) {
+      const bool relative = (plane >= BLEND_BEST_R && plane <= BLEND_BEST_SHARE) || plane >= BLEND_PLANES;
       const float tolerance = 2e-3f * (relative ? 1 : 1e-3f + weight);
       if (!(std::abs(got.sums[plane * count + i] - expected.sums[plane * count + i]) < tolerance))
         return false;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "device/queue.hpp"
@@ -21,20 +22,22 @@ struct BlurPhotoCase {
     std::vector<std::uint32_t> id;
     float tolerance_m = 0.02f, slope = 3, pixel_rad = 0.001f;
     std::uint32_t flags = 0;  // CAMERA_WRAPS, CAMERA_HAS_MASK
+    double sigma_px = 4;
+    std::uint32_t first = 0;  // pixels of `low` before the image
     std::size_t count() const { return std::size_t{width} * height; }
   };
   struct Output {
     std::vector<float> low;  // 4 per pixel
   };
 
-  static Input make(std::size_t size, std::uint32_t seed);  // reference/blur_photo.cpp
+  static Input make(std::size_t size, std::uint32_t seed, double sigma_px = 4);  // reference/blur_photo.cpp
   static Output run(device::Queue& queue, const Input& input) {
     const auto pixels = queue.array(input.pixels);
     const auto linear = queue.array(input.linear), weights = queue.array(input.weights);
     const auto distance = queue.array(input.distance);
     const auto id = queue.array(input.id);
     const auto rows = queue.array<std::uint16_t>(4 * input.count()),
-               low = queue.array<std::uint16_t>(4 * input.count());
+               low = queue.array(std::vector<std::uint16_t>(4 * (input.first + input.count()), 0));
     BlurPhotoParams params{};
     params.width = input.width;
     params.height = input.height;
@@ -46,10 +49,12 @@ struct BlurPhotoCase {
     queue.launch(kName, kernel, device::grid(input.width, input.height), params, pixels, low, linear, weights,
                  distance, id, rows);
     params.vertical = 1;
+    params.first = input.first;
     queue.launch(kName, kernel, device::grid(input.width, input.height), params, pixels, rows, linear,
                  weights, distance, id, low);
     Output out;
-    for (std::uint16_t half : queue.read(low))
+    const std::vector<std::uint16_t> halves = queue.read(low);
+    for (std::uint16_t half : std::span(halves).subspan(4 * input.first))
       out.low.push_back(static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(half)));
     return out;
   }

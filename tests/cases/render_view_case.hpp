@@ -173,7 +173,7 @@ struct BlendViewCase {
       params.pixel_rad = 0.001f;
       params.cols = at.tile.cols;
       params.rows = at.tile.rows;
-      params.mix = {BLEND_DUAL, 8};
+      params.mix = {BLEND_BANDS, 2, {8}};
       params.photograph = static_cast<int>(i);
       params.feather_px = 32;
       params.tolerance_m = 0.02f;
@@ -228,7 +228,7 @@ struct UlrViewCase {
       params.camera = input.cameras[i];
       params.cols = at.tile.cols;
       params.rows = at.tile.rows;
-      params.mix = {BLEND_DUAL, 8};
+      params.mix = {BLEND_BANDS, 2, {8}};
       params.photograph = static_cast<int>(i);
       params.kept = kKept;
       params.feather_px = 32;

@@ -105,6 +105,12 @@ TEST(Edit, says_what_no_photograph_sees_and_where_to_stand) {
   ASSERT_GE(coverage["next_cameras"].size(), 2u);
   double gained = 0, last = 1e9;
   for (const auto& camera : coverage["next_cameras"]) {
+    const auto at = camera["position"].get<std::vector<double>>();  // in the room, 30 cm off everything
+    const double room_m[3] = {4, 3, 2.5};
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_GT(at[k], 0.25);
+      EXPECT_LT(at[k], room_m[k] - 0.25);
+    }
     const double gain = camera["gained_m2"];
     EXPECT_LE(gain, last);
     last = gain;

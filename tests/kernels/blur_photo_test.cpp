@@ -19,6 +19,16 @@ TEST(BlurPhoto, agrees_with_its_reference_at_every_size) {
   }
 }
 
+TEST(BlurPhoto, a_wide_gaussian_goes_where_it_is_told_to) {
+  auto input = BlurPhotoCase::make(60 * 60, 3, 16);  // reaches over several strips and beyond the border
+  input.first = 1000;
+  const auto got = BlurPhotoCase::run(queue(), input).low;
+  const auto expected = BlurPhotoCase::reference(input).low;
+  ASSERT_EQ(got.size(), expected.size());
+  for (std::size_t i = 0; i < got.size(); ++i)
+    ASSERT_NEAR(got[i], expected[i], BlurPhotoCase::kTolerance) << i;
+}
+
 // Every seventh pixel and a block are masked; the row goes on at the other side.
 TEST(BlurPhoto, masked_pixels_are_no_taps_and_a_panorama_has_no_sides) {
   auto input = BlurPhotoCase::make(36 * 36, 3);

@@ -4,6 +4,19 @@
 #include "reference/photo_sight.hpp"
 
 namespace hybrid::testing {
+namespace {
+
+constexpr std::size_t kGaussians = 3;  // for as many bands and one more
+
+void add_noise(BlendPhotosCase::Photo& photo, std::mt19937& random) {
+  const Camera& camera = photo.photograph.camera;
+  const auto bytes = static_cast<std::size_t>(4 * camera.width * camera.height);
+  for (std::size_t i = 0; i < bytes; ++i) photo.pixels.push_back(static_cast<std::uint8_t>(random() % 256));
+  for (std::size_t i = 0; i < kGaussians * bytes; ++i)
+    photo.low.push_back(static_cast<float>(random() % 256) / 256);
+}
+
+}  // namespace
 
 BlendPhotosCase::Input BlendPhotosCase::make(std::size_t size, std::uint32_t seed) {
   Input input;
@@ -21,10 +34,7 @@ BlendPhotosCase::Input BlendPhotosCase::make(std::size_t size, std::uint32_t see
     Photo photo{look_at(eye, Vec3::Zero(), {0, 0, 1}, 50, 60, 44), {}, {}, input.photos.size() == 2};
     photo.photograph.camera.k1 = -0.1, photo.photograph.camera.k2 = 0.02;
     photo.photograph.camera.p1 = 0.003, photo.photograph.camera.p2 = -0.002;
-    for (int i = 0; i < 4 * 60 * 44; ++i) {
-      photo.pixels.push_back(static_cast<std::uint8_t>(random() % 256));
-      photo.low.push_back(static_cast<float>(random() % 256) / 256);
-    }
+    add_noise(photo, random);
     for (int i = 0; photo.masked && i < 60 * 44; ++i)
       photo.pixels[static_cast<std::size_t>(4 * i + 3)] = (i % 60) / 15 == 1 || i / 60 < 4 ? 0 : 255;
     input.photos.push_back(std::move(photo));
@@ -37,10 +47,7 @@ BlendPhotosCase::Input BlendPhotosCase::make(std::size_t size, std::uint32_t see
     camera.lens = lens;
     camera.fx = full ? 40 / M_PI : 20;
     camera.fy = full ? 40 / M_PI : 15;
-    for (int i = 0; i < 4 * camera.width * camera.height; ++i) {
-      photo.pixels.push_back(static_cast<std::uint8_t>(random() % 256));
-      photo.low.push_back(static_cast<float>(random() % 256) / 256);
-    }
+    add_noise(photo, random);
     input.photos.push_back(std::move(photo));
   }
 
@@ -63,7 +70,7 @@ BlendPhotosCase::Input BlendPhotosCase::make(std::size_t size, std::uint32_t see
 
 BlendPhotosCase::Output BlendPhotosCase::reference(const Input& input) {
   const std::size_t count = input.count();
-  Output out{std::vector<float>(BLEND_PLANES * count, 0), std::vector<std::uint32_t>(count, 0),
+  Output out{std::vector<float>(input.planes() * count, 0), std::vector<std::uint32_t>(count, 0),
              std::vector<std::int32_t>(count, -1)};
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<WeighedLight> lights;
@@ -71,7 +78,7 @@ BlendPhotosCase::Output BlendPhotosCase::reference(const Input& input) {
       if (const auto sight = photo_sight(input, j, i))
         lights.push_back({static_cast<std::int32_t>(j), sight->feather / (sight->angle + input.pixel_rad),
                           photo_light(input.photos[j], sight->pixel),
-                          photo_low(input.photos[j], sight->pixel)});
+                          photo_bands(input.photos[j], sight->pixel, input.mix)});
     out.seen[i] = static_cast<std::uint32_t>(lights.size());
     write_sums(lights, input.mix, count, i, out.sums, out.best);
   }

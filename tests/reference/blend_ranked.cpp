@@ -20,7 +20,7 @@ std::vector<double> weights(const std::vector<double>& penalties, std::size_t ke
 BlendRankedCase::Output BlendRankedCase::reference(const Input& input) {
   const auto& blend = input.rank.blend;
   const std::size_t count = blend.count();
-  Output out{std::vector<float>(BLEND_PLANES * count, 0), std::vector<std::int32_t>(count, -1)};
+  Output out{std::vector<float>(blend.planes() * count, 0), std::vector<std::int32_t>(count, -1)};
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<double> penalties;
     for (std::size_t at = i; at < input.ranks.photo.size() && input.ranks.photo[at] >= 0; at += count)
@@ -34,7 +34,7 @@ BlendRankedCase::Output BlendRankedCase::reference(const Input& input) {
       const auto sight = photo_sight(blend, static_cast<std::size_t>(photograph), i);
       if (weight[r] > 0)
         lights.push_back({photograph, sight->feather * weight[r], photo_light(photo, sight->pixel),
-                          photo_low(photo, sight->pixel)});
+                          photo_bands(photo, sight->pixel, blend.mix)});
     }
     write_sums(lights, blend.mix, count, i, out.sums, out.best);
   }

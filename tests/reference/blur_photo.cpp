@@ -14,14 +14,15 @@ constexpr double kGains[3] = {1, 0.8, 1.25};  // of the channels
 
 }  // namespace
 
-BlurPhotoCase::Input BlurPhotoCase::make(std::size_t size, std::uint32_t seed) {
+BlurPhotoCase::Input BlurPhotoCase::make(std::size_t size, std::uint32_t seed, double sigma_px) {
   Input input;
+  input.sigma_px = sigma_px;
   input.width = static_cast<std::uint32_t>(size > 128 ? std::sqrt(static_cast<double>(size)) : size);
   input.height = input.width ? static_cast<std::uint32_t>(size) / input.width : 0;
   for (const double gain : kGains)
     for (int i = 0; i < 256; ++i)
       input.linear.push_back(static_cast<float>(gain * linear_from_srgb(i / 255.0)));
-  input.weights = stages::gaussian_weights(4);
+  input.weights = stages::gaussian_weights(sigma_px);
   std::mt19937 random(seed);
   for (std::uint32_t y = 0; y < input.height; ++y)
     for (std::uint32_t x = 0; x < input.width; ++x) {
@@ -77,7 +78,7 @@ BlurPhotoCase::Output BlurPhotoCase::reference(const Input& input) {
             } else if (side == 1) {
               continue;
             }
-            const double w = std::exp(-0.5 * k * k / 16.0);
+            const double w = std::exp(-0.5 * k * k / (input.sigma_px * input.sigma_px));
             sum += w * image[index(u, v)];
           }
         next[index(x, y)] = sum.w() > 0 ? Light(sum / sum.w()) : sum;

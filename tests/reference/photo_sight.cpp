@@ -94,33 +94,56 @@ Vec3 photo_light(const BlendPhotosCase::Photo& photo, const Vec2& position) {
   });
 }
 
-Vec3 photo_low(const BlendPhotosCase::Photo& photo, const Vec2& position) {
+Vec3 photo_low(const BlendPhotosCase::Photo& photo, const Vec2& position, std::size_t gaussian) {
   const Camera& camera = photo.photograph.camera;
+  const std::size_t first = gaussian * photo.pixels.size();
   return sample(camera, position, [&](int x, int y) {
-    const float* value = photo.low.data() + 4 * (y * camera.width + x);
+    const float* value = photo.low.data() + first + 4 * static_cast<std::size_t>(y * camera.width + x);
     return Vec3(value[0], value[1], value[2]);
   });
+}
+
+std::vector<Vec3> photo_bands(const BlendPhotosCase::Photo& photo, const Vec2& position,
+                              const BlendMode& mix) {
+  std::vector<Vec3> smooth{photo_light(photo, position)}, bands;
+  for (std::size_t k = 0; k + 1 < mix.bands; ++k) smooth.push_back(photo_low(photo, position, k));
+  for (std::size_t k = 0; k + 1 < mix.bands; ++k) bands.push_back(smooth[k] - smooth[k + 1]);
+  bands.push_back(smooth.back());
+  return bands;
 }
 
 void write_sums(const std::vector<WeighedLight>& lights, const BlendMode& mix, std::size_t count,
                 std::size_t i, std::vector<float>& sums, std::vector<std::int32_t>& best) {
   if (lights.empty()) return;
-  const bool dual = mix.mode == BLEND_DUAL;
+  const bool split = mix.mode == BLEND_BANDS;
   const auto heaviest =
       std::max_element(lights.begin(), lights.end(), [](auto& a, auto& b) { return a.weight < b.weight; });
-  Vec3 sum = Vec3::Zero(), high = Vec3::Zero();
-  double weight = 0, share = 0;
+  const auto write = [&](std::size_t plane, double value) {
+    sums[plane * count + i] = static_cast<float>(value);
+  };
+  const auto write_colour = [&](std::size_t plane, const Vec3& colour, double share) {
+    for (int k = 0; k < 3; ++k) write(plane + static_cast<std::size_t>(k), colour[k]);
+    write(plane + 3, share);
+  };
+  Vec3 sum = Vec3::Zero();
+  double weight = 0;
   for (const auto& light : lights) {
-    sum += light.weight * (dual ? light.low : light.light);
+    sum += light.weight * (split ? light.bands.back() : light.light);
     weight += light.weight;
-    const double part = std::pow(light.weight / heaviest->weight, mix.high_power);
-    high += part * (light.light - light.low);
-    share += part;
   }
-  if (!dual) high = heaviest->light, share = 1;
-  const double planes[BLEND_PLANES] = {sum.x(),  sum.y(),  sum.z(), weight,          high.x(),
-                                       high.y(), high.z(), share,   heaviest->weight};
-  for (std::size_t p = 0; p < BLEND_PLANES; ++p) sums[p * count + i] = static_cast<float>(planes[p]);
+  write_colour(BLEND_SUM_R, sum, weight);
+  for (std::size_t band = 0; split && band + 1 < mix.bands; ++band) {
+    Vec3 mixed = Vec3::Zero();
+    double shares = 0;
+    for (const auto& light : lights) {
+      const double share = std::pow(light.weight / heaviest->weight, mix.power[band]);
+      mixed += share * light.bands[band];
+      shares += share;
+    }
+    write_colour(band == 0 ? BLEND_BEST_R : BLEND_PLANES + BLEND_BAND_PLANES * (band - 1), mixed, shares);
+  }
+  if (!split) write_colour(BLEND_BEST_R, heaviest->light, 1);
+  write(BLEND_BEST_WEIGHT, heaviest->weight);
   best[i] = heaviest->photograph;
 }
 

@@ -22,6 +22,13 @@ TEST(PhotographStore, gives_the_same_photographs_whether_they_stay_or_are_loaded
       EXPECT_TRUE(same_bits(queue().read(entry.pixels), queue().read(all.get(i, geometry).pixels)));
       EXPECT_TRUE(same_bits(queue().read(entry.low), queue().read(all.get(i, geometry).low)));
     }
+  for (auto* store : {&all, &one}) store->use_levels({1, 0, 2});
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_TRUE(same_bits(queue().read(one.get(i, geometry).low), queue().read(all.get(i, geometry).low)));
+  EXPECT_EQ(one.get(2, geometry).camera.width, 10u);
+  EXPECT_EQ(queue().read(one.get(2, geometry).pixels).size(), 4u * 10 * 8);
+  for (auto* store : {&all, &one}) store->use_levels({});
+  one.get(0, geometry);  // the first to be asked for is the one that stays
   EXPECT_NE(&one.get(0, geometry), &one.get(1, geometry));
   EXPECT_EQ(&one.get(1, geometry), &one.get(2, geometry));  // the visitors' place
 }

@@ -40,12 +40,14 @@ std::vector<std::uint8_t> seen_mask(const RenderedView& image) {
 }
 
 // blend and weights, every combination.
-const std::array<std::array<const char*, 2>, 6> kMixes{{{"nearest", "angle"},
+const std::array<std::array<const char*, 2>, 8> kMixes{{{"nearest", "angle"},
                                                         {"linear", "angle"},
                                                         {"dual", "angle"},
                                                         {"nearest", "ulr"},
                                                         {"linear", "ulr"},
-                                                        {"dual", "ulr"}}};
+                                                        {"dual", "ulr"},
+                                                        {"multi-band", "angle"},
+                                                        {"multi-band", "ulr"}}};
 
 void expect_same(const RenderedView& a, const RenderedView& b) {
   EXPECT_TRUE(same_bits(a.colour.pixels, b.colour.pixels));
@@ -120,6 +122,17 @@ TEST(Render, photographs_of_one_colour_give_that_colour_however_they_mix) {
   }
 }
 
+TEST(Render, dual_is_multi_band_of_two_bands_and_four_mix_otherwise) {
+  RenderOptions options;
+  const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0});
+  const RenderedView dual = render(room().scene, request, options);
+  options.blend = "multi-band";
+  options.bands = 2;
+  expect_same(dual, render(room().scene, request, options));
+  options.bands = 4;
+  EXPECT_FALSE(same_bits(dual.colour.pixels, render(room().scene, request, options).colour.pixels));
+}
+
 TEST(Render, every_mix_sees_the_same_surface) {
   const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0});
   const RenderedView first = render(room().scene, request);
@@ -151,26 +164,30 @@ TEST(Render, only_k_photographs_mix_by_unstructured_lumigraph_weights) {
 TEST(Render, nothing_bleeds_behind_an_occluder_and_what_no_photograph_sees_is_red) {
   // Every face has a paint of its own: a colour from the wrong surface is far off.
   const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0});
-  const RenderedView image = render(room().scene, request);
   const ImageF truth = room().true_view(request.camera);
-  std::size_t unseen = 0, wrong = 0, seen = 0;
-  for (std::size_t i = 0; i < image.id.size(); ++i) {
-    if (image.coverage[i] == 0) {
-      ++unseen;
-      EXPECT_TRUE(red(image, i));
-      EXPECT_EQ(image.best[i], -1);
-      continue;
+  for (const char* blend : {"dual", "multi-band"}) {
+    RenderOptions options;
+    options.blend = blend;
+    const RenderedView image = render(room().scene, request, options);
+    std::size_t unseen = 0, wrong = 0, seen = 0;
+    for (std::size_t i = 0; i < image.id.size(); ++i) {
+      if (image.coverage[i] == 0) {
+        ++unseen;
+        EXPECT_TRUE(red(image, i));
+        EXPECT_EQ(image.best[i], -1);
+        continue;
+      }
+      ++seen;
+      double error = 0;
+      for (std::size_t k = 0; k < 3; ++k)
+        error = std::max(error, std::abs(double{image.colour.pixels[3 * i + k]} - truth.pixels[3 * i + k]));
+      wrong += error > 0.08;
     }
-    ++seen;
-    double error = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      error = std::max(error, std::abs(double{image.colour.pixels[3 * i + k]} - truth.pixels[3 * i + k]));
-    wrong += error > 0.08;
+    EXPECT_GT(unseen, 100u);
+    EXPECT_GT(seen, 5000u);
+    // Only pixels next to an edge, where the photographs themselves mix both sides.
+    EXPECT_LT(static_cast<double>(wrong), 0.03 * static_cast<double>(seen)) << blend;
   }
-  EXPECT_GT(unseen, 100u);
-  EXPECT_GT(seen, 5000u);
-  // Only pixels next to an edge, where the photographs themselves mix both sides.
-  EXPECT_LT(static_cast<double>(wrong), 0.03 * static_cast<double>(seen));
 }
 
 TEST(Render, depth_normal_and_id_are_those_of_the_nearest_face) {
@@ -252,8 +269,9 @@ TEST(Render, a_concave_face_with_a_hole_shows_what_is_behind_it) {
 
 TEST(Render, the_same_bytes_at_any_tile_and_work_group_size) {
   const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0}, 101, 67);
-  for (const char* weights : {"angle", "ulr"}) {
+  for (const auto& [blend, weights] : {std::pair("dual", "angle"), {"dual", "ulr"}, {"multi-band", "ulr"}}) {
     RenderOptions large, small;
+    large.blend = small.blend = blend;
     large.weights = small.weights = weights;
     small.tile = 17;
     const RenderedView whole = render(room().scene, request, large);
