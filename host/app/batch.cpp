@@ -147,20 +147,6 @@ std::optional<std::vector<std::size_t>> chosen_units(const std::string& text, co
   return std::nullopt;
 }
 
-// "8G", "512M", "1.5GiB" in bytes of powers of 1024.
-std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
-  double value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  const std::string unit(parsed.ptr, text.data() + text.size());
-  const std::pair<const char*, double> units[] = {
-      {"K", 1024.0}, {"M", 1048576.0}, {"G", 1073741824.0}, {"T", 1099511627776.0}};
-  for (const auto& [letter, factor] : units)
-    if (parsed.ec == std::errc() && value > 0 &&
-        (unit == letter || unit == std::string(letter) + "B" || unit == std::string(letter) + "iB"))
-      return static_cast<std::uint64_t>(value * factor);
-  fail(ErrorKind::usage, "{} {}: expected a size such as 8G or 512M", option, text);
-}
-
 void add_run_command(CLI::App& batch, int& exit_code) {
   auto* command = batch.add_subcommand("run", "makes what a store's plan asks for and the store lacks");
   auto options = add_options(*command);

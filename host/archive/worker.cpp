@@ -12,6 +12,7 @@
 #include "core/fail_point.hpp"
 #include "core/interrupt.hpp"
 #include "core/log.hpp"
+#include "core/memory_budget.hpp"
 
 namespace hybrid::archive {
 namespace {
@@ -73,6 +74,8 @@ class Worker {
     try {
       const Log log(work / "log.txt");
       fail_point("unit-begun");
+      std::unique_ptr<MemoryBudget> budget;
+      if (job.contains("memory")) budget = std::make_unique<MemoryBudget>(job["memory"], work);
       Outcomes outcomes(store_, manifest_);  // the store goes on changing
       try {
         with_context(unit.id, [&] {
