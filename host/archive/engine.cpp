@@ -137,8 +137,8 @@ class Engine {
     for (const std::size_t need : unit.needs)
       if (outcomes_.of(need).state == UnitState::waiting)
         fail(ErrorKind::temporary, "unit {} ({}) needs unit {} ({}), which nobody has made yet: run it first",
-             unit.index, unit.id, need, manifest_.units[need].id);
-    fail(ErrorKind::failed, "unit {} ({}) waits for nothing", unit.index, unit.id);
+             unit.number, unit.id, manifest_.units[need].number, manifest_.units[need].id);
+    fail(ErrorKind::failed, "unit {} ({}) waits for nothing", unit.number, unit.id);
   }
 
   // --- starting -----------------------------------------------------------------------------------------
@@ -203,7 +203,8 @@ class Engine {
 
   void send(Slot& slot) {
     slot.timer = Timer();
-    Json job = {{"unit", *slot.unit}, {"key", slot.key}, {"work", slot.work.string()}};
+    Json job = {
+        {"unit", manifest_.units[*slot.unit].number}, {"key", slot.key}, {"work", slot.work.string()}};
     slot.budget = is_large(*slot.unit);
     if (slot.budget) job["memory"] = std::min(memory_, unit_memory_);
     slot.worker->send(job);
@@ -341,14 +342,14 @@ class Engine {
     store_.write_failure(slot.key,
                          {{"key", slot.key},
                           {"unit", manifest_.units[unit].id},
-                          {"index", unit},
+                          {"index", manifest_.units[unit].number},
                           {"error", ending.error},
                           {"error_kind", name_of(ending.kind)},
                           {"exit_code", exit_code(ending.kind)},
                           {"attempts", attempts},
                           {"quarantined", !lasting && attempts >= kMostAttempts},
                           {"command", fmt::format("hybrid batch run --out {} --unit {} --retry",
-                                                  store_.folder().string(), unit)},
+                                                  store_.folder().string(), manifest_.units[unit].number)},
                           {"log", store_.failure_log(slot.key).lexically_relative(store_.folder()).string()},
                           {"host", host_name()},
                           {"finished", utc_now()},
@@ -444,7 +445,7 @@ class Engine {
       ++counts[name_of(outcome.state)];
       if (outcome.state == UnitState::done) continue;
       if (failed.empty()) first = outcome.kind;
-      failed.push_back({{"unit", unit.index},
+      failed.push_back({{"unit", unit.number},
                         {"id", unit.id},
                         {"state", name_of(outcome.state)},
                         {"error", outcome.error}});
