@@ -5,8 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "../e2e/program.hpp"
 #include "core/error.hpp"
-#include "io/files.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::archive {
@@ -65,7 +65,7 @@ std::uint64_t bytes_read() {
 }
 
 TEST(ArchiveManifest, its_text_is_one_json_document_and_comes_back_whole) {
-  const testing::TemporaryFolder folder;
+  const e2e::Scratch folder;
   for (const std::size_t scenes : {0u, 1u, 3u}) {
     auto manifest = synthetic(scenes);
     if (scenes == 0) manifest.units.clear();
@@ -81,7 +81,7 @@ TEST(ArchiveManifest, its_text_is_one_json_document_and_comes_back_whole) {
 }
 
 TEST(ArchiveManifest, a_unit_comes_with_what_it_needs) {
-  const testing::TemporaryFolder folder;
+  const e2e::Scratch folder;
   const auto file = folder.path() / "m.json";
   const auto whole = synthetic(5);
   io::write_text(file, to_text(whole));
@@ -106,7 +106,7 @@ TEST(ArchiveManifest, a_unit_comes_with_what_it_needs) {
 }
 
 TEST(ArchiveManifest, a_process_reads_only_its_unit) {
-  const testing::TemporaryFolder folder;
+  const e2e::Scratch folder;
   const auto file = folder.path() / "m.json";
   io::write_text(file, to_text(synthetic(2000)));
   const auto size = std::filesystem::file_size(file);
@@ -119,7 +119,7 @@ TEST(ArchiveManifest, a_process_reads_only_its_unit) {
 }
 
 TEST(ArchiveManifest, a_damaged_one_is_an_error_that_says_what_to_do) {
-  const testing::TemporaryFolder folder;
+  const e2e::Scratch folder;
   const auto file = folder.path() / "m.json";
   const std::string text = to_text(synthetic(2));
   const auto message = [&](const std::string& damaged) -> std::string {

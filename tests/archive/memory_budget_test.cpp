@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
+#include "../e2e/program.hpp"
 #include "core/paged_arrays.hpp"
 #include "core/parallel.hpp"
-#include "io/files.hpp"
 
 namespace hybrid {
 namespace {
@@ -33,7 +33,7 @@ bool comes_below(std::uint64_t bytes) {
 }
 
 TEST(MemoryBudget, arrays_leave_memory_and_keep_their_contents) {
-  const testing::TemporaryFolder folder;
+  const e2e::Scratch folder;
   const std::uint64_t before = resident_memory().bytes;
   const std::uint64_t budget_bytes = before + 128 * kMiB;
   const MemoryBudget budget(budget_bytes, folder.path());
@@ -56,7 +56,7 @@ TEST(MemoryBudget, arrays_leave_memory_and_keep_their_contents) {
 }
 
 TEST(MemoryBudget, only_large_arrays_made_under_it_are_in_files) {
-  const testing::TemporaryFolder folder;
+  const e2e::Scratch folder;
   std::optional<std::vector<char>> outlives;
   const std::vector<char> earlier(2 * paged_arrays::kLeast_bytes);
   {
@@ -75,7 +75,7 @@ TEST(MemoryBudget, only_large_arrays_made_under_it_are_in_files) {
 }
 
 TEST(MemoryBudget, an_array_without_room_for_a_file_stays_in_memory) {
-  const testing::TemporaryFolder folder;
+  const e2e::Scratch folder;
   const MemoryBudget budget(1024 * kMiB, folder.path());
   std::filesystem::remove_all(folder.path());
   std::vector<int> values(paged_arrays::kLeast_bytes);
