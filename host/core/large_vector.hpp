@@ -5,8 +5,7 @@
 namespace hybrid {
 
 // Asks the system for large pages for this memory, where it gives them on request: touching ordinary ones for
-// the first time costs more than filling them. Much of it is then touched here, by all threads. Changes
-// nothing else.
+// the first time costs more than filling them. Changes nothing else.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 // values.assign(count, value) on such pages.

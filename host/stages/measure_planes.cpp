@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
 constexpr double kBiweight = 3.5;      // standard deviations beyond which a sample has no say
-constexpr double kAreaCosine = 0.02;   // c of the area: grazing samples cover no infinite area
+constexpr std::size_t kStrideBeforeLast = 3;
+constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
 
 // Sums over the measured samples of one band of rows, one entry per label that occurs there.
 template <typename Sum>
@@ -21,11 +22,11 @@ struct Band {
   std::vector<Sum> sums;
 };
 
-// Forms Sum::add(sample, plane) per band of `square` rows anchored at row 0 and label, then merges the bands
-// from top to bottom: the same bits for any number of threads.
+// Forms Sum::add(sample, plane) per band of `square` rows anchored at row 0 and label, of every `stride`th
+// sample, then merges the bands from top to bottom: the same bits for any number of threads.
 template <typename Sum, typename Planes>
 std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
-                              const Planes& planes) {
+                              const Planes& planes, std::size_t stride = 1) {
   const int count = (image.rows + square - 1) / square;
   std::vector<Band<Sum>> bands(static_cast<std::size_t>(count));
   parallel_for(bands.size(), [&](std::size_t b) {
@@ -34,7 +35,7 @@ std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::ve
     const int first = static_cast<int>(b) * square;
     const std::size_t begin = image.index(first, 0);
     const std::size_t end = image.index(std::min(first + square, image.rows), 0);
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end; i += stride) {
       const std::uint32_t label = labels[i];
       if (label == 0 || image.mask[i] != kMeasured) continue;
       if (slot[label] < 0) {
@@ -172,7 +173,9 @@ void polish_planes(const RangeImage& image, int square, const std::vector<std::u
       frames[i].m = planes[i].normal / planes[i].offset_m;
       frames[i].noise = wanted[i] ? &noise : nullptr;
     }
-    const auto sums = sum_by_label<RayEquations>(image, square, labels, frames);
+    // A round before the last need not see every sample: what it leaves is little to the next one.
+    const std::size_t stride = round + 1 < rounds ? kStrideBeforeLast : 1;
+    const auto sums = sum_by_label<RayEquations>(image, square, labels, frames, stride);
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const auto& s = sums[i].sum;
       Mat3 matrix;

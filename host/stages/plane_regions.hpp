@@ -15,6 +15,7 @@ struct PlaneRegion {
   bool curved = false;                 // a facet of a cylinder, vault, ...: no supercluster
   bool facet = false;                  // curved because it meets its neighbours in shallow creases
   bool small = false;  // from leftover samples (recover_small_planes): owns none of its squares
+  bool few = false;    // lost its squares for being too few, and for nothing else
 };
 
 struct PlaneRegions {

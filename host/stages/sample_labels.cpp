@@ -72,10 +72,11 @@ LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid
   return contest;
 }
 
-std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage& image,
-                                         const SquarePlanes& squares, const SquareGrid& grid,
-                                         const LabelContest& contest, const std::vector<Plane>& planes,
-                                         const SuperclusterOptions& options) {
+std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& image,
+                                        const SquarePlanes& squares, const SquareGrid& grid,
+                                        const LabelContest& contest, const std::vector<Plane>& planes,
+                                        const SuperclusterOptions& options,
+                                        std::vector<std::uint32_t>& labels) {
   const auto candidates = queue.array(contest.candidates);
   const auto own_plane = queue.array(contest.own_plane);
   const auto plane_table = queue.array(label_planes(planes));
@@ -84,9 +85,10 @@ std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage&
   for (const Tile& tile : tiles)
     largest = std::max(largest, static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.cols));
   auto x = queue.array<float>(largest), y = queue.array<float>(largest), z = queue.array<float>(largest);
-  auto labels = queue.array<std::uint32_t>(largest);
+  auto tile_labels = queue.array<std::uint32_t>(largest);
 
-  std::vector<std::uint32_t> result(image.count());
+  std::vector<std::uint32_t> found(largest);
+  std::vector<std::int64_t> moved(planes.size() + 1);
   const auto width = static_cast<std::size_t>(image.cols);
   for (const Tile& tile : tiles) {
     const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
@@ -105,10 +107,20 @@ std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage&
     params.waviness_m = static_cast<float>(options.waviness_m);
     params.min_cosine = kLabelCosine;
     queue.launch("label_samples", queue.kernel("label_samples"), device::grid(rect.cols, rect.rows), params,
-                 x, y, z, candidates, own_plane, plane_table, labels);
-    queue.read_rect(labels, result.data(), width, rect);
+                 x, y, z, candidates, own_plane, plane_table, tile_labels);
+    queue.read_rect(tile_labels, found.data(), rect.cols, {0, 0, rect.rows, rect.cols});
+    for (std::size_t row = 0; row < rect.rows; ++row) {
+      const std::uint32_t* after = &found[row * rect.cols];
+      std::uint32_t* before = &labels[(rect.row + row) * width + rect.col];
+      for (std::size_t col = 0; col < rect.cols; ++col) {
+        if (before[col] == after[col]) continue;
+        moved[before[col]] += 1;
+        moved[after[col]] += 1;
+        before[col] = after[col];
+      }
+    }
   }
-  return result;
+  return moved;
 }
 
 }  // namespace hybrid::stages

@@ -16,11 +16,13 @@ struct LabelContest {
 LabelContest find_candidates(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions,
                              const SquarePresence& presence);
 
-// Region + 1 per sample by kernel label_samples, curved regions included; planes are per region.
-std::vector<std::uint32_t> label_samples(device::Queue& queue, const RangeImage& image,
-                                         const SquarePlanes& squares, const SquareGrid& grid,
-                                         const LabelContest& contest, const std::vector<Plane>& planes,
-                                         const SuperclusterOptions& options);
+// Region + 1 per sample by kernel label_samples, curved regions included, in place of what `labels` has (one
+// per sample); planes are per region. How many samples each region gained or lost, per region + 1.
+std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& image,
+                                        const SquarePlanes& squares, const SquareGrid& grid,
+                                        const LabelContest& contest, const std::vector<Plane>& planes,
+                                        const SuperclusterOptions& options,
+                                        std::vector<std::uint32_t>& labels);
 
 // Least squares over each region's measured samples, weighted 1 / max(|n.u|, c)^2 because range noise is
 // along the ray (METHOD 2). Regions with fewer than 3 samples keep their plane.

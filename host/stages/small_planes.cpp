@@ -1,9 +1,13 @@
 #include "stages/small_planes.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 #include <queue>
 #include <unordered_map>
 
+#include "core/large_vector.hpp"
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
 #include "shared/params_window_planes.h"
@@ -21,11 +25,17 @@ constexpr float kWindowCosine = 0.02f;    // noise along rays nearer to grazing 
 constexpr double kLeastNoise_m = 1e-4;    // as estimate_range_noise(): what floats and the model leave
 constexpr int kBlock = 64, kAround = 16;  // samples; floods of a block look so far around it
 constexpr double kMostChi2 = 1.6;         // per sample
+constexpr double kFoundBySquares = 0.25;  // of the samples
+constexpr double kSameNormal = 0.998;     // cosine
+constexpr double kFollowing = 2;          // standard deviations
 constexpr double kMostBesideCurved = 0.3;
+constexpr double kMostWorse = 30;         // chi2 of the three numbers that two planes have more than one
+constexpr double kLeastOfWaviness = 0.4;  // as plane_steps: two planes farther apart are no wavy wall
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
                                        const PlaneRegions& regions) {
-  std::vector<std::uint8_t> use(image.count());
+  std::vector<std::uint8_t> use;
+  resize_large(use, image.count());
   parallel_for(
       use.size(),
       [&](std::size_t i) {
@@ -36,11 +46,18 @@ std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vecto
   return use;
 }
 
+// Tile by tile: what tries them sorts.
 std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image,
                                    const std::vector<std::uint8_t>& use, const RangeNoise& noise,
                                    int tile_side) {
   std::vector<WindowSeed> seeds;
   const auto width = static_cast<std::size_t>(image.cols);
+  const auto rows = static_cast<std::size_t>(std::min(image.rows, tile_side)),
+             cols = static_cast<std::size_t>(std::min(image.cols, tile_side));
+  const std::size_t most = (rows + WINDOW_REACH - 1) * (cols + WINDOW_REACH - 1);
+  auto x = queue.array<float>(most), y = queue.array<float>(most), z = queue.array<float>(most);
+  auto free = queue.array<std::uint8_t>(most), shape = queue.array<std::uint8_t>(rows * cols);
+  std::vector<std::uint8_t> shapes(rows * cols);
   for (const Tile& tile : make_tiles(image.rows, image.cols, tile_side)) {
     WindowPlanesParams params{};
     params.rows = static_cast<std::uint32_t>(tile.rows);
@@ -55,27 +72,20 @@ std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image
     params.min_cosine = kWindowCosine;
     const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
                             params.halo_rows, params.halo_cols};
-    const std::size_t count = rect.rows * rect.cols;
-    auto x = queue.array<float>(count), y = queue.array<float>(count), z = queue.array<float>(count);
-    auto free = queue.array<std::uint8_t>(count);
-    auto shape =
-        queue.array<std::uint8_t>(static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.cols));
     queue.write_rect(x, image.x.data(), width, rect);
     queue.write_rect(y, image.y.data(), width, rect);
     queue.write_rect(z, image.z.data(), width, rect);
     queue.write_rect(free, use.data(), width, rect);
     queue.launch("window_planes", queue.kernel("window_planes"), device::grid(params.cols, params.rows),
                  params, x, y, z, free, shape);
-    const auto shapes = queue.read(shape);
-    for (std::size_t k = 0; k < shapes.size(); ++k)
+    queue.read_rect(shape, shapes.data(), params.cols, {0, 0, params.rows, params.cols});
+    for (std::uint32_t k = 0; k < params.rows * params.cols; ++k)
       if (shapes[k] != 0) {
-        const auto i = image.index(tile.row + static_cast<int>(k) / tile.cols,
-                                   tile.col + static_cast<int>(k) % tile.cols);
-        seeds.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint8_t>(shapes[k] - 1),
-                         static_cast<std::uint32_t>(i), 0});
+        const auto i = static_cast<std::uint32_t>(image.index(tile.row + static_cast<int>(k / params.cols),
+                                                              tile.col + static_cast<int>(k % params.cols)));
+        seeds.push_back({i, static_cast<std::uint8_t>(shapes[k] - 1), i, 0});
       }
   }
-  std::sort(seeds.begin(), seeds.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
   return seeds;
 }
 
@@ -109,6 +119,8 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const std::vector<std:
     const Tile limits{top, left, std::min(row + kBlock + kAround, image.rows) - top,
                       std::min(col + kBlock + kAround, image.cols) - left};
     if (of_block[b].empty()) return;
+    std::sort(of_block[b].begin(), of_block[b].end(),
+              [](const auto& one, const auto& other) { return one.sample < other.sample; });
     BlockFloods floods(image, use, noise, limits);
     for (const WindowSeed& seed : of_block[b]) {
       if (!floods.is_open(seed.member)) continue;
@@ -126,20 +138,66 @@ std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int sid
   return sample / cols / n * static_cast<std::uint32_t>(grid.cols) + sample % cols / n;
 }
 
+// Squares found the flood's plane on their own, too few for a supercluster.
+bool squares_found(const PlaneRegions& regions, const PlaneFlood& flood, double waviness_m) {
+  const Plane plane = flood.plane.plane();
+  const auto samples = static_cast<double>(flood.samples.size());
+  return std::any_of(regions.regions.begin(), regions.regions.end(), [&](const PlaneRegion& region) {
+    return region.few && region.moments.weight >= kFoundBySquares * samples &&
+           region.fit.plane.normal.dot(plane.normal) >= kSameNormal &&
+           std::abs(plane.distance(region.fit.centroid)) <= waviness_m;
+  });
+}
+
+// Residuals of neighbours, in sigmas, have more in common than chance explains. Noise that is only larger
+// than thought follows no neighbour: the sum of the products over pairs has a mean of 0 and a known variance.
+bool follows_neighbours(const RangeImage& image, const RangeNoise& noise, const PlaneFlood& flood) {
+  constexpr std::array<std::array<int, 2>, 6> kPairs = {{{0, 1}, {1, -1}, {1, 0}, {1, 1}, {0, 2}, {2, 0}}};
+  std::unordered_map<std::uint32_t, double> residuals;
+  for (const std::uint32_t i : flood.samples) {
+    const Vec3 point = image.point(i);
+    const double range = point.norm();
+    const auto [residual_m, cosine] = flood.plane.at(point, range);
+    residuals[i] = residual_m / noise.at(range, cosine);
+  }
+  double products = 0, pairs = 0;
+  for (const auto& pair : kPairs)
+    for (const std::uint32_t i : flood.samples) {
+      const auto other = residuals.find(i + static_cast<std::uint32_t>(pair[0] * image.cols + pair[1]));
+      if (other == residuals.end()) continue;
+      products += residuals[i] * other->second;
+      pairs += 1;
+    }
+  return products * static_cast<double>(flood.samples.size()) > kFollowing * std::sqrt(pairs) * flood.chi2;
+}
+
 // What a flood becomes. kTaken: a plane; kBlocked: part of a curved surface; kFree: neither.
 SampleUse judge(const RangeImage& image, const std::vector<std::uint8_t>& use, const PlaneFlood& flood,
-                const PlaneRegion& region, double sigma_m, double min_curvature,
+                const PlaneRegion& region, bool scattered, double sigma_m, double min_curvature,
                 const std::function<Vec3(std::uint32_t)>& blocked_normal) {
   const auto beside_curved = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
     return meets_curved_surface(image, use, flood.plane, sigma_m, i, blocked_normal);
   });
   const auto samples = static_cast<double>(flood.samples.size());
-  const bool scattered = flood.chi2 > kMostChi2 * (samples - 3);
   if (static_cast<double>(beside_curved) > kMostBesideCurved * samples ||
       is_strip_of_smooth_surface(image, flood, sigma_m, kMostBesideCurved) ||
       flood_bends(image, flood, region, min_curvature, scattered))
     return kBlocked;
   return scattered ? kFree : kTaken;
+}
+
+// The plane through the samples of two parts; none when they show that they lie on two: the fit to both is
+// worse than noise explains, by more than walls stray.
+std::optional<RayPlane> joint_plane(const RangeImage& image, const RayPlane& part, const PlaneFlood& flood,
+                                    double waviness_m) {
+  RayPlane joint = part;
+  for (const std::uint32_t i : flood.samples) joint.add(image.point(i));
+  if (!joint.solve()) return std::nullopt;
+  const auto count = static_cast<double>(joint.samples());
+  const double apart = part.squares_m2() + flood.plane.squares_m2(), worse = joint.squares_m2() - apart;
+  const double stray_m = kLeastOfWaviness * waviness_m;
+  if (worse * (count - 6) > kMostWorse * apart && worse > stray_m * stray_m * count) return std::nullopt;
+  return joint;
 }
 
 // Squares in which the flood has samples, sorted.
@@ -172,6 +230,7 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
     return labels[i] != 0 ? regions.regions[labels[i] - 1].fit.plane.normal : normal_of_blocked.at(i);
   };
   SquarePresence presence;
+  std::unordered_map<std::uint32_t, RayPlane> plane_of_small;
   const auto recover = [&](const std::vector<WindowSeed>& seeds) {
     const auto candidates = try_seeds(image, use, squares.noise, seeds, least);
     std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
@@ -188,8 +247,11 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
         continue;
       }
       PlaneRegion region = region_of_flood(image, flood);
+      const bool scattered = flood.chi2 > kMostChi2 * static_cast<double>(size - 3) &&
+                             !(squares_found(regions, flood, options.waviness_m) &&
+                               !follows_neighbours(image, squares.noise, flood));
       const SampleUse verdict =
-          judge(image, use, flood, region, sigma_m, options.min_curvature, blocked_normal);
+          judge(image, use, flood, region, scattered, sigma_m, options.min_curvature, blocked_normal);
       if (verdict == kFree) continue;
       for (const std::uint32_t i : flood.samples) {
         use[i] = verdict;
@@ -198,14 +260,23 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
       if (verdict == kBlocked) continue;
       region.squares = squares_of(flood, image, grid, squares.square);
       std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
+      std::optional<RayPlane> joint;
+      if (id != 0 && regions.regions[id - 1].small) {
+        joint = joint_plane(image, plane_of_small.at(id), flood, options.waviness_m);
+        if (!joint) id = 0;
+      }
       if (id == 0) {
         regions.regions.push_back(region);
         planes.push_back(flood.plane.plane());
         id = static_cast<std::uint32_t>(regions.regions.size());
-      } else if (PlaneRegion& continued = regions.regions[id - 1]; continued.small) {
+        plane_of_small.emplace(id, flood.plane);
+      } else if (joint) {
+        PlaneRegion& continued = regions.regions[id - 1];
         continued.squares.insert(continued.squares.end(), region.squares.begin(), region.squares.end());
         continued.moments.merge(region.moments);
         continued.fit = fit_plane(continued.moments);
+        planes[id - 1] = joint->plane();
+        plane_of_small.at(id) = *joint;
       }
       for (const std::uint32_t square : region.squares) presence.emplace_back(square, id);
     }

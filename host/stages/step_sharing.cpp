@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 namespace hybrid::stages {
 namespace {
@@ -53,19 +54,22 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
       plane_(plane),
       top_(std::max(proposal.top - kMargin, 0)),
       left_(std::max(proposal.left - kMargin, 0)),
-      rows_(std::min(proposal.bottom + kMargin, image.rows) - top_),
-      cols_(std::min(proposal.right + kMargin, image.cols) - left_),
+      width_(std::min(proposal.right + kMargin, image.cols) - left_ + 2),
       proposed_(proposal.mean.count),
       sigma_m_(std::sqrt(static_cast<double>(proposal.mean.count) / proposal.mean.weight)),
-      model_(0, 0, 0, proposal.mean.value_m()),
-      samples_(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(cols_)) {
+      model_(0, 0, 0, proposal.mean.value_m()) {
+  const int rows = std::min(proposal.bottom + kMargin, image.rows) - top_;
+  samples_.resize(static_cast<std::size_t>(rows + 2) * static_cast<std::size_t>(width_));
+  favours_.resize(samples_.size());
   const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
   std::optional<Vec3> origin;
-  for (int row = 0; row < rows_; ++row)
-    for (int col = 0; col < cols_; ++col) {
+  for (int row = 0; row < rows; ++row)
+    for (int col = 0; col < width_ - 2; ++col) {
       const std::size_t i = image.index(top_ + row, left_ + col);
       if (labels[i] != proposal.label) continue;
-      Sample& sample = samples_[at(row, col)];
+      const auto at = static_cast<std::uint32_t>((row + 1) * width_ + col + 1);
+      own_.push_back(at);
+      Sample& sample = samples_[at];
       sample.side = kPlane;
       const PlaneHeight height = height_over(image, noise, plane, i);
       if (height.weight == 0) continue;
@@ -115,41 +119,43 @@ bool StepSharing::is_stray(const Sample& sample) const {
   return sample.weight * std::min(over * over, off * off) / 2 > kMostNats;
 }
 
+// visit(place, whether it is a diagonal neighbour)
 template <typename Visit>
-void StepSharing::for_neighbours(int row, int col, const Visit& visit) const {
-  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r)
-    for (int c = std::max(col - 1, 0); c <= std::min(col + 1, cols_ - 1); ++c)
-      if ((r != row || c != col) && samples_[at(r, c)].side != kStranger)
-        visit(samples_[at(r, c)], r != row && c != col);
+void StepSharing::for_neighbours(std::uint32_t at, const Visit& visit) {
+  for (int down = -1; down <= 1; ++down)
+    for (int right = -1; right <= 1; ++right) {
+      const auto other = static_cast<std::uint32_t>(static_cast<int>(at) + down * width_ + right);
+      if (other != at && samples_[other].side != kStranger) visit(other, down != 0 && right != 0);
+    }
 }
 
 void StepSharing::start_by_windows() {
-  for (int row = 0; row < rows_; ++row)
-    for (int col = 0; col < cols_; ++col) {
-      Sample& sample = samples_[at(row, col)];
-      if (sample.side == kStranger) continue;
-      double sum = favour(sample);
-      for_neighbours(row, col, [&](const Sample& other, bool) { sum += favour(other); });
-      sample.side = sum > 0 ? kPart : kPlane;
-    }
+  for (const std::uint32_t at : own_) favours_[at] = favour(samples_[at]);
+  for (const std::uint32_t at : own_) {
+    double sum = favours_[at];
+    for_neighbours(at, [&](std::uint32_t other, bool) { sum += favours_[other]; });
+    samples_[at].side = sum > 0 ? kPart : kPlane;
+    samples_[at].unsettled = true;
+  }
 }
 
 // False when nothing changed sides.
 bool StepSharing::settle() {
   bool changed = false;
-  for (int row = 0; row < rows_; ++row)
-    for (int col = 0; col < cols_; ++col) {
-      Sample& sample = samples_[at(row, col)];
-      if (sample.side == kStranger) continue;
-      double gain = favour(sample);
-      for_neighbours(row, col, [&](const Sample& other, bool diagonal) {
-        const double price = diagonal ? kBorderPrice / std::numbers::sqrt2 : kBorderPrice;
-        gain += other.side == kPart ? price : -price;
-      });
-      const Side side = gain > 0 ? kPart : kPlane;
-      changed = changed || side != sample.side;
-      sample.side = side;
-    }
+  for (const std::uint32_t at : own_) {
+    Sample& sample = samples_[at];
+    if (!std::exchange(sample.unsettled, false)) continue;
+    double gain = favours_[at];
+    for_neighbours(at, [&](std::uint32_t other, bool diagonal) {
+      const double price = diagonal ? kBorderPrice / std::numbers::sqrt2 : kBorderPrice;
+      gain += samples_[other].side == kPart ? price : -price;
+    });
+    const Side side = gain > 0 ? kPart : kPlane;
+    if (side == sample.side) continue;
+    changed = true;
+    sample.side = side;
+    for_neighbours(at, [&](std::uint32_t other, bool) { samples_[other].unsettled = true; });
+  }
   return changed;
 }
 
@@ -158,8 +164,9 @@ bool StepSharing::fit(std::int64_t least) {
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
   std::int64_t count = 0;
-  for (const Sample& s : samples_) {
-    if (s.side == kStranger || s.weight == 0 || is_stray(s)) continue;
+  for (const std::uint32_t at : own_) {
+    const Sample& s = samples_[at];
+    if (s.weight == 0 || is_stray(s)) continue;
     const Eigen::Vector4d row(1, s.u_m, s.v_m, s.side == kPart);
     matrix += double{s.weight} * row * row.transpose();
     right += double{s.weight} * s.height_m * row;
@@ -175,23 +182,24 @@ bool StepSharing::fit(std::int64_t least) {
 
 void StepSharing::measure_rings() {
   for (int ring = 1; ring <= kNear; ++ring)
-    for (int row = 0; row < rows_; ++row)
-      for (int col = 0; col < cols_; ++col) {
-        Sample& sample = samples_[at(row, col)];
-        if (sample.side == kStranger || sample.ring != 0) continue;
-        bool touches = false;
-        for_neighbours(row, col, [&](const Sample& other, bool) {
-          touches = touches || (ring == 1 ? other.side != sample.side
-                                          : other.side == sample.side && other.ring == ring - 1);
-        });
-        if (touches) sample.ring = static_cast<std::uint8_t>(ring);
-      }
+    for (const std::uint32_t at : own_) {
+      Sample& sample = samples_[at];
+      if (sample.ring != 0) continue;
+      bool touches = false;
+      for_neighbours(at, [&](std::uint32_t place, bool) {
+        const Sample& other = samples_[place];
+        touches = touches || (ring == 1 ? other.side != sample.side
+                                        : other.side == sample.side && other.ring == ring - 1);
+      });
+      if (touches) sample.ring = static_cast<std::uint8_t>(ring);
+    }
 }
 
 StepSharing::Evidence StepSharing::weigh() const {
   Evidence evidence;
-  for (const Sample& s : samples_) {
-    if (s.side == kStranger || s.weight == 0) continue;
+  for (const std::uint32_t at : own_) {
+    const Sample& s = samples_[at];
+    if (s.weight == 0) continue;
     const bool is_part = s.side == kPart;
     if (is_stray(s)) {
       evidence.strays += is_part;

@@ -74,9 +74,8 @@ class StepSharing {
 
   template <typename Visit>
   void for_each_of_part(const Visit& visit) const {
-    for (int row = 0; row < rows_; ++row)
-      for (int col = 0; col < cols_; ++col)
-        if (samples_[at(row, col)].side == kPart) visit(image_.index(top_ + row, left_ + col));
+    for (const std::uint32_t at : own_)
+      if (samples_[at].side == kPart) visit(node_of(at));
   }
   double step_m() const { return model_[3]; }
   const MeanHeight& height() const { return height_; }  // of the part over the plane
@@ -86,7 +85,8 @@ class StepSharing {
   struct Sample {
     float height_m = 0, weight = 0, u_m = 0, v_m = 0;
     Side side = kStranger;
-    std::uint8_t ring = 0;  // steps from the border, 1 beside it; 0 = more than a few
+    std::uint8_t ring = 0;   // steps from the border, 1 beside it; 0 = more than a few
+    bool unsettled = false;  // it or a neighbour changed sides since it was asked
   };
   struct Evidence {
     MeanHeight part;  // over the plane given
@@ -96,8 +96,9 @@ class StepSharing {
     std::int64_t beside = 0, strays = 0;
   };
 
-  std::size_t at(int row, int col) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_) + static_cast<std::size_t>(col);
+  // Of the image, from a place in samples_.
+  std::size_t node_of(std::uint32_t at) const {
+    return image_.index(top_ - 1 + static_cast<int>(at) / width_, left_ - 1 + static_cast<int>(at) % width_);
   }
   double over_plane(const Sample& s) const {
     return s.height_m - model_[0] - model_[1] * s.u_m - model_[2] * s.v_m;
@@ -105,7 +106,7 @@ class StepSharing {
   double favour(const Sample& sample) const;
   bool is_stray(const Sample& sample) const;
   template <typename Visit>
-  void for_neighbours(int row, int col, const Visit& visit) const;
+  void for_neighbours(std::uint32_t at, const Visit& visit);
   void start_by_windows();
   bool settle();
   bool fit(std::int64_t least);
@@ -116,12 +117,15 @@ class StepSharing {
 
   const RangeImage& image_;
   Plane plane_;
-  int top_, left_, rows_, cols_;
+  int top_, left_;         // of the samples shared out
+  int width_;              // of samples_: one more on every side, strangers
   std::int64_t proposed_;  // samples
   double sigma_m_;         // along the normal, of a sample of the proposal
   Eigen::Vector4d model_;  // level, slopes, step
   MeanHeight height_;
   std::vector<Sample> samples_;
+  std::vector<std::uint32_t> own_;  // those that are no strangers, row by row
+  std::vector<double> favours_;     // favour() of each of samples_
 };
 
 }  // namespace hybrid::stages

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/large_vector.hpp"
 #include "shared/params_square_links.h"
 #include "stages/absorb_squares.hpp"
 #include "stages/coplanar_merge.hpp"
@@ -89,6 +90,7 @@ void drop_small_regions(const SquareGrid& grid, int min_squares, PlaneRegions& r
     if (region.squares.empty()) continue;
     const std::size_t count = region.curved ? group_size[region.squares[0]] : region.squares.size();
     if (count >= static_cast<std::size_t>(min_squares)) continue;
+    region.few = !region.curved;
     region.curved = false;
     for (const std::uint32_t square : region.squares) regions.of_square[square] = 0;
     region.squares.clear();
@@ -142,6 +144,17 @@ std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measu
   std::vector<std::uint32_t> id(measured.size() + 1, 0);
   for (std::size_t k = 0; k < order.size(); ++k) id[order[k] + 1] = static_cast<std::uint32_t>(k + 1);
   return id;
+}
+
+// Regions + 1 that gained or lost more than one of a thousand of their samples, about.
+std::vector<std::uint32_t> much_moved(const std::vector<std::int64_t>& moved, const PlaneRegions& regions,
+                                      int square) {
+  std::vector<std::uint32_t> labels;
+  for (std::uint32_t label = 1; label < moved.size(); ++label) {
+    const auto samples = std::ssize(regions.regions[label - 1].squares) * square * square;
+    if (1000 * moved[label] > samples) labels.push_back(label);
+  }
+  return labels;
 }
 
 PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, const PlaneRegions& regions,
@@ -240,21 +253,25 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
 
   std::vector<Plane> planes;
   for (const PlaneRegion& region : regions.regions) planes.push_back(region.fit.plane);
-  auto labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, {}),
-                              planes, options);
+  std::vector<std::uint32_t> labels;
+  resize_large(labels, image.count());
+  label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, {}), planes, options,
+                labels);
   refit_planes(image, squares.square, labels, planes);
   SquarePresence presence;
   if (options.min_plane_samples > 0)
     presence = recover_small_planes(queue, image, squares, grid, labels, options, regions, planes);
   // The second pass competes with the planes refitted to the first one's labels, and with the small ones.
-  const auto compete = [&](int rounds) {
-    labels = label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
-                           planes, options);
-    polish_planes(image, squares.square, labels, squares.noise, planes, rounds);
+  const auto compete = [&] {
+    return label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
+                         planes, options, labels);
   };
-  compete(2);
+  compete();
+  polish_planes(image, squares.square, labels, squares.noise, planes);
   const std::int64_t least = least_plane_samples(image, options);
-  if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence)) compete(1);
+  if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence))
+    if (const auto moved = much_moved(compete(), regions, squares.square); !moved.empty())
+      polish_planes(image, squares.square, labels, squares.noise, planes, 1, moved);
   auto [changed, excess] = split_steps(image, grid, squares.square, squares.noise,
                                        {least, options.waviness_m}, labels, planes, regions);
   const auto trimmed =

@@ -13,7 +13,7 @@
 
 namespace hybrid::testing {
 
-TEST(SynpebPlanes, faces_seen_at_less_than_sixty_degrees_are_found) {
+TEST(SynpebPlanes, all_faces_but_one_are_found) {
   const char* data = std::getenv("HYBRID_DATA");
   const auto file = std::filesystem::path(data ? data : HYBRID_PROJECT_DIR "/../shared/data") /
                     "planes/synpeb/test_100.pcd";
@@ -49,11 +49,11 @@ TEST(SynpebPlanes, faces_seen_at_less_than_sixty_degrees_are_found) {
     found += all >= 100 && 2 * own >= all;
   }
   EXPECT_EQ(faces, 10);
-  // Measured 7 of 10 faces, 83 % of the samples (2 and 54 % before small planes were recovered). The others
-  // are seen at 54 to 84 degrees of incidence, where this sensor's noise along the ray is 2 to 10 mm against
-  // 1 mm elsewhere; 289 squares are too few to learn that from.
-  EXPECT_GE(found, 7);
-  EXPECT_GT(right, 0.8 * samples);
+  // Measured 9 of 10 faces, 95 % of the samples. This sensor's noise along the ray is 2 to 10 mm at 54 to 84
+  // degrees of incidence against 1 mm elsewhere, and 289 squares are too few to learn that from: two faces
+  // are planes because their squares say so. The last is seen at 78 degrees.
+  EXPECT_GE(found, 9);
+  EXPECT_GT(right, 0.94 * samples);
   for (const auto& [label, counts] : by_label) {
     int all = 0;
     for (const auto& [face, count] : counts) all += count;
