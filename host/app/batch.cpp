@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <iostream>
+#include <map>
 
 #include "app/batch_nightly.hpp"
 #include "app/commands.hpp"
@@ -136,29 +137,24 @@ std::vector<std::size_t> parse_units(const std::string& text, const std::string&
 }
 
 // From --unit, else from a scheduler that runs one task per unit.
-std::optional<std::vector<std::size_t>> chosen_units(const std::string& text, const Manifest& manifest) {
+std::optional<std::vector<std::size_t>> chosen_units(const std::string& text, std::size_t count) {
   if (text == "all") return std::nullopt;
-  if (!text.empty()) return parse_units(text, "--unit", manifest.units.size());
+  if (!text.empty()) return parse_units(text, "--unit", count);
   for (const char* name : {"SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX"})
     if (const char* value = std::getenv(name)) {
       log::info("unit {} by {}; --unit says otherwise", value, name);
-      return parse_units(value, name, manifest.units.size());
+      return parse_units(value, name, count);
     }
   return std::nullopt;
 }
 
-// "8G", "512M", "1.5GiB" in bytes of powers of 1024.
-std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
-  double value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  const std::string unit(parsed.ptr, text.data() + text.size());
-  const std::pair<const char*, double> units[] = {
-      {"K", 1024.0}, {"M", 1048576.0}, {"G", 1073741824.0}, {"T", 1099511627776.0}};
-  for (const auto& [letter, factor] : units)
-    if (parsed.ec == std::errc() && value > 0 &&
-        (unit == letter || unit == std::string(letter) + "B" || unit == std::string(letter) + "iB"))
-      return static_cast<std::uint64_t>(value * factor);
-  fail(ErrorKind::usage, "{} {}: expected a size such as 8G or 512M", option, text);
+// Where the units of these numbers stand in a part of the plan.
+std::vector<std::size_t> places_of(const std::vector<std::size_t>& numbers, const Manifest& manifest) {
+  std::map<std::size_t, std::size_t> place;
+  for (const archive::Unit& unit : manifest.units) place[unit.number] = unit.index;
+  std::vector<std::size_t> places;
+  for (const std::size_t number : numbers) places.push_back(place.at(number));
+  return places;
 }
 
 void add_run_command(CLI::App& batch, int& exit_code) {
@@ -200,12 +196,17 @@ void add_run_command(CLI::App& batch, int& exit_code) {
     engine->device = options->device;
     engine->quiet = options->quiet;
     engine->log_level = options->log_level;
-    const auto single = chosen_units(*unit, archive::read_manifest(store.manifest_file()));
+    const auto single = chosen_units(*unit, archive::count_units(store.manifest_file()));
     const StoreLock lock(store, single ? StoreLock::Sharing::with_units : StoreLock::Sharing::alone, "a run",
                          options->wait);
-    const Manifest manifest = archive::read_manifest(store.manifest_file());  // as it is under the lock
-    engine->units = single;
-    if (!single) store.clear_work();
+    // As it is under the lock. Of a plan of thousands of units one that runs a few reads these.
+    const auto schedule = archive::Detail::schedule;
+    const Manifest manifest = single ? archive::read_units(store.manifest_file(), *single, schedule)
+                                     : archive::read_manifest(store.manifest_file(), schedule);
+    if (single)
+      engine->units = places_of(*single, manifest);
+    else
+      store.clear_work();
     const auto result = archive::run_units(store, manifest, *engine);
     print(*options, result.summary, archive::text_of(result));
     exit_code = result.exit_code;
@@ -234,7 +235,8 @@ void add_status(CLI::App& batch, int& exit_code) {
   command->callback([=, &exit_code] {
     apply(*options);
     const Store store = Store::open(options->store);
-    const auto status = archive::store_status(store, archive::read_manifest(store.manifest_file()));
+    const auto status = archive::store_status(
+        store, archive::read_manifest(store.manifest_file(), archive::Detail::schedule));
     print(*options, status, archive::status_text(status));
     exit_code = 0;
   });

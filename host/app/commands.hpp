@@ -1,9 +1,13 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/memory_budget.hpp"
 #include "core/option_table.hpp"
 
 namespace hybrid::app {
@@ -16,6 +20,7 @@ struct CommonOptions {
   bool json = false, quiet = false, dry_run = false, force = false;
   std::string log_level = "info";
   int tile = 1024;
+  std::string memory;                    // --memory, as given
   std::vector<std::string> assignments;  // --set, as given
 };
 
@@ -25,6 +30,10 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 void add_set_option(CLI::App& command, CommonOptions& options);
 // Adds --salvage, for commands that read scans.
 void add_salvage_option(CLI::App& command, bool& salvage);
+// Adds --memory, for commands that hold whole scans; `memory_budget` makes it good while it lives, nullptr
+// without the option.
+void add_memory_option(CLI::App& command, CommonOptions& options);
+std::unique_ptr<MemoryBudget> memory_budget(const CommonOptions& options, const std::filesystem::path& out);
 // Applies log level and thread count; call first in every command.
 void apply(const CommonOptions& options);
 
@@ -33,6 +42,9 @@ bool shows_progress(const CommonOptions& options);
 
 // "auto" or a number, as --square takes it.
 OptionValue parse_square(const std::string& text);
+
+// "8G", "512M", "1.5GiB" in bytes of powers of 1024.
+std::uint64_t parse_bytes(const std::string& text, const std::string& option);
 
 // Each adds its subcommand to the program; the callback returns the exit code through `exit_code`.
 void add_run(CLI::App& program, int& exit_code);

@@ -52,4 +52,28 @@ OptionValue parse_square(const std::string& text) {
   fail(ErrorKind::usage, "--square {}: expected auto or a number from 3 to 16", text);
 }
 
+std::uint64_t parse_bytes(const std::string& text, const std::string& option) {
+  double value = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string unit(parsed.ptr, text.data() + text.size());
+  const std::pair<const char*, double> units[] = {
+      {"K", 1024.0}, {"M", 1048576.0}, {"G", 1073741824.0}, {"T", 1099511627776.0}};
+  for (const auto& [letter, factor] : units)
+    if (parsed.ec == std::errc() && value > 0 &&
+        (unit == letter || unit == std::string(letter) + "B" || unit == std::string(letter) + "iB"))
+      return static_cast<std::uint64_t>(value * factor);
+  fail(ErrorKind::usage, "{} {}: expected a size such as 8G or 512M", option, text);
+}
+
+void add_memory_option(CLI::App& command, CommonOptions& options) {
+  command.add_option("--memory", options.memory,
+                     "such as 2G: large arrays go to files in the output folder that nobody sees and to the "
+                     "system's file cache, where more would be held; changes no result");
+}
+
+std::unique_ptr<MemoryBudget> memory_budget(const CommonOptions& options, const std::filesystem::path& out) {
+  if (options.memory.empty()) return nullptr;
+  return std::make_unique<MemoryBudget>(parse_bytes(options.memory, "--memory"), out);
+}
+
 }  // namespace hybrid::app

@@ -28,6 +28,7 @@ void add_planes(CLI::App& program, int& exit_code) {
       ->expected(3);
   add_salvage_option(*command, request->salvage);
   add_common_options(*command, *common);
+  add_memory_option(*command, *common);
   add_set_option(*command, *common);
   command->callback([=, &exit_code] {
     apply(*common);
@@ -42,6 +43,7 @@ void add_planes(CLI::App& program, int& exit_code) {
       std::cout << batch::describe_planes_run(*request);
       return;
     }
+    const auto budget = memory_budget(*common, request->out);
     device::Queue queue(common->device);
     const auto run = batch::run_planes(queue, *request);
     if (common->json)

@@ -14,6 +14,7 @@ SceneCommand make_scene_command(CLI::App& program, const std::string& name, cons
   made.command->add_option("--out", made.request->out, "output folder")->required();
   add_salvage_option(*made.command, made.request->salvage);
   add_common_options(*made.command, *made.common);
+  add_memory_option(*made.command, *made.common);
   add_set_option(*made.command, *made.common);
   return made;
 }
@@ -31,6 +32,7 @@ int run_scene_command(const SceneCommand& command) {
     std::cout << batch::describe_run(request) << "\n";
     return 0;
   }
+  const auto budget = memory_budget(common, request.out);
   device::Queue queue(common.device);
   const auto run = batch::run_scene(
       queue, request, [&](const batch::SceneRun& made) { report::write_report(queue, made, request.out); });

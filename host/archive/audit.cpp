@@ -100,7 +100,7 @@ Json store_status(const Store& store, const Manifest& manifest) {
     const Outcome& outcome = outcomes.of(unit.index);
     Json& count = counts[name_of(unit.kind)][name_of(outcome.state)];
     count = count.is_null() ? 1 : count.get<int>() + 1;
-    Json row = {{"unit", unit.index},
+    Json row = {{"unit", unit.number},
                 {"id", unit.id},
                 {"kind", name_of(unit.kind)},
                 {"state", name_of(outcome.state)},
@@ -178,7 +178,7 @@ Json prune_store(const Store& store, std::size_t keep, bool dry_run) {
   std::set<std::string> used;
   manifests.push_back(store.manifest_file());
   for (const fs::path& file : manifests) {
-    const Manifest manifest = read_manifest(file);
+    const Manifest manifest = read_manifest(file, Detail::schedule);
     Outcomes outcomes(store, manifest);
     for (const Unit& unit : manifest.units) {
       used.insert(unit.key);

@@ -86,11 +86,11 @@ class Catalogue {
       check_interrupted();
       const Outcome& outcome = outcomes.of(unit.index);
       const Json error = outcome.error.empty() ? Json(nullptr) : Json(outcome.error);
-      units_.add({night, unit.index, unit.id, name_of(unit.kind),
+      units_.add({night, unit.number, unit.id, name_of(unit.kind),
                   unit.result.empty() ? Json(nullptr) : Json(unit.result), name_of(outcome.state),
                   outcome.key.empty() ? Json(nullptr) : Json(outcome.key), error});
       for (const Input& input : unit.inputs)
-        inputs_.add({night, unit.index, input.file.string(), input.bytes, input.xxh3});
+        inputs_.add({night, unit.number, input.file.string(), input.bytes, input.xxh3});
       if (!outcome.key.empty() && seen_.insert(outcome.key).second) add_outcome(unit, outcome);
     }
   }

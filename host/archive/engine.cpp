@@ -49,6 +49,7 @@ struct Slot {
   Timer timer;
   std::string killed_for;  // why the engine ended it; "" when it did not
   bool requeue = false;    // ended to make room
+  bool budget = false;     // its memory is kept near all that there is
 };
 
 class Engine {
@@ -82,7 +83,8 @@ class Engine {
   void choose_limits() {
     cores_ = options_.threads > 0 ? options_.threads : usable_cores();
     memory_ = options_.memory_bytes ? options_.memory_bytes : free_memory_bytes() / 5 * 4;
-    unit_memory_ = options_.unit_memory_bytes ? options_.unit_memory_bytes : memory_;
+    // A unit whose memory is kept near all that there is may be over it for a moment.
+    unit_memory_ = options_.unit_memory_bytes ? options_.unit_memory_bytes : memory_ + memory_ / 8;
     jobs_ = options_.jobs > 0 ? options_.jobs : cores_;
   }
 
@@ -135,8 +137,8 @@ class Engine {
     for (const std::size_t need : unit.needs)
       if (outcomes_.of(need).state == UnitState::waiting)
         fail(ErrorKind::temporary, "unit {} ({}) needs unit {} ({}), which nobody has made yet: run it first",
-             unit.index, unit.id, need, manifest_.units[need].id);
-    fail(ErrorKind::failed, "unit {} ({}) waits for nothing", unit.index, unit.id);
+             unit.number, unit.id, manifest_.units[need].number, manifest_.units[need].id);
+    fail(ErrorKind::failed, "unit {} ({}) waits for nothing", unit.number, unit.id);
   }
 
   // --- starting -----------------------------------------------------------------------------------------
@@ -148,7 +150,7 @@ class Engine {
   std::uint64_t memory_in_use() const {
     std::uint64_t bytes = 0;
     for (const Slot& slot : slots_)
-      if (slot.unit) bytes += manifest_.units[*slot.unit].estimate_bytes;
+      if (slot.unit) bytes += is_large(*slot.unit) ? memory_ : manifest_.units[*slot.unit].estimate_bytes;
     return bytes;
   }
 
@@ -161,13 +163,18 @@ class Engine {
     }
   }
 
-  // Off the list of ready units, the first for which there is memory. One that is larger than all there is
-  // runs when nothing else does.
+  // More than all there is, or than a unit may have: it runs when nothing else does, on all cores, with its
+  // arrays in files where they are too many (core/memory_budget.hpp).
+  bool is_large(std::size_t unit) const {
+    return alone_.count(unit) || manifest_.units[unit].estimate_bytes > std::min(memory_, unit_memory_);
+  }
+
+  // Off the list of ready units, the first for which there is memory.
   std::optional<std::size_t> take_next() {
     const std::uint64_t used = memory_in_use();
     const bool idle = running() == 0;
     for (auto unit = ready_.begin(); unit != ready_.end(); ++unit) {
-      const bool fits = !alone_.count(*unit) && used + manifest_.units[*unit].estimate_bytes <= memory_;
+      const bool fits = !is_large(*unit) && used + manifest_.units[*unit].estimate_bytes <= memory_;
       if (!fits && !idle) continue;
       const std::size_t taken = *unit;
       ready_.erase(unit);
@@ -196,13 +203,18 @@ class Engine {
 
   void send(Slot& slot) {
     slot.timer = Timer();
-    slot.worker->send({{"unit", *slot.unit}, {"key", slot.key}, {"work", slot.work.string()}});
+    Json job = {
+        {"unit", manifest_.units[*slot.unit].number}, {"key", slot.key}, {"work", slot.work.string()}};
+    slot.budget = is_large(*slot.unit);
+    if (slot.budget) job["memory"] = std::min(memory_, unit_memory_);
+    slot.worker->send(job);
     fail_point("unit-sent");
   }
 
   // Threads for a unit: its share of the cores among all that could run now. Short ones take the process that
   // is there.
   int threads_for(const Unit& unit) const {
+    if (is_large(unit.index)) return cores_;
     const int usual = std::max(1, cores_ / jobs_);
     if (unit.estimate_s < kLongUnit_s) return usual;
     const std::size_t others = running() + ready_.size() + 1;
@@ -285,7 +297,7 @@ class Engine {
       throw Error(ErrorKind::interrupted, ending.error);
     }
     if (slot.requeue) {
-      again(unit, "took more memory than is free; it waits for the others");
+      again(unit, ending.error + "; it waits for the others");
       alone_.insert(unit);
       drop(slot);
       return;
@@ -330,14 +342,14 @@ class Engine {
     store_.write_failure(slot.key,
                          {{"key", slot.key},
                           {"unit", manifest_.units[unit].id},
-                          {"index", unit},
+                          {"index", manifest_.units[unit].number},
                           {"error", ending.error},
                           {"error_kind", name_of(ending.kind)},
                           {"exit_code", exit_code(ending.kind)},
                           {"attempts", attempts},
                           {"quarantined", !lasting && attempts >= kMostAttempts},
                           {"command", fmt::format("hybrid batch run --out {} --unit {} --retry",
-                                                  store_.folder().string(), unit)},
+                                                  store_.folder().string(), manifest_.units[unit].number)},
                           {"log", store_.failure_log(slot.key).lexically_relative(store_.folder()).string()},
                           {"host", host_name()},
                           {"finished", utc_now()},
@@ -372,9 +384,11 @@ class Engine {
       if (!slot.unit) continue;
       const std::uint64_t bytes = slot.worker->resident_bytes();
       all += bytes;
-      if (bytes > unit_memory_)
+      if (bytes > unit_memory_) {
+        slot.requeue = slot.requeue || (slot.killed_for.empty() && !slot.budget);  // more than was thought
         end(slot, fmt::format("took more than {:.1f} GiB of memory (--unit-memory)",
                               static_cast<double>(unit_memory_) / (1 << 30)));
+      }
       if (slot.timer.seconds() > options_.unit_seconds)
         end(slot, fmt::format("took longer than {:.0f} s (--unit-time)", options_.unit_seconds));
       if (!youngest || slot.timer.seconds() < youngest->timer.seconds()) youngest = &slot;
@@ -382,7 +396,7 @@ class Engine {
     }
     if (all > memory_ + memory_ / 10 && running() > 1) {
       youngest->requeue = true;
-      end(*youngest, "made room for the others");
+      end(*youngest, "took more memory than is free");
     }
     progress_->show(running(), name);
   }
@@ -431,7 +445,7 @@ class Engine {
       ++counts[name_of(outcome.state)];
       if (outcome.state == UnitState::done) continue;
       if (failed.empty()) first = outcome.kind;
-      failed.push_back({{"unit", unit.index},
+      failed.push_back({{"unit", unit.number},
                         {"id", unit.id},
                         {"state", name_of(outcome.state)},
                         {"error", outcome.error}});
@@ -472,19 +486,6 @@ class Engine {
 
 EngineResult run_units(const Store& store, const Manifest& manifest, const EngineOptions& options) {
   return Engine(store, manifest, options).go();
-}
-
-std::string text_of(const EngineResult& result) {
-  std::string text;
-  for (const auto& [state, count] : result.summary["units"].items())
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count.get<std::size_t>(), state);
-  text += fmt::format("; {} computed in {:.1f} s\n", result.summary["computed"].get<std::size_t>(),
-                      result.summary["seconds"].get<double>());
-  for (const auto& one : result.summary["failed"])
-    text += fmt::format("{} {}: {}\n", one["id"].get<std::string>(), one["state"].get<std::string>(),
-                        one["error"].get<std::string>());
-  return text + fmt::format("results: {}\n",
-                            (fs::path(result.summary["store"].get<std::string>()) / "results").string());
 }
 
 }  // namespace hybrid::archive

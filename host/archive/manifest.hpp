@@ -18,7 +18,8 @@ const char* name_of(UnitKind kind);
 
 // One piece of work, done by one process at a time, whose result is a function of its key.
 struct Unit {
-  std::size_t index = 0;  // in the manifest: what --unit takes
+  std::size_t index = 0;   // in Manifest::units
+  std::size_t number = 0;  // in the plan: what --unit takes; differs where a part of the plan was read
   UnitKind kind = UnitKind::planes;
   std::string id;      // "planes abbey/scene.toml west", "scene abbey", "planes loose/a.e57 a-0", "report"
   std::string key;     // its object in the store, once units that it needs are done (outcome.hpp)
@@ -26,8 +27,8 @@ struct Unit {
   std::vector<std::size_t> needs;  // units before this one
   double estimate_s = 0;           // CPU seconds on one core
   std::uint64_t estimate_bytes = 0;
+  std::string from;  // what the key is made of, a JSON text: inputs' hashes, options, build
   std::vector<Input> inputs;
-  nlohmann::ordered_json from;  // what the key is made of: inputs' hashes, options, build
 
   std::filesystem::path scene;  // of scene units and of planes that belong to one, else ""
   std::filesystem::path file;   // planes: the scan's
@@ -46,9 +47,31 @@ struct Manifest {
   std::vector<Unit> units;
 };
 
-// Its text is the same for the same archive, profile and program.
+// Its text is the same for the same archive, profile and program: a JSON document in which each unit stands
+// on two lines, what its schedule needs and the rest, and a table of fixed width tells where
+// (manifest_file.cpp).
 std::string to_text(const Manifest& manifest);
-// Throws ErrorKind::input when the file is none of this version.
-Manifest read_manifest(const std::filesystem::path& file);
+
+// Without: settings, inputs and from stay empty. What a schedule needs is a tenth of the file.
+enum class Detail { all, schedule };
+// All of these throw ErrorKind::input when the file is none of this version, or not whole.
+Manifest read_manifest(const std::filesystem::path& file, Detail detail = Detail::all);
+// Of a plan of any size only these units, and those that they need without detail; in the order of the plan.
+// Reads the bytes of these units alone.
+Manifest read_units(const std::filesystem::path& file, const std::vector<std::size_t>& numbers,
+                    Detail detail = Detail::all);
+// All but the units.
+Manifest read_manifest_head(const std::filesystem::path& file);
+std::size_t count_units(const std::filesystem::path& file);
+
+// A unit as JSON: `head` what its schedule needs, `rest` the others.
+struct UnitJson {
+  nlohmann::ordered_json head, rest;
+};
+UnitJson to_json(const Unit& unit);
+// Empty `rest`: without detail.
+Unit unit_from(const nlohmann::ordered_json& head, const nlohmann::ordered_json& rest);
+nlohmann::ordered_json to_json(const std::vector<Remark>& remarks);
+std::vector<Remark> remarks_from(const nlohmann::ordered_json& json);
 
 }  // namespace hybrid::archive

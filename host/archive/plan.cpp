@@ -37,6 +37,17 @@ batch::StageOptions options_of_loose(const io::ProfileSettings& settings) {
   return with_settings(options, settings);
 }
 
+// A unit while its key is made.
+struct Draft : Unit {
+  Json made_from;
+};
+
+Unit sealed(Draft&& draft) {
+  draft.from = draft.made_from.dump();
+  draft.key = hash_of(draft.from);
+  return std::move(draft);
+}
+
 class Planner {
  public:
   Planner(const PlanRequest& request, InputCache& cache) : request_(request), cache_(cache) {}
@@ -54,7 +65,8 @@ class Planner {
     note_equal_names();
     for (Unit& scene : scenes_) manifest_.units.push_back(std::move(scene));
     plan_report();
-    for (std::size_t i = 0; i < manifest_.units.size(); ++i) manifest_.units[i].index = i;
+    for (std::size_t i = 0; i < manifest_.units.size(); ++i)
+      manifest_.units[i].index = manifest_.units[i].number = i;
     return std::move(manifest_);
   }
 
@@ -90,26 +102,26 @@ class Planner {
   }
 
   // Scan `index` of a file, alone or as entry of a scene.
-  Unit planes_unit(const fs::path& file, const ScanListing::One& listed, const std::string& id,
-                   const batch::StageOptions& options, const io::ProfileSettings& settings) {
-    Unit unit;
+  Draft planes_unit(const fs::path& file, const ScanListing::One& listed, const std::string& id,
+                    const batch::StageOptions& options, const io::ProfileSettings& settings) {
+    Draft unit;
     unit.kind = UnitKind::planes;
     unit.file = file;
     unit.scan_index = listed.index;
     unit.scan_id = id;
     unit.settings = settings;
     unit.inputs.push_back(cache_.look(file));
-    unit.from = key_base(unit.kind, manifest_.build.planes_sources);
-    unit.from["scan"] = {{"id", id}, {"index", listed.index}, {"xxh3", print_of(unit.inputs.front())}};
+    unit.made_from = key_base(unit.kind, manifest_.build.planes_sources);
+    unit.made_from["scan"] = {{"id", id}, {"index", listed.index}, {"xxh3", print_of(unit.inputs.front())}};
     for (const auto& companion : scan_companions(file)) {
       unit.inputs.push_back(cache_.look(companion));
-      unit.from["companions"].push_back(
+      unit.made_from["companions"].push_back(
           {{"file", companion.lexically_relative(file.parent_path()).generic_string()},
            {"xxh3", print_of(unit.inputs.back())}});
     }
-    unit.from["salvage"] = settings.salvage.value_or(false);
-    unit.from["options"] = batch::describe(options)["planes"];
-    if (settings.seed) unit.from["seed"] = *settings.seed;
+    unit.made_from["salvage"] = settings.salvage.value_or(false);
+    unit.made_from["options"] = batch::describe(options)["planes"];
+    if (settings.seed) unit.made_from["seed"] = *settings.seed;
     const auto estimate = estimate_planes(listed.samples ? listed.samples : unit.inputs.front().bytes / 16);
     unit.estimate_s = estimate.cpu_s;
     unit.estimate_bytes = estimate.bytes;
@@ -117,7 +129,7 @@ class Planner {
   }
 
   void plan_scene(const fs::path& file) {
-    Unit unit;
+    Draft unit;
     unit.kind = UnitKind::scene;
     const std::string name = scene_name(file);
     unit.id = "scene " + name;
@@ -125,43 +137,42 @@ class Planner {
     unit.scene = file;
     unit.settings = profile_.settings_of(name);
     unit.inputs.push_back(cache_.look(file));
-    unit.from = key_base(unit.kind, manifest_.build.all_sources);
-    unit.from["scene"] = print_of(unit.inputs.front());
+    unit.made_from = key_base(unit.kind, manifest_.build.all_sources);
+    unit.made_from["scene"] = print_of(unit.inputs.front());
     try {
       const auto scene = io::read_scene_file(file);
       const auto options =
           with_settings(batch::read_stage_options(scene, unit.settings.assignments), unit.settings);
       scene_names_[scene.name].push_back(name);
-      unit.from["options"] = batch::describe(options);
+      unit.made_from["options"] = batch::describe(options);
       plan_parts(scene, name, options, unit);
     } catch (const std::exception& error) {
       manifest_.problems.push_back({named(file), error.what()});
-      unit.from["problem"] = error.what();
+      unit.made_from["problem"] = error.what();
     }
-    unit.from["leave_one_out"] = unit.settings.leave_one_out.value_or(false);
-    unit.from["salvage"] = unit.settings.salvage.value_or(false);
-    if (unit.settings.seed) unit.from["seed"] = *unit.settings.seed;
-    unit.key = hash_of(unit.from.dump());
+    unit.made_from["leave_one_out"] = unit.settings.leave_one_out.value_or(false);
+    unit.made_from["salvage"] = unit.settings.salvage.value_or(false);
+    if (unit.settings.seed) unit.made_from["seed"] = *unit.settings.seed;
     for (const Input& input : unit.inputs) used_.insert(input.file.lexically_normal().string());
-    scenes_.push_back(std::move(unit));
+    scenes_.push_back(sealed(std::move(unit)));
   }
 
   // The scans' units and the scene's other inputs.
   void plan_parts(const io::SceneFile& scene, const std::string& name, const batch::StageOptions& options,
-                  Unit& unit) {
+                  Draft& unit) {
     const fs::path folder = scene.path.parent_path();
     SceneSize size;
     batch::ScanNames names(scene);
-    unit.from["scans"] = Json::array();
+    unit.made_from["scans"] = Json::array();
     for (std::size_t entry = 0; entry < scene.scans.size(); ++entry)
       size.samples += plan_entry(scene, entry, name, options, names, unit);
     auto files = scene_inputs(scene);
     for (fs::path& file : files) file = file.lexically_normal();
     std::sort(files.begin(), files.end());
     files.erase(std::unique(files.begin(), files.end()), files.end());
-    unit.from["inputs"] = Json::array();
+    unit.made_from["inputs"] = Json::array();
     for (Input& input : cache_.look(files)) {
-      unit.from["inputs"].push_back(
+      unit.made_from["inputs"].push_back(
           {{"file", fs::proximate(input.file, folder).generic_string()}, {"xxh3", print_of(input)}});
       size.photograph_bytes += input.bytes;
       ++size.photographs;
@@ -182,11 +193,11 @@ class Planner {
   // Of one [[scan]]; returns its samples. A file that cannot be listed has no units of its own: the scene's
   // run says why, as it does for a scan that the file does not have.
   std::uint64_t plan_entry(const io::SceneFile& scene, std::size_t entry, const std::string& name,
-                           const batch::StageOptions& options, batch::ScanNames& names, Unit& unit) {
+                           const batch::StageOptions& options, batch::ScanNames& names, Draft& unit) {
     const io::SceneScan& scan = scene.scans[entry];
     unit.inputs.push_back(cache_.look(scan.file));
     if (scan.depth) {  // small: the scene's run makes its planes
-      unit.from["scans"].push_back(
+      unit.made_from["scans"].push_back(
           {{"file", fs::proximate(scan.file, scene.path.parent_path()).generic_string()},
            {"xxh3", print_of(unit.inputs.back())}});
       names.next(scan, 0, 1);
@@ -201,12 +212,12 @@ class Planner {
         listing.problem = fmt::format("{}: index {}: the file holds {} scans (0-based)", scan.file.string(),
                                       index, listing.scans.size());
     }
-    unit.from["scans"].push_back(
+    unit.made_from["scans"].push_back(
         {{"file", fs::proximate(scan.file, scene.path.parent_path()).generic_string()},
          {"xxh3", print_of(unit.inputs.back())}});
     if (!listing.problem.empty()) {
       manifest_.problems.push_back({named(scene.path), listing.problem});
-      unit.from["scans"].back()["problem"] = listing.problem;
+      unit.made_from["scans"].back()["problem"] = listing.problem;
       return 0;
     }
     std::uint64_t samples = 0;
@@ -216,18 +227,18 @@ class Planner {
       samples += listing.scans[i].samples;
       if (scene.edits.moves_depths_of(id))
         continue;  // the edit comes before the planes: the scene's run makes them
-      Unit planes = planes_unit(scan.file, listing.scans[i], id, options, unit.settings);
+      Draft planes = planes_unit(scan.file, listing.scans[i], id, options, unit.settings);
       planes.id = fmt::format("planes {} {}", name, id);
       planes.scene = scene.path;
       planes.entry = entry;
-      if (scan.scanner) planes.from["scanner"] = {scan.scanner->x(), scan.scanner->y(), scan.scanner->z()};
-      planes.key = hash_of(planes.from.dump());
+      if (scan.scanner)
+        planes.made_from["scanner"] = {scan.scanner->x(), scan.scanner->y(), scan.scanner->z()};
       planes.inputs.push_back(unit.inputs.front());  // the scene file says how to read the scan
-      keys.push_back(planes.key);
       unit.needs.push_back(manifest_.units.size());
-      manifest_.units.push_back(std::move(planes));
+      manifest_.units.push_back(sealed(std::move(planes)));
+      keys.push_back(manifest_.units.back().key);
     }
-    unit.from["scans"].back()["planes"] = keys;
+    unit.made_from["scans"].back()["planes"] = keys;
     return samples;
   }
 
@@ -263,12 +274,11 @@ class Planner {
     for (std::size_t i = 0; i < scans.size(); ++i) {
       const std::string id =
           io::default_scan_id(file, static_cast<int>(i), static_cast<int>(scans.size()), {});
-      Unit unit = planes_unit(file, scans[i], id, options, settings);
+      Draft unit = planes_unit(file, scans[i], id, options, settings);
       unit.id = fmt::format("planes {} {}", name, id);
       unit.result = fmt::format("{}/planes-{}", name, id);
-      unit.from["loose"] = file.filename().string();
-      unit.key = hash_of(unit.from.dump());
-      manifest_.units.push_back(std::move(unit));
+      unit.made_from["loose"] = file.filename().string();
+      manifest_.units.push_back(sealed(std::move(unit)));
     }
   }
 
@@ -283,19 +293,20 @@ class Planner {
 
   void plan_report() {
     if (manifest_.units.empty()) return;
-    Unit unit;
+    Draft unit;
     unit.kind = UnitKind::report;
     unit.id = unit.result = "report";
-    unit.from = key_base(unit.kind, manifest_.build.all_sources);
-    unit.from["units"] = Json::array();
+    unit.made_from = key_base(unit.kind, manifest_.build.all_sources);
+    unit.made_from["units"] = Json::array();
     for (std::size_t i = 0; i < manifest_.units.size(); ++i) {
       unit.needs.push_back(i);
-      unit.from["units"].push_back({manifest_.units[i].id, manifest_.units[i].key});
+      unit.made_from["units"].push_back({manifest_.units[i].id, manifest_.units[i].key});
     }
-    unit.from["problems"] = Json::array();
-    for (const auto& [path, what] : manifest_.problems) unit.from["problems"].push_back({path, what});
-    unit.key = hash_of(unit.from.dump());
-    unit.from.erase("units");  // they stand in the manifest already
+    unit.made_from["problems"] = Json::array();
+    for (const auto& [path, what] : manifest_.problems) unit.made_from["problems"].push_back({path, what});
+    unit.key = hash_of(unit.made_from.dump());
+    unit.made_from.erase("units");  // they stand in the manifest already
+    unit.from = unit.made_from.dump();
     unit.estimate_s = 0.05;
     unit.estimate_bytes = 200'000'000;
     manifest_.units.push_back(std::move(unit));

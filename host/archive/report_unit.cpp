@@ -42,7 +42,7 @@ Json row_of(const Store& store, const Unit& unit, Outcomes& outcomes) {
   std::string units;
   for (const std::size_t need : unit.needs)
     if (!has_object(outcomes.of(need))) units += std::to_string(need) + ",";
-  row["command"] = fmt::format("hybrid batch run --out STORE --unit {}{} --retry", units, unit.index);
+  row["command"] = fmt::format("hybrid batch run --out STORE --unit {}{} --retry", units, unit.number);
   return row;
 }
 
@@ -54,7 +54,7 @@ UnitResult run_report_unit(const Store& store, const Manifest& manifest, const U
   for (const std::size_t need : unit.needs) {
     const Unit& one = manifest.units[need];
     const Outcome& outcome = outcomes.of(need);
-    Json row = {{"index", need},
+    Json row = {{"index", one.number},
                 {"id", one.id},
                 {"kind", name_of(one.kind)},
                 {"state", name_of(outcome.state)},

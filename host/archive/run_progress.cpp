@@ -49,8 +49,8 @@ void RunProgress::unit_ended(const Unit& unit, const Outcome& outcome, double se
   }
   if (quiet_ && !failed) return;
   nlohmann::ordered_json line = {
-      {"event", "unit"},    {"unit", unit.index}, {"id", unit.id}, {"state", name_of(outcome.state)},
-      {"seconds", seconds}, {"ended", ended_},    {"of", units_},  {"failed", failed_}};
+      {"event", "unit"},    {"unit", unit.number}, {"id", unit.id}, {"state", name_of(outcome.state)},
+      {"seconds", seconds}, {"ended", ended_},     {"of", units_},  {"failed", failed_}};
   if (const double left = seconds_left(); std::isfinite(left)) line["eta_s"] = std::round(left);
   if (!outcome.error.empty()) line["error"] = outcome.error;
   say(line);
@@ -60,7 +60,7 @@ void RunProgress::unit_again(const Unit& unit, const std::string& error) {
   if (terminal_)
     log::warning("{}: {}; once more", unit.id, error);
   else
-    say({{"event", "again"}, {"unit", unit.index}, {"id", unit.id}, {"error", error}});
+    say({{"event", "again"}, {"unit", unit.number}, {"id", unit.id}, {"error", error}});
 }
 
 void RunProgress::show(std::size_t running, const std::string& one_of_them) {

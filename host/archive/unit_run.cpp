@@ -86,7 +86,7 @@ void run_unit(device::Queue& queue, const Store& store, const Manifest& manifest
                        {"kind", name_of(unit.kind)},
                        {"status", result.failures.empty() ? "done" : "partial"},
                        {"failures", result.failures},
-                       {"from", unit.from}};
+                       {"from", Json::parse(unit.from)}};
   const Json record = {{"key", key},
                        {"unit", unit.id},
                        {"host", host_name()},

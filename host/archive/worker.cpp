@@ -12,6 +12,7 @@
 #include "core/fail_point.hpp"
 #include "core/interrupt.hpp"
 #include "core/log.hpp"
+#include "core/memory_budget.hpp"
 
 namespace hybrid::archive {
 namespace {
@@ -57,27 +58,31 @@ class Log {
 class Worker {
  public:
   Worker(const fs::path& store, const std::string& device)
-      : store_(Store::open(store)), manifest_(read_manifest(store_.manifest_file())), queue_(device) {
-    if (const auto build = build_identity(device); build != manifest_.build)
+      : store_(Store::open(store)), head_(read_manifest_head(store_.manifest_file())), queue_(device) {
+    if (const auto build = build_identity(device); build != head_.build)
       fail(ErrorKind::failed,
            "the plan is for another program or machine ({} {} {}), this one is {} {} {}; make the plan again "
            "here",
-           manifest_.build.all_sources, manifest_.build.kind, manifest_.build.device, build.all_sources,
-           build.kind, build.device);
+           head_.build.all_sources, head_.build.kind, head_.build.device, build.all_sources, build.kind,
+           build.device);
   }
 
   Json run(const Json& job) {
-    const Unit& unit = manifest_.units.at(job.at("unit").get<std::size_t>());
+    const auto number = job.at("unit").get<std::size_t>();
     const fs::path work = job.at("work").get<std::string>();
     Json result = {{"ok", true}};
     try {
       const Log log(work / "log.txt");
       fail_point("unit-begun");
-      Outcomes outcomes(store_, manifest_);  // the store goes on changing
+      std::unique_ptr<MemoryBudget> budget;
+      if (job.contains("memory")) budget = std::make_unique<MemoryBudget>(job["memory"], work);
+      const Manifest manifest = read_units(store_.manifest_file(), {number});
+      const Unit& unit = manifest.units.back();  // it needs only earlier ones
+      Outcomes outcomes(store_, manifest);       // the store goes on changing
       try {
         with_context(unit.id, [&] {
           try {
-            run_unit(queue_, store_, manifest_, unit, outcomes, job.at("key"), work);
+            run_unit(queue_, store_, manifest, unit, outcomes, job.at("key"), work);
           } catch (const Error& error) {
             result = failure_of(error);  // without the context: a scene's scan fails in the run's own words
             throw;
@@ -90,13 +95,13 @@ class Worker {
     } catch (const Error& error) {
       result = failure_of(error);
     }
-    result["unit"] = unit.index;
+    result["unit"] = number;
     return result;
   }
 
  private:
   Store store_;
-  Manifest manifest_;
+  Manifest head_;  // no units: of thousands this process reads those that it runs
   device::Queue queue_;
 };
 
