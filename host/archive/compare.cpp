@@ -201,7 +201,8 @@ Json compare_result(const std::string& result, const Stand& a, const Stand& b,
   row["verdict"] = name_of(rank(b) < rank(a)   ? Verdict::worse
                            : rank(b) > rank(a) ? Verdict::better
                                                : Verdict::moved);
-  row["because"] = a.unit && b.unit ? differences(a.unit->from, b.unit->from) : Json::array();
+  row["because"] =
+      a.unit && b.unit ? differences(Json::parse(a.unit->from), Json::parse(b.unit->from)) : Json::array();
   row["figures"] = a.has_object() && b.has_object() ? moved_figures(summary_of(a), summary_of(b), thresholds)
                                                     : Json::array();
   row["pictures"] = a.has_object() && b.has_object() ? changed_pictures(a, b) : Json::array();
