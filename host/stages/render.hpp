@@ -18,7 +18,7 @@
 namespace hybrid::stages {
 
 struct RenderOptions {
-  std::string blend = "dual";      // "nearest" | "linear" | "dual" | "multi-band"
+  std::string blend = "linear";    // "nearest" | "linear" | "dual" | "multi-band"
   std::string weights = "ulr";     // "angle" (Facade) | "ulr" (unstructured lumigraph)
   int ulr_k = 3;                   // photographs that mix in a pixel; the next one's penalty ends them
   double ulr_resolution = 0.05;    // penalty, rad, per time that a photograph is coarser than the view
@@ -31,7 +31,7 @@ struct RenderOptions {
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
-  bool equalise = false;     // gains per photograph and channel that make the photographs' overlaps agree
+  bool equalise = true;      // gains per photograph and channel that make the photographs' overlaps agree
   bool levels = true;        // photographs finer than the view are halved first, as often as they are
   int photograph_mb = 4096;  // memory for photographs on the device; changes no result
   int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one

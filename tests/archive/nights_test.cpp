@@ -67,16 +67,16 @@ TEST_F(Nights, a_changed_scan_remakes_what_depends_on_it_alone) {
 
 TEST_F(Nights, a_profile_overrides_and_a_scene_of_it_overrides_that) {
   io::write_text(scratch / "p.toml",
-                 "[render]\nblend = \"nearest\"\n[[scene]]\nmatch = \"b\"\nrender.blend = \"linear\"\n");
+                 "[render]\nblend = \"nearest\"\n[[scene]]\nmatch = \"b\"\nrender.blend = \"dual\"\n");
   EXPECT_EQ(next_night("--profile " + (scratch / "p.toml").string())["computed"], 4);  // no planes
   const auto blend = [&](const char* scene) {
     return nlohmann::json::parse(
         io::read_text(store / "results" / scene / "scene/summary.json"))["options"]["render"]["blend"];
   };
   EXPECT_EQ(blend("a"), "nearest");
-  EXPECT_EQ(blend("b"), "linear");
+  EXPECT_EQ(blend("b"), "dual");
   EXPECT_EQ(next_night()["computed"], 0);  // back to what was there
-  EXPECT_EQ(blend("a"), "dual");
+  EXPECT_EQ(blend("a"), "linear");
 }
 
 TEST_F(Nights, a_touched_file_is_not_made_again_and_a_forged_time_is_found) {

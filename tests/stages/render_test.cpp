@@ -124,6 +124,7 @@ TEST(Render, photographs_of_one_colour_give_that_colour_however_they_mix) {
 
 TEST(Render, dual_is_multi_band_of_two_bands_and_four_mix_otherwise) {
   RenderOptions options;
+  options.blend = "dual";
   const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0});
   const RenderedView dual = render(room().scene, request, options);
   options.blend = "multi-band";
