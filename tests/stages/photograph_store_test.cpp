@@ -13,9 +13,10 @@ namespace hybrid::testing {
 TEST(PhotographStore, gives_the_same_photographs_whether_they_stay_or_are_loaded_again) {
   const RoomScene room = RoomScene::make(3, 40, 30);
   const auto geometry = stages::make_render_geometry(queue(), room.scene, "both", Vec3::Zero());
-  stages::PhotographStore all(queue(), room.scene, {}, Vec3::Zero(), true);
+  const stages::RenderOptions options{.blend = "dual"};  // has a low band
+  stages::PhotographStore all(queue(), room.scene, options, Vec3::Zero(), true);
   // Room for one photograph of 40 x 30 pixels with its low band.
-  stages::PhotographStore one(queue(), room.scene, {}, Vec3::Zero(), true, 40 * 30 * 12);
+  stages::PhotographStore one(queue(), room.scene, options, Vec3::Zero(), true, 40 * 30 * 12);
   for (int round = 0; round < 2; ++round)
     for (std::size_t i = 0; i < 3; ++i) {
       const auto& entry = one.get(i, geometry);
@@ -52,8 +53,7 @@ TEST(PhotographStore, no_low_band_crosses_a_visibility_edge) {
     }
   room.scene.photograph_pixels = {image};
   const auto geometry = stages::make_render_geometry(queue(), room.scene, "both", Vec3::Zero());
-  stages::RenderOptions options;
-  options.sigma_px = 6;
+  const stages::RenderOptions options{.blend = "dual", .sigma_px = 6};
   stages::PhotographStore store(queue(), room.scene, options, Vec3::Zero(), true);
   const auto low = queue().read(store.get(0, geometry).low);
   std::size_t black = 0, wrong = 0;
