@@ -14,7 +14,7 @@ if [ "${INSIDE_NIGHT:-}" != 1 ]; then
     skip "this machine does not allow namespaces"
   folder=$(mktemp -d)
   INSIDE_NIGHT=1 NIGHT_FOLDER=$folder unshare --net --mount --pid --fork --kill-child=KILL --mount-proc \
-    timeout 600 bash "$0" "$@"
+    timeout 240 bash "$0" "$@"
   code=$?
   rm -rf "$folder"
   exit $code
