@@ -17,12 +17,11 @@ struct Window {
   int rows, cols;
 };
 constexpr Window kWindows[] = {{2, 2}, {1, 6}, {6, 1}};
-constexpr int kCellsPerSquare = 4;        // side by side; a cell has at least 2 x 2 samples
-constexpr int kFewestInWindow = 8;        // samples of one plane
-constexpr double kProposal = 3;           // standard deviations of a window's mean
-constexpr double kLeastOfWaviness = 0.4;  // of a step: less is the wall's
-constexpr double kMostOfPlane = 0.6;      // of its samples are parts: more are bands, of quantised ranges say
-constexpr double kSameHeight = 0.35;      // of a step: parts of one plane no farther apart are one
+constexpr int kCellsPerSquare = 4;    // side by side; a cell has at least 2 x 2 samples
+constexpr int kFewestInWindow = 8;    // samples of one plane
+constexpr double kProposal = 3;       // standard deviations of a window's mean
+constexpr double kMostOfPlane = 0.6;  // of its samples are parts: more are bands, of quantised ranges say
+constexpr double kSameHeight = 0.35;  // of a step: parts of one plane no farther apart are one
 
 // The plane that has most of a cell's samples, and their mean height.
 struct Cell {

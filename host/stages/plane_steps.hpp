@@ -5,6 +5,9 @@
 
 namespace hybrid::stages {
 
+// Of the waviness: less is the wall's own, parallel planes that lie farther apart are two.
+inline constexpr double kLeastOfWaviness = 0.4;
+
 struct StepLimits {
   std::int64_t least_samples = 48;  // of a part
   double waviness_m = 0.005;        // of walls: steps of less than two fifths are theirs

@@ -14,6 +14,7 @@
 #include "stages/coplanar_merge.hpp"
 #include "stages/flood_shape.hpp"
 #include "stages/plane_floods.hpp"
+#include "stages/plane_steps.hpp"
 #include "stages/sparse_seeds.hpp"
 
 namespace hybrid::stages {
@@ -29,8 +30,7 @@ constexpr double kFoundBySquares = 0.25;  // of the samples
 constexpr double kSameNormal = 0.998;     // cosine
 constexpr double kFollowing = 2;          // standard deviations
 constexpr double kMostBesideCurved = 0.3;
-constexpr double kMostWorse = 30;         // chi2 of the three numbers that two planes have more than one
-constexpr double kLeastOfWaviness = 0.4;  // as plane_steps: two planes farther apart are no wavy wall
+constexpr double kMostWorse = 30;  // chi2 of the three numbers that two planes have more than one
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
                                        const PlaneRegions& regions) {

@@ -14,6 +14,10 @@
 
 namespace hybrid::testing {
 
+// Mode and bands that the tests of the blending kernels go through.
+inline constexpr std::pair<std::uint32_t, std::uint32_t> kBlendMixes[] = {
+    {BLEND_NEAREST, 2}, {BLEND_LINEAR, 2}, {BLEND_BANDS, 2}, {BLEND_BANDS, 4}};
+
 // Gains of the channels of every photograph of the case.
 inline constexpr double kChannelGains[3] = {1.25, 1, 0.8};
 

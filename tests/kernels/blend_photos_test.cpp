@@ -6,19 +6,9 @@
 #include "device.hpp"
 
 namespace hybrid::testing {
-namespace {
-
-constexpr std::pair<std::uint32_t, std::uint32_t> kMixes[] = {  // mode, bands
-    {BLEND_NEAREST, 2},
-    {BLEND_LINEAR, 2},
-    {BLEND_BANDS, 2},
-    {BLEND_BANDS, 4}};
-
-}  // namespace
-
 TEST(BlendPhotos, agrees_with_its_reference_at_every_size_and_in_every_mode) {
   for (std::size_t size : kSizes)
-    for (const auto& [mode, bands] : kMixes) {
+    for (const auto& [mode, bands] : kBlendMixes) {
       if (size > 2000 && bands < 4) continue;
       auto input = BlendPhotosCase::make(size, 4);
       input.mix.mode = mode;

@@ -8,12 +8,6 @@
 namespace hybrid::testing {
 namespace {
 
-constexpr std::pair<std::uint32_t, std::uint32_t> kMixes[] = {  // mode, bands
-    {BLEND_NEAREST, 2},
-    {BLEND_LINEAR, 2},
-    {BLEND_BANDS, 2},
-    {BLEND_BANDS, 4}};
-
 float plane(const BlendRankedCase::Output& out, std::size_t plane, std::size_t i) {
   return out.sums[plane * out.best.size() + i];
 }
@@ -40,7 +34,7 @@ BlendRankedCase::Input one_point(const std::vector<float>& penalties, std::uint3
 
 TEST(BlendRanked, agrees_with_its_reference_at_every_size_and_in_every_mode) {
   for (std::size_t size : kSizes)
-    for (const auto& [mode, bands] : kMixes) {
+    for (const auto& [mode, bands] : kBlendMixes) {
       if (size > 2000 && bands < 4) continue;
       auto input = BlendRankedCase::make(size, 4);
       input.rank.blend.mix.mode = mode;

@@ -166,7 +166,7 @@ TEST(Render, nothing_bleeds_behind_an_occluder_and_what_no_photograph_sees_is_re
   // Every face has a paint of its own: a colour from the wrong surface is far off.
   const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0});
   const ImageF truth = room().true_view(request.camera);
-  for (const char* blend : {"dual", "multi-band"}) {
+  for (const char* blend : {"linear", "dual", "multi-band"}) {
     RenderOptions options;
     options.blend = blend;
     const RenderedView image = render(room().scene, request, options);
@@ -270,7 +270,8 @@ TEST(Render, a_concave_face_with_a_hole_shows_what_is_behind_it) {
 
 TEST(Render, the_same_bytes_at_any_tile_and_work_group_size) {
   const ViewRequest request = view({5.6, 4.6, 2.6}, {2, 1, 0}, 101, 67);
-  for (const auto& [blend, weights] : {std::pair("dual", "angle"), {"dual", "ulr"}, {"multi-band", "ulr"}}) {
+  for (const auto& [blend, weights] :
+       {std::pair("linear", "ulr"), {"dual", "angle"}, {"dual", "ulr"}, {"multi-band", "ulr"}}) {
     RenderOptions large, small;
     large.blend = small.blend = blend;
     large.weights = small.weights = weights;
