@@ -4,6 +4,7 @@
 
 #include "../e2e/mounts.hpp"
 #include "io/output.hpp"
+#include "places.hpp"
 #include "small_archive.hpp"
 
 namespace hybrid::e2e {

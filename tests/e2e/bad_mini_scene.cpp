@@ -11,6 +11,7 @@
 #include "io/output.hpp"
 #include "io/picture.hpp"
 #include "io/ply.hpp"
+#include "places.hpp"
 #include "program.hpp"
 
 namespace hybrid::e2e {

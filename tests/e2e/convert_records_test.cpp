@@ -7,6 +7,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "places.hpp"
 #include "program.hpp"
 
 namespace hybrid::e2e {

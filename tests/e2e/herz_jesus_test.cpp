@@ -11,6 +11,7 @@
 #include "geometry/polygon_model.hpp"
 #include "io/obj.hpp"
 #include "io/scene_file.hpp"
+#include "places.hpp"
 
 namespace hybrid::e2e {
 namespace {

@@ -15,6 +15,7 @@
 #include "io/obj.hpp"
 #include "io/output.hpp"
 #include "io/scene_file.hpp"
+#include "places.hpp"
 #include "program.hpp"
 
 namespace hybrid::e2e {

@@ -6,6 +6,7 @@
 
 #include "geometry/pose.hpp"
 #include "io/output.hpp"
+#include "places.hpp"
 #include "program.hpp"
 
 namespace hybrid::e2e {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/output.hpp"
+#include "places.hpp"
 
 namespace hybrid::e2e {
 namespace fs = std::filesystem;

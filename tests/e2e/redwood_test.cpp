@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/output.hpp"
+#include "places.hpp"
 #include "program.hpp"
 
 namespace hybrid::e2e {

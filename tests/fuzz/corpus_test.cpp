@@ -7,6 +7,7 @@
 #include "io/allocation_watch.hpp"
 #include "io/e57/e57.hpp"
 #include "io/files.hpp"
+#include "places.hpp"
 
 namespace hybrid::testing {
 

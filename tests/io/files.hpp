@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.hpp"
+#include "places.hpp"
 
 namespace hybrid::testing {
 

@@ -11,6 +11,7 @@
 #include "io/read_scan.hpp"
 #include "io/scan_info.hpp"
 #include "io/text_cursor.hpp"
+#include "places.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -1,5 +1,6 @@
 // Two implementations that share no line: hybrid-score's figures and those hybrid run writes to summary.json.
 #include "marks.hpp"
+#include "places.hpp"
 #include "score/read/files.hpp"
 
 namespace score_tests {

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "marks.hpp"
+#include "places.hpp"
 #include "score/error.hpp"
 
 namespace score_tests {

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "perfect_results.hpp"
+#include "places.hpp"
 #include "score/benchmark_score.hpp"
 #include "score/error.hpp"
 #include "score/read/labelled_pcd.hpp"

@@ -2,6 +2,7 @@
 
 #include <fnmatch.h>
 
+#include "places.hpp"
 #include "score/report/score_json.hpp"
 
 namespace score_tests {

@@ -9,6 +9,7 @@
 #include "cases/recess_room.hpp"
 #include "core/parallel.hpp"
 #include "device.hpp"
+#include "places.hpp"
 #include "stages/icp.hpp"
 
 namespace hybrid::stages {

@@ -8,6 +8,7 @@
 
 #include "device.hpp"
 #include "io/read_scan.hpp"
+#include "places.hpp"
 #include "stages/columns.hpp"
 #include "stages/resample.hpp"
 
