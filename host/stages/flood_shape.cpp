@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "stages/curved_regions.hpp"
+#include "stages/step_sharing.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -15,7 +16,6 @@ constexpr std::size_t kMostHeights = 4000;  // of a flood in a quadratic fit
 constexpr std::size_t kNarrow = 4;          // samples
 constexpr int kReach = 2;                   // samples from a curved flood
 constexpr double kContinuitySigmas = 3;
-constexpr double kMostStretch = 3;  // of a step, against the plane's own
 constexpr double kLeastEdge = 10 * std::numbers::pi / 180;
 constexpr double kMostTurn = 0.25;  // of what the surface turned before
 constexpr double kFlat = 0.07;
@@ -32,16 +32,6 @@ std::optional<std::uint32_t> beyond(const RangeImage& image, std::uint32_t i, in
 
 bool covers(const PlaneFlood& flood, std::uint32_t sample) {
   return std::binary_search(flood.samples.begin(), flood.samples.end(), sample);
-}
-
-// The surface of the plane may go on from a sample to another: by less than 45 degrees and `slack_m` out of
-// the plane, and not over a gap. Along grazing rays what lies behind an edge is little out of the plane, and
-// far.
-bool goes_on_to(const RayPlane& plane, const Vec3& from, const Vec3& to, double slack_m) {
-  const Vec3 step = to - from;
-  const double out = std::abs(plane.plane().normal.dot(step));
-  return out <= std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)) + slack_m &&
-         step.norm() <= kMostStretch * (plane.seen(to) - from).norm() + slack_m;
 }
 
 // Angle by which a step leaves the plane, signed.
@@ -76,21 +66,21 @@ struct Rim {
 // The surface goes on beyond sample `i` for two more samples outside the flood, across the strip: along it
 // one may step from sample to sample of another face. Only the first of the two may be a noisy step away:
 // noise must not make an edge of 90 degrees shallow.
-void look_beyond(const RangeImage& image, const PlaneFlood& flood, const Vec3& normal, double slack_m,
+void look_beyond(const RangeImage& image, const PlaneFlood& flood, const Plane& plane, double slack_m,
                  int side, std::uint32_t i, Rim& rim) {
   const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
   if (!first || !second || covers(flood, *first) || covers(flood, *second)) return;
   if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) return;
   const Vec3 from = image.point(i), to = image.point(*first), on = image.point(*second);
-  if (!goes_on_to(flood.plane, from, to, slack_m) || !goes_on_to(flood.plane, to, on, 0)) return;
+  if (!surface_goes_on(plane, from, to, slack_m) || !surface_goes_on(plane, to, on, 0)) return;
   rim.smooth += 1;
   const auto before = beyond(image, i, side, -1), third = beyond(image, i, side, 3);
   if (!before || !covers(flood, *before) || !third || image.mask[*third] != kMeasured ||
-      !goes_on_to(flood.plane, on, image.point(*third), slack_m))
+      !surface_goes_on(plane, on, image.point(*third), slack_m))
     return;
-  rim.slopes[0].push_back(slope(normal, from - image.point(*before)));
-  rim.slopes[1].push_back(slope(normal, on - to));
-  rim.slopes[2].push_back(slope(normal, image.point(*third) - on));
+  rim.slopes[0].push_back(slope(plane.normal, from - image.point(*before)));
+  rim.slopes[1].push_back(slope(plane.normal, on - to));
+  rim.slopes[2].push_back(slope(plane.normal, image.point(*third) - on));
 }
 
 }  // namespace
@@ -134,21 +124,20 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
   const auto rows = static_cast<std::size_t>(row(flood.samples.back()) - row(flood.samples.front()) + 1);
   const auto width = static_cast<std::size_t>(std::count(cols.begin(), cols.end(), 1));
   if (flood.samples.size() >= kNarrow * std::max(rows, width)) return false;
-  const Vec3 normal = flood.plane.plane().normal;
+  const Plane plane = flood.plane.plane();
   std::size_t smooth = 0;
   for (int side = rows >= width ? 0 : 1; side < kSides; side += 2) {
     Rim rim;
     for (const std::uint32_t i : flood.samples)
-      look_beyond(image, flood, normal, kContinuitySigmas * sigma_m, side, i, rim);
+      look_beyond(image, flood, plane, kContinuitySigmas * sigma_m, side, i, rim);
     if (!rim.is_edge()) smooth += rim.smooth;
   }
   return static_cast<double>(smooth) > share * static_cast<double>(flood.samples.size());
 }
 
-bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use,
-                          const RayPlane& plane, double sigma_m, std::uint32_t sample,
+bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use, const Plane& plane,
+                          double sigma_m, std::uint32_t sample,
                           const std::function<Vec3(std::uint32_t)>& blocked_normal) {
-  const Vec3 normal = plane.plane().normal;
   const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
   for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, image.rows - 1); ++r)
     for (int step = -kReach; step <= kReach; ++step) {
@@ -157,8 +146,9 @@ bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_
       if (c < 0 || c >= image.cols) continue;
       const std::size_t other = image.index(r, c);
       if (use[other] == kBlocked &&
-          std::abs(blocked_normal(static_cast<std::uint32_t>(other)).dot(normal)) > std::numbers::sqrt2 / 2 &&
-          goes_on_to(plane, image.point(sample), image.point(other), kContinuitySigmas * sigma_m))
+          std::abs(blocked_normal(static_cast<std::uint32_t>(other)).dot(plane.normal)) >
+              std::numbers::sqrt2 / 2 &&
+          surface_goes_on(plane, image.point(sample), image.point(other), kContinuitySigmas * sigma_m))
         return true;
     }
   return false;

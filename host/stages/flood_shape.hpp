@@ -26,8 +26,8 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
 // A sample of a curved surface (kBlocked) lies within two rows and columns of `sample`, less than 45 degrees
 // out of the plane and not over a gap, on a part of that surface that is turned against the plane by less
 // than that (`blocked_normal`: of the part a blocked sample is on): the surface may go on as this plane.
-bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use,
-                          const RayPlane& plane, double sigma_m, std::uint32_t sample,
+bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_t>& use, const Plane& plane,
+                          double sigma_m, std::uint32_t sample,
                           const std::function<Vec3(std::uint32_t)>& blocked_normal);
 
 }  // namespace hybrid::stages

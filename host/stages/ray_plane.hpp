@@ -30,8 +30,6 @@ class RayPlane {
     return {reached > 0 ? range_m * (reached - 1) / reached : std::numeric_limits<double>::quiet_NaN(),
             std::abs(reached) / (length_ * range_m)};
   }
-  // Where that ray meets the plane, not finite where it runs along it; behind the scanner where it misses it.
-  Vec3 seen(const Vec3& point) const { return point / m_.dot(point); }
   // Variance of that prediction, in units of the noise's variance.
   double prediction_variance(const Vec3& point) const {
     return point.squaredNorm() * point.dot(inverse_ * point);

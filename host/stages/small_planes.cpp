@@ -175,8 +175,9 @@ bool follows_neighbours(const RangeImage& image, const RangeNoise& noise, const 
 SampleUse judge(const RangeImage& image, const std::vector<std::uint8_t>& use, const PlaneFlood& flood,
                 const PlaneRegion& region, bool scattered, double sigma_m, double min_curvature,
                 const std::function<Vec3(std::uint32_t)>& blocked_normal) {
+  const Plane plane = flood.plane.plane();
   const auto beside_curved = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
-    return meets_curved_surface(image, use, flood.plane, sigma_m, i, blocked_normal);
+    return meets_curved_surface(image, use, plane, sigma_m, i, blocked_normal);
   });
   const auto samples = static_cast<double>(flood.samples.size());
   if (static_cast<double>(beside_curved) > kMostBesideCurved * samples ||
