@@ -121,6 +121,15 @@ TEST_F(Church, openings_lie_on_faces) {
   }
 }
 
+// In the front of this one several bridges between holes of a wall meet in one corner.
+TEST_F(Church, of_a_seed_whose_holes_meet_in_a_corner_is_made) {
+  const Scratch scratch;
+  const auto made =
+      run("hybrid-synth church --preset tiny --seed 22 --megapixels 0.05 --only-scan nave --quiet --out " +
+          (scratch / "church").string());
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+}
+
 TEST_F(Church, erring_cameras_differ_from_the_truth) {
   const auto written = io::read_text(folder() / "cameras" / "images.txt");
   EXPECT_EQ(truth_["cameras"].size(), 10u);

@@ -19,6 +19,15 @@ bool crosses(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   return turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
 }
 
+// Whether the way from corner k of a counter-clockwise ring to a point starts inside the ring. Corners at
+// which a bridge begins occur twice in it, each with its own share of the inside.
+bool starts_inside(const Ring& ring, std::size_t k, const Vec2& to, const std::vector<Vec2>& points) {
+  const Vec2 &before = points[ring[(k + ring.size() - 1) % ring.size()]], &corner = points[ring[k]],
+             &after = points[ring[(k + 1) % ring.size()]];
+  if (turn(before, corner, after) >= 0) return turn(corner, to, before) > 0 && turn(corner, after, to) > 0;
+  return turn(corner, to, after) < 0 || turn(corner, before, to) < 0;
+}
+
 // Walks from the ring to the hole and back along its shortest bridge that crosses nothing.
 void bridge(Ring& ring, const Ring& hole, const std::vector<Ring>& waiting, const std::vector<Vec2>& points) {
   double shortest = std::numeric_limits<double>::max();
@@ -33,6 +42,7 @@ void bridge(Ring& ring, const Ring& hole, const std::vector<Ring>& waiting, cons
           if (crosses(a, b, points[other[k]], points[other[(k + 1) % other.size()]])) return true;
         return false;
       };
+      if (!starts_inside(ring, i, b, points)) continue;
       if (blocked(ring) || blocked(hole) || std::any_of(waiting.begin(), waiting.end(), blocked)) continue;
       shortest = length;
       from = i;
