@@ -29,10 +29,10 @@ struct Trial {
   stages::SightShares truth;  // under the true pose
 };
 
-double margin_of_truth(device::Queue& queue, const stages::ScanEvidence& evidence, const PolygonModel& proxy,
-                       const Pose& truth, const stages::AutomaticOptions& options,
-                       stages::SightShares& of_truth) {
-  const auto shapes = stages::measure_model(proxy);
+double margin_of_truth(device::Queue& queue, const stages::ScanEvidence& evidence,
+                       const stages::ProxyModel& proxy, const Pose& truth,
+                       const stages::AutomaticOptions& options, stages::SightShares& of_truth) {
+  const auto& shapes = proxy.shapes();
   stages::SightCaster caster(queue, proxy);
   auto search = stages::search_poses(caster, evidence, shapes, 1, options);
   stages::add_symmetric_rivals(caster, evidence, shapes, truth, options, search);

@@ -47,18 +47,15 @@ Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& i
 
 }  // namespace
 
-NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const PolygonModel* model,
+NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const stages::ProxyModel* model,
                                              const StageOptions& options,
                                              const std::vector<ScanProduct>& products)
     : queue_(queue), model_(model), options_(options), products_(products), seen_(products.size()) {}
 
 const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan) {
-  if (!seen_[scan]) {
-    Seen made;
-    made.model = stages::model_of_scan(products_[scan].image, products_[scan].segmentation);
-    if (!made.model.faces.empty()) made.shapes = stages::measure_model(made.model);
-    seen_[scan] = std::move(made);
-  }
+  if (!seen_[scan])
+    seen_[scan] =
+        std::make_unique<Seen>(stages::model_of_scan(products_[scan].image, products_[scan].segmentation));
   return *seen_[scan];
 }
 
@@ -89,7 +86,7 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
   std::optional<stages::AutomaticAlignment> best;
   std::size_t by = 0;
   for (std::size_t other = 0; other < products_.size(); ++other) {
-    if (!registrations[other] || seen(other).model.faces.empty()) continue;
+    if (!registrations[other] || seen(other).polygons.faces.empty()) continue;
     auto found = stages::align_automatically(queue_, abstentions[scan]->evidence, seen(other).model, options);
     const bool better =
         !best || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);
@@ -145,14 +142,13 @@ void NeighbourRegistration::refine(Registrations& registrations) {
   std::vector<std::size_t> index;
   std::vector<stages::JointScan> scans;
   std::vector<std::string> ids;
-  stages::ModelShapes faces;
-  if (model_ != nullptr) faces = stages::measure_model(*model_);
   for (std::size_t i = 0; i < products_.size(); ++i) {
     if (!registrations[i]) continue;
     const ScanRegistration& one = *registrations[i];
     stages::JointScan scan{
-        &one.evidence, &seen(i).shapes, one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
-    if (model_ != nullptr && one.held_by_model && !one.fixed) scan.covariance = prior_of(one, faces);
+        &one.evidence, &seen(i).shapes(), one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
+    if (model_ != nullptr && one.held_by_model && !one.fixed)
+      scan.covariance = prior_of(one, model_->shapes());
     scans.push_back(scan);
     index.push_back(i);
     ids.push_back(products_[i].id);

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -17,7 +18,7 @@ using Registrations = std::vector<std::optional<ScanRegistration>>;
 class NeighbourRegistration {
  public:
   // `model` may be null. The references must outlive it.
-  NeighbourRegistration(device::Queue& queue, const PolygonModel* model, const StageOptions& options,
+  NeighbourRegistration(device::Queue& queue, const stages::ProxyModel* model, const StageOptions& options,
                         const std::vector<ScanProduct>& products);
 
   // Without a model: the first scan's pose, and all others as not yet aligned.
@@ -32,17 +33,20 @@ class NeighbourRegistration {
 
  private:
   struct Seen {
-    PolygonModel model;  // of its superclusters, scan frame
-    stages::ModelShapes shapes;
+    PolygonModel polygons;  // of its superclusters, scan frame
+    stages::ProxyModel model{polygons};
+    stages::ModelShapes no_shapes{};
+    explicit Seen(PolygonModel made) : polygons(std::move(made)) {}
+    const stages::ModelShapes& shapes() const { return polygons.faces.empty() ? no_shapes : model.shapes(); }
   };
   const Seen& seen(std::size_t scan);
   bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
 
   device::Queue& queue_;
-  const PolygonModel* model_;
+  const stages::ProxyModel* model_;
   const StageOptions& options_;
   const std::vector<ScanProduct>& products_;
-  std::vector<std::optional<Seen>> seen_;
+  std::vector<std::unique_ptr<Seen>> seen_;
   nlohmann::ordered_json figures_;
 };
 

@@ -96,7 +96,7 @@ Json share_json(const WallShare& share) {
 }
 
 // From the scene's pose, landmarks or the planes alone, in METHOD's order of trust.
-void find_start(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
+void find_start(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                 const StageOptions& options, const ScanProduct& product, ScanRegistration& result) {
   const bool has_landmarks = !entry.landmarks.empty();
   if (entry.pose) {
@@ -118,7 +118,7 @@ void find_start(device::Queue& queue, const io::SceneScan& entry, const PolygonM
     fail_input(
         "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
   result.how = "landmarks";
-  result.landmarks = fit_start(entry, model, product, options);
+  result.landmarks = fit_start(entry, model.polygons(), product, options);
   result.start = result.landmarks->world_from_scan;
 }
 
@@ -143,7 +143,7 @@ void check_overlap(const PolygonModel& model, const ScanRegistration& result) {
       box.diagonal().norm(), result.evidence.reach_m);
 }
 
-stages::FaceOffsets faces_under(const PolygonModel& model, const StageOptions& options,
+stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOptions& options,
                                 const ScanProduct& product, const ScanRegistration& registration) {
   auto faces = stages::measure_face_offsets(product.segmentation, registration.evidence, model,
                                             registration.world_from_scan(), options.faces);
@@ -153,7 +153,7 @@ stages::FaceOffsets faces_under(const PolygonModel& model, const StageOptions& o
 
 }  // namespace
 
-void refine_to_model(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                      const ScanProduct& product, ScanRegistration& result) {
   const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
                                                      options.icp.max_samples, options.icp.seed);
@@ -171,7 +171,7 @@ void refine_to_model(device::Queue& queue, const PolygonModel& model, const Stag
   result.faces = faces_under(model, options, product, result);
 }
 
-ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
+ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                            const StageOptions& options, const ScanProduct& product, Progress& progress) {
   const std::string unit = "scan " + product.id;
   ScanRegistration result;
@@ -187,13 +187,13 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
     return result;
   }
   refine_to_model(queue, model, options, product, result);
-  check_overlap(model, result);
+  check_overlap(model.polygons(), result);
   if (!result.icp.converged)
     log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
   return result;
 }
 
-void assess(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+void assess(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
             const ScanProduct& product, const Pose& pose, ScanRegistration& registration) {
   const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
                                                      options.icp.max_samples, options.icp.seed);
@@ -203,7 +203,7 @@ void assess(device::Queue& queue, const PolygonModel& model, const StageOptions&
   registration.faces = faces_under(model, options, product, registration);
 }
 
-void finish_registration(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+void finish_registration(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                          ScanProduct& product, ScanRegistration& result, Progress& progress) {
   progress.step("residuals", "scan " + product.id);
   const auto distances = [&](const Pose& pose) {

@@ -48,22 +48,22 @@ struct ScanRegistration {
 // with fixed = true is final. A scan whose automatic alignment abstains and that has no landmarks is returned
 // as such. Throws ErrorKind::input when neither landmarks nor a pose are given and [register] automatic =
 // "never".
-ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const PolygonModel& model,
+ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                            const StageOptions& options, const ScanProduct& product, Progress& progress);
 
 // From result.start, as find_pose does: icp, faces, solved_with_faces, held_by_model.
-void refine_to_model(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                      const ScanProduct& product, ScanRegistration& result);
 
 // What is said of a pose that was found or changed otherwise (joint refinement, a neighbour): covariance,
 // overlap, face offsets.
-void assess(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+void assess(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
             const ScanProduct& product, const Pose& pose, ScanRegistration& registration);
 
 // Under the final pose: residuals; marks the planar samples that a proxy face explains, turns superclusters
 // without a face into their contour polygons and gives the other samples back (METHOD 4):
 // product.decimation and contour_faces change.
-void finish_registration(device::Queue& queue, const PolygonModel& model, const StageOptions& options,
+void finish_registration(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                          ScanProduct& product, ScanRegistration& registration, Progress& progress);
 
 // pose.json and residuals.png.

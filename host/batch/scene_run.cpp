@@ -164,13 +164,15 @@ class Run {
 
   // Each scan to the model; those that abstain to the others; all together.
   void register_all() {
-    NeighbourRegistration neighbours(queue_, run_.model ? &*run_.model : nullptr, options_, run_.products);
-    if (!run_.model)
+    std::optional<stages::ProxyModel> model;  // as it is before openings are cut
+    if (run_.model) model.emplace(*run_.model);
+    NeighbourRegistration neighbours(queue_, model ? &*model : nullptr, options_, run_.products);
+    if (!model)
       neighbours.begin_without_model(entries_, run_.registrations, run_.abstentions);
     else
       for (std::size_t i = 0; i < run_.products.size(); ++i)
         unit("scan " + run_.products[i].id, [&] {
-          auto found = find_pose(queue_, entries_[i], *run_.model, options_, run_.products[i], progress_);
+          auto found = find_pose(queue_, entries_[i], *model, options_, run_.products[i], progress_);
           auto& list = found.abstained ? run_.abstentions : run_.registrations;
           list[i] = std::move(found);
         });
@@ -180,7 +182,7 @@ class Run {
       joint_ = neighbours.figures();
     });
     for (std::size_t i = 0; i < run_.products.size(); ++i)
-      unit("scan " + run_.products[i].id, [&] { finish(i); });
+      unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
     if (!run_.model) return;
     unit("edit", [&] {
       editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations, *run_.model);
@@ -199,12 +201,12 @@ class Run {
   }
 
   // Scan i, whose pose is final now, if it has one.
-  void finish(std::size_t i) {
+  void finish(std::size_t i, const stages::ProxyModel* model) {
     const auto& found = run_.abstentions[i] ? run_.abstentions[i] : run_.registrations[i];
     if (!found) return;  // failed
     const fs::path folder = scan_folder(run_.products[i].id);
-    if (run_.registrations[i] && run_.model)
-      finish_registration(queue_, *run_.model, options_, run_.products[i], *run_.registrations[i], progress_);
+    if (run_.registrations[i] && model)
+      finish_registration(queue_, *model, options_, run_.products[i], *run_.registrations[i], progress_);
     if (wants("register")) {
       write_pose_outputs(folder, run_.products[i], *found);
       write_registered(i);

@@ -254,6 +254,11 @@ std::vector<Triangle> triangulate(const PolygonModel& model) {
     const Face& face = model.faces[f];
     check_ring(model, face, face.outer, "outline");
     for (const Ring& hole : face.holes) check_ring(model, face, hole, "hole");
+    if (face.outer.size() == 3 && face.holes.empty()) {  // as the general way has it
+      face_plane(model, face);                           // throws without an area
+      triangles.push_back({{face.outer[2], face.outer[0], face.outer[1]}, static_cast<std::uint32_t>(f)});
+      continue;
+    }
     for (const auto& corners : Outline(model, face).triangles())
       triangles.push_back({corners, static_cast<std::uint32_t>(f)});
   }

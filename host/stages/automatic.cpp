@@ -101,9 +101,9 @@ const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
 }
 
 AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence& scan,
-                                       const PolygonModel& model, const AutomaticOptions& options) {
+                                       const ProxyModel& model, const AutomaticOptions& options) {
   AutomaticAlignment result;
-  const ModelShapes shapes = measure_model(model);
+  const ModelShapes& shapes = model.shapes();
   result.reason = unsuitable(scan, shapes, options);
   if (!result.reason.empty()) return result;
 
@@ -112,7 +112,7 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.rotations = search.rotations;
   result.guesses = search.guesses;
   if (search.finalists.empty()) {
-    result.reason = diagnose_model(queue, scan, model, 0, options);
+    result.reason = diagnose_model(queue, scan, model.polygons(), 0, options);
     if (result.reason.empty()) result.reason = nothing_fits();
     return result;
   }
@@ -133,7 +133,8 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.reason = doubts(best.fit, result, options);
   result.accepted = result.reason.empty();
   if (!result.accepted)
-    if (const auto words = diagnose_model(queue, scan, model, best.shares.supported, options); !words.empty())
+    if (const auto words = diagnose_model(queue, scan, model.polygons(), best.shares.supported, options);
+        !words.empty())
       result.reason = words;
   if (result.rivals.size() > kNamedRivals) result.rivals.resize(kNamedRivals);
   return result;

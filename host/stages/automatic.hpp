@@ -6,6 +6,7 @@
 #include "device/queue.hpp"
 #include "stages/automatic_decision.hpp"
 #include "stages/automatic_scene.hpp"
+#include "stages/proxy_model.hpp"
 
 namespace hybrid::stages {
 
@@ -60,6 +61,6 @@ struct AutomaticAlignment {
 // planes, millimetres, mirrored) is a reason to abstain too, in words. Throws ErrorKind::input what
 // measure_model() and triangulate() throw.
 AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence& scan,
-                                       const PolygonModel& model, const AutomaticOptions& options = {});
+                                       const ProxyModel& model, const AutomaticOptions& options = {});
 
 }  // namespace hybrid::stages

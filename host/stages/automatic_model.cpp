@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "stages/automatic_scene.hpp"
@@ -26,11 +27,23 @@ void check_vertices(const PolygonModel& model) {
   }
 }
 
-FaceShape shape_of(const PolygonModel& model, std::uint32_t index) {
+// The faces that are kept: of equal ones the first.
+std::vector<std::uint32_t> largest_first(const std::vector<double>& areas) {
+  std::vector<std::uint32_t> order(areas.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto kept = order.begin() + static_cast<std::ptrdiff_t>(std::min(order.size(), kMostFaces));
+  std::partial_sort(order.begin(), kept, order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return areas[a] != areas[b] ? areas[a] > areas[b] : a < b;
+  });
+  order.erase(kept, order.end());
+  return order;
+}
+
+FaceShape shape_of(const PolygonModel& model, std::uint32_t index, double area_m2) {
   const Face& face = model.faces[index];
   FaceShape shape;
   shape.plane = face_plane(model, face);
-  shape.area_m2 = face_area_m2(model, face);
+  shape.area_m2 = area_m2;
   shape.face = index;
   shape.origin = model.vertices[face.outer[0]];
   Eigen::Index least = 0;
@@ -79,15 +92,14 @@ double FaceShape::outside_m(const Vec3& point) const {
 ModelShapes measure_model(const PolygonModel& model) {
   check_vertices(model);
   ModelShapes shapes;
-  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
-    shapes.faces.push_back(shape_of(model, f));
-    shapes.area_m2 += shapes.faces.back().area_m2;
-    for (const std::uint32_t v : model.faces[f].outer) shapes.box.extend(model.vertices[v]);
+  shapes.all_faces = model.faces.size();
+  std::vector<double> areas;
+  for (const Face& face : model.faces) {
+    areas.push_back(face_area_m2(model, face));
+    shapes.area_m2 += areas.back();
+    for (const std::uint32_t v : face.outer) shapes.box.extend(model.vertices[v]);
   }
-  std::stable_sort(shapes.faces.begin(), shapes.faces.end(),
-                   [](const FaceShape& a, const FaceShape& b) { return a.area_m2 > b.area_m2; });
-  shapes.all_faces = shapes.faces.size();
-  if (shapes.faces.size() > kMostFaces) shapes.faces.resize(kMostFaces);
+  for (const std::uint32_t f : largest_first(areas)) shapes.faces.push_back(shape_of(model, f, areas[f]));
   for (const FaceShape& face : shapes.faces) shapes.kept_area_m2 += face.area_m2;
   for (FaceShape& face : shapes.faces) {
     const Vec3 middle = middle_of(face);

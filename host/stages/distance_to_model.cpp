@@ -42,7 +42,7 @@ struct TileQueries {
 class Distances {
  public:
   // World axes, origin at the scanner: all samples lie around it.
-  Distances(device::Queue& queue, const PolygonModel& model, const Pose& world_from_scan, double normal_deg,
+  Distances(device::Queue& queue, const ProxyModel& model, const Pose& world_from_scan, double normal_deg,
             double gate_m)
       : queue_(queue),
         local_from_scan_(world_from_scan),
@@ -80,7 +80,7 @@ class Distances {
 }  // namespace
 
 std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeImage& image,
-                                            const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                            const PlaneSegmentation& segmentation, const ProxyModel& model,
                                             const Pose& world_from_scan, double normal_deg, int tile_side) {
   if (tile_side < 1)
     fail(ErrorKind::usage, "distance_to_model: expected a tile of at least 1, found {}", tile_side);
@@ -93,7 +93,7 @@ std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeIma
 }
 
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
-                                     const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                     const PlaneSegmentation& segmentation, const ProxyModel& model,
                                      const Pose& world_from_scan, double normal_deg, int tile_side) {
   auto distances =
       signed_distance_to_model(queue, image, segmentation, model, world_from_scan, normal_deg, tile_side);
@@ -102,7 +102,7 @@ std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& ima
 }
 
 std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage& image,
-                                          const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                          const PlaneSegmentation& segmentation, const ProxyModel& model,
                                           const Pose& world_from_scan, double normal_deg, double gate_m,
                                           const std::vector<std::uint8_t>& wanted) {
   if (!(gate_m > 0) || wanted.size() != image.count())

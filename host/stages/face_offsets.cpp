@@ -180,17 +180,17 @@ const std::vector<OptionRow<FaceOffsetOptions>>& face_offset_option_table() {
 }
 
 Pose solve_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
-                        const PolygonModel& model, const Pose& start, const FaceOffsetOptions& options) {
-  const ModelShapes shapes = measure_model(model);
+                        const ProxyModel& model, const Pose& start, const FaceOffsetOptions& options) {
+  const ModelShapes& shapes = model.shapes();
   if (!shapes.has_large_faces()) return start;
   return solve_jointly(segmentation, scan, shapes, fit_tiles(scan, shapes, start).world_from_scan, options);
 }
 
 FaceOffsets measure_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
-                                 const PolygonModel& model, const Pose& pose,
+                                 const ProxyModel& model, const Pose& pose,
                                  const FaceOffsetOptions& options) {
   FaceOffsets result;
-  const ModelShapes shapes = measure_model(model);
+  const ModelShapes& shapes = model.shapes();
   if (!shapes.has_large_faces()) {
     result.note = fmt::format(
         "the model is a mesh of {} faces, too small to be measured one by one: residuals.png shows them",
@@ -201,7 +201,8 @@ FaceOffsets measure_face_offsets(const PlaneSegmentation& segmentation, const Sc
   const FaceMap faces = find_faces(segmentation, scan, pairs);
   result.disagreement_m = robust_spread(faces);
   result.agree = faces_agree(scan, pairs, faces, pose, options);
-  for (const auto& [face, on] : faces) result.faces.push_back(describe(segmentation, scan, model, pose, on));
+  for (const auto& [face, on] : faces)
+    result.faces.push_back(describe(segmentation, scan, model.polygons(), pose, on));
   std::stable_sort(result.faces.begin(), result.faces.end(),
                    [](const FaceOffset& a, const FaceOffset& b) { return a.area_m2 > b.area_m2; });
   return result;

@@ -7,6 +7,7 @@
 #include "geometry/polygon_model.hpp"
 #include "geometry/superclusters.hpp"
 #include "stages/automatic_scene.hpp"
+#include "stages/proxy_model.hpp"
 
 namespace hybrid::stages {
 
@@ -52,12 +53,12 @@ inline constexpr const char* kUnobservable =
 // directions that the planes leave open, and its scale. A mesh of small faces (has_large_faces()) has no
 // offsets: the start is returned.
 Pose solve_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
-                        const PolygonModel& model, const Pose& start, const FaceOffsetOptions& options = {});
+                        const ProxyModel& model, const Pose& start, const FaceOffsetOptions& options = {});
 
 // The offsets under a pose. `agree`: planes on most of the area (80 %; or half, if they hold all six
 // directions) lie on their faces within agree_m, tilt included.
 FaceOffsets measure_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
-                                 const PolygonModel& model, const Pose& world_from_scan,
+                                 const ProxyModel& model, const Pose& world_from_scan,
                                  const FaceOffsetOptions& options = {});
 
 // Fills pose_sigma_m from a pose's covariance (Registration::covariance).

@@ -157,7 +157,7 @@ const std::vector<OptionRow<IcpOptions>>& icp_option_table() {
   return table;
 }
 
-Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
+Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
                                const Pose& start, const IcpOptions& options) {
   check(samples, start, options);
   IcpPairs pairs(queue, samples, model, start, options);
@@ -180,7 +180,7 @@ Registration register_to_model(device::Queue& queue, const PlanarSamples& sample
   return result;
 }
 
-Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
+Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
                          const Pose& pose, const IcpOptions& options) {
   check(samples, pose, options);
   IcpPairs pairs(queue, samples, model, pose, options);

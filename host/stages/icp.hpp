@@ -9,6 +9,7 @@
 #include "geometry/pose.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
+#include "stages/proxy_model.hpp"
 
 namespace hybrid::stages {
 
@@ -65,12 +66,12 @@ struct Registration {
 // step, until a step is below 1e-6 rad and 5e-6 m with the scale settled. The start's scale is kept unless
 // free_scale. Throws ErrorKind::input: no planar samples, no faces, a start that is not finite, no sample
 // with a compatible face.
-Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
+Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
                                const Pose& start, const IcpOptions& options = {});
 
 // What register_to_model() says of a pose, for one that was found otherwise: rms, overlap, covariance,
 // degenerate directions; converged, no iterations.
-Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
+Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
                          const Pose& pose, const IcpOptions& options = {});
 
 // Distance from every measured node to the closest compatible face (NaN for nodes without a measured sample),
@@ -78,18 +79,18 @@ Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, con
 // NaN too where no face is compatible. Kernel: closest_point. Used for the shares
 // within 5 and 10 cm, and to see which planar samples a face explains. Same bytes for any `tile`.
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
-                                     const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                     const PlaneSegmentation& segmentation, const ProxyModel& model,
                                      const Pose& world_from_scan, double normal_deg, int tile = 1024);
 
 // The same with a sign: above 0 in front of the face, below 0 behind it. For residual pictures.
 std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeImage& image,
-                                            const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                            const PlaneSegmentation& segmentation, const ProxyModel& model,
                                             const Pose& world_from_scan, double normal_deg, int tile = 1024);
 
 // The same for the `wanted` nodes (per node, 0 or 1) and the faces within `gate_m` (world scale, above 0);
 // NaN for the others.
 std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage& image,
-                                          const PlaneSegmentation& segmentation, const PolygonModel& model,
+                                          const PlaneSegmentation& segmentation, const ProxyModel& model,
                                           const Pose& world_from_scan, double normal_deg, double gate_m,
                                           const std::vector<std::uint8_t>& wanted);
 

@@ -53,7 +53,7 @@ double weighted_median(const std::vector<float>& values, const std::vector<float
   return std::bit_cast<float>(middle);
 }
 
-IcpPairs::IcpPairs(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model,
+IcpPairs::IcpPairs(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
                    const Pose& start, const IcpOptions& options)
     : queue_(queue),
       count_(samples.points.size()),

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "device/queue.hpp"
-#include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
 #include "stages/icp.hpp"
 #include "stages/proxy_search.hpp"
@@ -38,7 +37,7 @@ struct PointSums : PairSums {
 // The pairs sample / closest point of the model, kept on the device from one iteration to the next.
 class IcpPairs {
  public:
-  IcpPairs(device::Queue& queue, const PlanarSamples& samples, const PolygonModel& model, const Pose& start,
+  IcpPairs(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model, const Pose& start,
            const IcpOptions& options);
 
   // Finds the closest compatible points under this pose.

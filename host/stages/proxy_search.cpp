@@ -4,9 +4,6 @@
 #include <limits>
 #include <numbers>
 
-#include "stages/proxy_tree.hpp"
-#include "stages/proxy_triangles.hpp"
-
 namespace hybrid::stages {
 namespace {
 
@@ -34,18 +31,12 @@ SearchAnswers::SearchAnswers(device::Queue& queue, std::size_t count)
       near_z(queue.array<float>(count)),
       triangle(queue.array<std::uint32_t>(count)) {}
 
-ProxySearch::ProxySearch(device::Queue& queue, const PolygonModel& model, const Vec3& origin)
-    : queue_(queue) {
-  auto records = proxy_triangles(model, origin);
-  count_ = records.size();
-  if (count_ < kTreeFrom) {
-    triangles_ = queue.array(records);
-    return;
-  }
-  const ProxyTree tree = make_proxy_tree(records);
-  triangles_ = queue.array(tree.triangles);
-  nodes_ = queue.array(tree.nodes);
+ProxySearch::ProxySearch(device::Queue& queue, const ProxyModel& model, const Vec3& origin) : queue_(queue) {
+  const ProxyTree tree = model.tree_at(origin);
+  count_ = tree.triangles.size();
   root_ = tree.root;
+  triangles_ = queue.array(tree.triangles);
+  if (root_ != BVH_EMPTY) nodes_ = queue.array(tree.nodes);
 }
 
 void ProxySearch::find(const SearchQueries& queries, const Pose& local_from_scan, double gate_m,

@@ -1,15 +1,11 @@
 #pragma once
 #include "device/queue.hpp"
-#include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
 #include "shared/params_closest_point.h"
 #include "shared/proxy_tree_records.h"
+#include "stages/proxy_model.hpp"
 
 namespace hybrid::stages {
-
-// From this many triangles on they are searched by a tree, below one after the other. Measured: with 180 the
-// tree takes 0.3 to 0.4 of brute force's time, with 2880 a twentieth.
-inline constexpr std::size_t kTreeFrom = 32;
 
 // Queries on the device, scan frame; normals NaN = none known.
 struct SearchQueries {
@@ -24,13 +20,13 @@ struct SearchAnswers {
   SearchAnswers(device::Queue& queue, std::size_t count);
 };
 
-// The closest points of a model, whose triangles, and their tree, are made once. Kernels: closest_point,
+// The closest points of a model about an origin near the queries. Kernels: closest_point,
 // closest_point_tree; which of them answers does not change a bit of the answer. Throws what
 // proxy_triangles() throws.
 class ProxySearch {
  public:
   // `origin` as in proxy_triangles().
-  ProxySearch(device::Queue& queue, const PolygonModel& model, const Vec3& origin);
+  ProxySearch(device::Queue& queue, const ProxyModel& model, const Vec3& origin);
 
   // gate_m 0 = none; normal_deg outside [0, 180) = any normal.
   void find(const SearchQueries& queries, const Pose& local_from_scan, double gate_m, double normal_deg,

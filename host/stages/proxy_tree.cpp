@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
-#include "stages/bvh_collapse.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -90,53 +89,65 @@ std::uint32_t span_of(const Box& box) {
   return span;
 }
 
-// Appends the nodes below `code`, depth first, with boxes and spans of their own; `box` is what all of it
-// spans. Returns the final code.
-std::uint32_t flatten(const BinaryTree& tree, std::uint32_t code, const std::vector<Box>& boxes,
-                      std::vector<ProxyNode>& nodes, Box& box) {
-  if (code & BVH_LEAF) {
-    const std::size_t begin = code & BVH_FIRST_MASK;
-    const std::size_t count = ((code >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1;
-    for (std::size_t i = begin; i < begin + count; ++i) box.add(boxes[i]);
-    return code;
+// Appends the nodes below `code`, depth first. Returns the final code.
+std::uint32_t flatten(const BinaryTree& tree, std::uint32_t code, ProxyTreePlan& plan) {
+  if (code & BVH_LEAF) return code;
+  const std::size_t index = plan.children.size();
+  plan.children.emplace_back();
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::uint32_t child = flatten(tree, tree.nodes[code].children[side], plan);
+    plan.children[index][side] = child;
   }
-  const std::size_t index = nodes.size();
-  nodes.emplace_back();
-  Box first, second;
-  const std::uint32_t child0 = flatten(tree, tree.nodes[code].children[0], boxes, nodes, first),
-                      child1 = flatten(tree, tree.nodes[code].children[1], boxes, nodes, second);
-  ProxyNode& node = nodes[index];
-  for (std::size_t k = 0; k < 3; ++k) {
-    node.low0[k] = first.low[k], node.high0[k] = first.high[k];
-    node.low1[k] = second.low[k], node.high1[k] = second.high[k];
-  }
-  node.child0 = child0, node.child1 = child1;
-  node.span0 = span_of(first), node.span1 = span_of(second);
-  box.add(first);
-  box.add(second);
   return static_cast<std::uint32_t>(index);
 }
 
 }  // namespace
 
+ProxyTreePlan plan_proxy_tree(const BinaryTree& tree) {
+  ProxyTreePlan plan;
+  plan.order = tree.order;
+  if (tree.root != BVH_EMPTY) plan.root = flatten(tree, tree.root, plan);
+  return plan;
+}
+
+ProxyTree make_proxy_tree(const ProxyTreePlan& plan, std::vector<ProxyTriangle> ordered) {
+  ProxyTree tree{std::move(ordered), std::vector<ProxyNode>(plan.children.size()), plan.root};
+  std::vector<Box> boxes(tree.triangles.size()), of_nodes(tree.nodes.size());
+  parallel_for(
+      boxes.size(), [&](std::size_t i) { boxes[i] = box_of(tree.triangles[i]); }, kBatch);
+  const auto box_below = [&](std::uint32_t code) {
+    if (!(code & BVH_LEAF)) return of_nodes[code];
+    Box box;
+    const std::size_t begin = code & BVH_FIRST_MASK;
+    const std::size_t count = ((code >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1;
+    for (std::size_t i = begin; i < begin + count; ++i) box.add(boxes[i]);
+    return box;
+  };
+  // Children come after their node.
+  for (std::size_t k = tree.nodes.size(); k-- > 0;) {
+    ProxyNode& node = tree.nodes[k];
+    node.child0 = plan.children[k][0], node.child1 = plan.children[k][1];
+    const Box first = box_below(node.child0), second = box_below(node.child1);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      node.low0[axis] = first.low[axis], node.high0[axis] = first.high[axis];
+      node.low1[axis] = second.low[axis], node.high1[axis] = second.high[axis];
+    }
+    node.span0 = span_of(first), node.span1 = span_of(second);
+    of_nodes[k].add(first);
+    of_nodes[k].add(second);
+  }
+  return tree;
+}
+
 ProxyTree make_proxy_tree(const std::vector<ProxyTriangle>& triangles) {
   std::vector<TriangleRecord> corners(triangles.size());
   parallel_for(
       triangles.size(), [&](std::size_t i) { corners[i] = corners_of(triangles[i], i); }, kBatch);
-  const BinaryTree binary = build_binary_tree(corners, {});
-  ProxyTree tree;
-  tree.triangles.resize(triangles.size());
-  std::vector<Box> boxes(triangles.size());
+  const ProxyTreePlan plan = plan_proxy_tree(build_binary_tree(corners, {}));
+  std::vector<ProxyTriangle> ordered(triangles.size());
   parallel_for(
-      triangles.size(),
-      [&](std::size_t i) {
-        tree.triangles[i] = triangles[binary.order[i]];
-        boxes[i] = box_of(tree.triangles[i]);
-      },
-      kBatch);
-  Box whole;
-  if (binary.root != BVH_EMPTY) tree.root = flatten(binary, binary.root, boxes, tree.nodes, whole);
-  return tree;
+      triangles.size(), [&](std::size_t i) { ordered[i] = triangles[plan.order[i]]; }, kBatch);
+  return make_proxy_tree(plan, std::move(ordered));
 }
 
 }  // namespace hybrid::stages

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 
 namespace hybrid::stages {
 namespace {
+
+constexpr std::size_t kBatch = 4096;
 
 void store(const Vec3& value, float* target) {
   for (int a = 0; a < 3; ++a) target[a] = static_cast<float>(value(a));
@@ -49,17 +51,30 @@ ProxyTriangle record(const PolygonModel& model, const Triangle& triangle, const 
 
 }  // namespace
 
-std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const Vec3& origin) {
+ProxyFacets proxy_facets(const PolygonModel& model) {
   if (model.faces.empty())
     fail_input("model: expected at least one face to register to, found none; is it a point cloud?");
-  std::vector<std::optional<Vec3>> normals;
-  const auto triangles = triangulate(model);
-  for (const Face& face : model.faces) normals.push_back(common_normal(model, face));
-  std::vector<ProxyTriangle> records;
-  records.reserve(triangles.size());
-  for (const Triangle& triangle : triangles)
-    records.push_back(record(model, triangle, normals[triangle.face], origin));
+  ProxyFacets facets{triangulate(model), {}};
+  facets.normals.reserve(model.faces.size());
+  for (const Face& face : model.faces) facets.normals.push_back(common_normal(model, face));
+  return facets;
+}
+
+std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const ProxyFacets& facets,
+                                           const Vec3& origin) {
+  std::vector<ProxyTriangle> records(facets.triangles.size());
+  parallel_for(
+      records.size(),
+      [&](std::size_t i) {
+        const Triangle& triangle = facets.triangles[i];
+        records[i] = record(model, triangle, facets.normals[triangle.face], origin);
+      },
+      kBatch);
   return records;
+}
+
+std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const Vec3& origin) {
+  return proxy_triangles(model, proxy_facets(model), origin);
 }
 
 }  // namespace hybrid::stages

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "geometry/polygon_model.hpp"
@@ -11,5 +12,14 @@ namespace hybrid::stages {
 // carry the face's normal, so that slivers have a good one; others their own. Order of triangulate(). Throws
 // what triangulate() throws, and ErrorKind::input for a model without faces.
 std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const Vec3& origin);
+
+// The same in steps: what does not depend on the origin is made once.
+struct ProxyFacets {
+  std::vector<Triangle> triangles;
+  std::vector<std::optional<Vec3>> normals;  // per face: its common normal
+};
+ProxyFacets proxy_facets(const PolygonModel& model);
+std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const ProxyFacets& facets,
+                                           const Vec3& origin);
 
 }  // namespace hybrid::stages

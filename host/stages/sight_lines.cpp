@@ -60,23 +60,9 @@ Sight judge(const Hit& hit, double offset, const SightOptions& options) {
 
 }  // namespace
 
-SightCaster::SightCaster(device::Queue& queue, const PolygonModel& model) : queue_(queue), model_(model) {
-  Eigen::AlignedBox3d box;
-  for (const Face& face : model.faces) {
-    planes_.push_back(face_plane(model, face));
-    for (const std::uint32_t v : face.outer) box.extend(model.vertices[v]);
-  }
-  origin_ = box.center();
-  std::vector<TriangleRecord> triangles;
-  for (const Triangle& t : triangulate(model)) {
-    TriangleRecord record{};
-    store(model.vertices[t.vertices[0]] - origin_, record.a);
-    store(model.vertices[t.vertices[1]] - origin_, record.b);
-    store(model.vertices[t.vertices[2]] - origin_, record.c);
-    record.id = 1 + t.face;
-    triangles.push_back(record);
-  }
-  bvh_ = upload_bvh(queue_, build_bvh(triangles, {}), {});
+SightCaster::SightCaster(device::Queue& queue, const ProxyModel& model)
+    : queue_(queue), origin_(model.sights().origin), bvh_(upload_bvh(queue, model.sights().bvh, {})) {
+  for (const Face& face : model.polygons().faces) planes_.push_back(face_plane(model.polygons(), face));
 }
 
 std::vector<SightLine> SightCaster::cast(const std::vector<SightRay>& rays, const Pose& world_from_scan,

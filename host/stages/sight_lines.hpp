@@ -4,6 +4,7 @@
 #include "device/queue.hpp"
 #include "stages/automatic_scene.hpp"
 #include "stages/bvh.hpp"
+#include "stages/proxy_model.hpp"
 
 namespace hybrid::stages {
 
@@ -33,7 +34,7 @@ struct SightOptions {
 // Traces lines of sight through the model on the device.
 class SightCaster {
  public:
-  SightCaster(device::Queue& queue, const PolygonModel& model);
+  SightCaster(device::Queue& queue, const ProxyModel& model);
 
   // One per ray of the evidence, in order. Only every `stride`-th ray is cast; the others are left out.
   // Kernel: ray_cast.
@@ -42,7 +43,6 @@ class SightCaster {
 
  private:
   device::Queue& queue_;
-  const PolygonModel& model_;
   std::vector<Plane> planes_;  // of the faces
   Vec3 origin_ = Vec3::Zero();
   DeviceBvh bvh_;

@@ -2,6 +2,7 @@
 
 #include "cases/closest_point_tree_case.hpp"
 #include "device.hpp"
+#include "stages/proxy_model.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -19,14 +20,16 @@ stages::ProxyTree tree_of(const Case::Input& in) {
 }
 
 // Same bytes as brute force over the same triangles, of which `found` at least have a closest point.
-void expect_brute_force(const Case::Input& in, std::size_t found) {
-  const auto tree = tree_of(in);
+void expect_brute_force(const Case::Input& in, std::size_t found, const stages::ProxyTree& tree) {
   const auto got = Case::run(queue(), in, tree), expected = Case::brute_force(queue(), in, tree);
   EXPECT_TRUE(same(got, expected)) << in.model.faces.size() << " faces, " << in.x.size() << " queries, gate "
                                    << in.gate_m << ", " << in.normal_deg << " degrees";
   std::size_t count = 0;
   for (const auto triangle : got.triangle) count += triangle != NO_TRIANGLE;
   EXPECT_GE(count, found);
+}
+void expect_brute_force(const Case::Input& in, std::size_t found) {
+  expect_brute_force(in, found, tree_of(in));
 }
 
 }  // namespace
@@ -50,6 +53,26 @@ TEST(ClosestPointTree, agrees_with_its_reference) {
 
 TEST(ClosestPointTree, gives_brute_force_s_bytes_at_every_size) {
   for (std::size_t size : kSizes) expect_brute_force(Case::make(size, 3), size > 100 ? size / 2 : 0);
+}
+
+TEST(ClosestPointTree, gives_brute_force_s_bytes_about_every_origin_in_the_order_of_one_tree) {
+  const std::size_t size = small_sizes() ? 101 : 5003;
+  auto input = Case::make(size, 6);
+  const stages::ProxyModel model(input.model);
+  const Vec3 made = input.origin;
+  std::vector<std::uint32_t> faces;
+  for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(3, -2, 1), Vec3(-400, 700, 50)}) {
+    input.origin = made + moved;
+    input.local_from_scan.translation -= moved;
+    const stages::ProxyTree tree = model.tree_at(input.origin);
+    ASSERT_NE(tree.root, BVH_EMPTY);
+    expect_brute_force(input, size / 2, tree);
+    input.local_from_scan.translation += moved;
+    std::vector<std::uint32_t> order;
+    for (const auto& triangle : tree.triangles) order.push_back(triangle.face);
+    if (faces.empty()) faces = order;
+    EXPECT_EQ(order, faces);
+  }
 }
 
 TEST(ClosestPointTree, gives_brute_force_s_bytes_gated_unoriented_scaled_and_far_away) {

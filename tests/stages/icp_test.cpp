@@ -280,7 +280,7 @@ TEST(Icp, refuses_what_it_cannot_register) {
   const auto samples = samples_of(room(), 100);
   const Pose start = room().world_from_scan;
   expect_refused("no planar samples", [&] { register_to_model(queue(), {}, room().proxy, start); });
-  expect_refused("at least one face", [&] { register_to_model(queue(), samples, {}, start); });
+  expect_refused("at least one face", [&] { register_to_model(queue(), samples, PolygonModel{}, start); });
   Pose infinite = start;
   infinite.translation.x() = INFINITY;
   expect_refused("start pose", [&] { register_to_model(queue(), samples, room().proxy, infinite); });

@@ -35,7 +35,11 @@ TEST(ProxyMesh, a_million_faces_give_the_pose_of_the_six_they_were_cut_from) {
   const PolygonModel million = mesh(289);
   ASSERT_GT(million.faces.size(), 1'000'000u);
   const Pose start = disturbed(room().world_from_scan, 0.05, 2, 1);
-  const auto found = register_to_model(queue(), samples, million, start);
+  const ProxyModel model(million);
+  const auto found = register_to_model(queue(), samples, model, start);
+  const auto again = register_to_model(queue(), samples, model, start);  // by what the first made
+  EXPECT_EQ(row_major(again.world_from_scan), row_major(found.world_from_scan));
+  EXPECT_EQ(again.covariance, found.covariance);
   const auto whole = register_to_model(queue(), samples, room().proxy, start);
   EXPECT_TRUE(found.converged);
   EXPECT_LT(difference(found.world_from_scan, room().world_from_scan).distance_m, 2e-4);
@@ -60,6 +64,31 @@ TEST(ProxyMesh, small_faces_have_no_offsets_and_no_planes_to_match_and_it_is_sai
   // A few small faces beside large ones change nothing.
   PolygonModel detailed = room().proxy;
   EXPECT_TRUE(measure_face_offsets(room().segmentation, evidence, detailed, start).note.empty());
+}
+
+TEST(ProxyMesh, a_model_kept_for_many_scans_gives_what_a_fresh_one_gives) {
+  const PolygonModel mesh_of_many = mesh(19);
+  const auto samples = choose_planar_samples(room().image, room().segmentation, 5000, 1);
+  const auto evidence = gather_evidence(room().image, room().segmentation, 1000, 1);
+  for (const PolygonModel* polygons : {&room().proxy, &mesh_of_many}) {
+    const ProxyModel kept(*polygons);
+    for (const std::uint32_t seed : {1u, 2u}) {
+      const Pose start = disturbed(room().world_from_scan, 0.05, 2, seed);
+      const auto one = register_to_model(queue(), samples, kept, start),
+                 other = register_to_model(queue(), samples, *polygons, start);
+      EXPECT_EQ(row_major(one.world_from_scan), row_major(other.world_from_scan));
+      EXPECT_EQ(one.covariance, other.covariance);
+      const auto offsets = measure_face_offsets(room().segmentation, evidence, kept, one.world_from_scan);
+      EXPECT_EQ(
+          offsets.disagreement_m,
+          measure_face_offsets(room().segmentation, evidence, *polygons, one.world_from_scan).disagreement_m);
+      const auto near = distance_to_model(queue(), room().image, room().segmentation, kept, start, 45);
+      EXPECT_TRUE(same_bits(
+          near, distance_to_model(queue(), room().image, room().segmentation, *polygons, start, 45)));
+    }
+    EXPECT_EQ(row_major(align_automatically(queue(), evidence, kept).world_from_scan),
+              row_major(align_automatically(queue(), evidence, *polygons).world_from_scan));
+  }
 }
 
 TEST(ProxyMesh, one_face_holds_what_it_can_and_the_rest_stays) {
