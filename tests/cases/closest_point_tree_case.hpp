@@ -39,9 +39,10 @@ struct ClosestPointTreeCase : ClosestPointCase {
   }
 
   // Queries row by row over each face, as scans come: 1 cm of noise, and 5 cm off as before registration.
-  // Normals, missing and unoriented ones as in ClosestPointCase.
-  static Input make(std::size_t size, std::uint32_t seed, int side = 4) {
+  // Normals, missing and unoriented ones as in ClosestPointCase. Of its rectangles the first `most_faces`.
+  static Input make(std::size_t size, std::uint32_t seed, int side = 4, std::size_t most_faces = 1000) {
     Input in = ClosestPointCase::make(size, seed);
+    in.model.faces.resize(std::min(in.model.faces.size(), most_faces));
     const Pose scan_from_local = in.local_from_scan.inverse();
     const std::size_t faces = in.model.faces.size(), per_face = size / faces + 1;
     const auto cols = static_cast<std::size_t>(std::sqrt(static_cast<double>(per_face))) + 1;
