@@ -11,9 +11,9 @@
 // out, row-major: distance[cols * rows] along the ray, metres, +inf = nothing hit; id[cols * rows]: 0 =
 // nothing, else the primitive's (1 + face, 0x80000000 + splat); with want_surface the planes
 // surface[SURFACE_PLANES * cols * rows]: point, normal, radius; x is NaN where nothing is hit. The normal is
-// unit: a face's towards the origin; that of a triangle with a radius and a splat's own, towards their
-// scanner; where a splat has none the sphere's, and the radius is then negative. A triangle's radius is its
-// record's: 0 on a face of the model.
+// unit and towards the origin, also where a scan saw the other side: what stands there has a back a little
+// nearer, and only photographs from the origin's side show it. Where a splat has no normal it is the
+// sphere's, and the radius is then negative. A triangle's radius is its record's: 0 on a face of the model.
 //
 // A sphere with a normal stands for a flat patch, its disc across the normal: a large sphere of a sparse scan
 // would bulge out of its surface, and a photograph projected on the bulge would shift by the radius. Shadow
@@ -86,9 +86,7 @@ static inline void see_triangles(const PacketHit* hit, const PacketRays* rays,
     const float3 a = vload3(0, face->a);
     const float3 normal = normalize(cross(vload3(0, face->b) - a, vload3(0, face->c) - a));
     const floatv away = normal.x * rays->x + normal.y * rays->y + normal.z * rays->z;
-    // A face's front is what one looks at; what a scan saw (radius > 0) has its own.
-    const floatv sign =
-        PICK(MASK(away > 0.0f) & MASK((floatv)(face->radius) == 0.0f), (floatv)(-1.0f), (floatv)(1.0f));
+    const floatv sign = PICK(MASK(away > 0.0f), (floatv)(-1.0f), (floatv)(1.0f));
     seen->t = PICK(same, hit->t_triangle, seen->t);
     seen->normal_x = PICK(same, sign * normal.x, seen->normal_x);
     seen->normal_y = PICK(same, sign * normal.y, seen->normal_y);
@@ -114,7 +112,9 @@ static inline void see_spheres(const PacketHit* hit, const PacketRays* rays, flo
     const float3 own = vload3(0, surface->normal);
     const int flat = dot(own, own) != 0.0f;
     const float3 from = rays->origin - vload3(0, sphere->centre);
-    floatv x = (floatv)(own.x), y = (floatv)(own.y), z = (floatv)(own.z);
+    const floatv away = own.x * rays->x + own.y * rays->y + own.z * rays->z;
+    const floatv sign = PICK(MASK(away > 0.0f), (floatv)(-1.0f), (floatv)(1.0f));
+    floatv x = sign * own.x, y = sign * own.y, z = sign * own.z;
     if (!flat) {
       x = (from.x + hit->t_sphere * rays->x) / sphere->radius;
       y = (from.y + hit->t_sphere * rays->y) / sphere->radius;

@@ -8,6 +8,7 @@
 #include "cases/room_scene.hpp"
 #include "device/queue.hpp"
 #include "shared/params_rank_photos.h"
+#include "stages/blend_bands.hpp"
 #include "stages/render_geometry.hpp"
 
 namespace hybrid::testing {
@@ -127,9 +128,11 @@ struct BlendViewCase {
     std::vector<CameraRecord> cameras;
     std::vector<std::uint8_t> pixels;  // the same for every photograph
     std::vector<std::uint16_t> low;
+    BlendMode mix{BLEND_BANDS, 2, {8}};
   };
   static Input make(std::size_t size, std::uint32_t seed) {
-    Input input{RayCastViewCase::make(size, seed), {}, {}, {}};
+    Input input;
+    input.room = RayCastViewCase::make(size, seed);
     for (int i = 0; i < 8; ++i) {
       Photograph p =
           look_at({0.8 + i, 0.2, 1.5 + 0.1 * i}, {4.5, 6, 1}, {0, 0, 1}, 75, kPhotoWidth, kPhotoHeight);
@@ -150,7 +153,7 @@ struct BlendViewCase {
           pixels(queue.array(input.pixels)),
           low(queue.array(input.low)),
           linear(queue.array(std::vector<float>(3 * 256, 0.5f))),
-          sums(queue.array(std::vector<float>(BLEND_PLANES * tile.count(), 0.0f))),
+          sums(queue.array(std::vector<float>(stages::blend_planes(input.mix) * tile.count(), 0.0f))),
           seen(queue.array(std::vector<std::uint32_t>(tile.count(), 0))),
           best(queue.array(std::vector<std::int32_t>(tile.count(), -1))) {}
     stages::DeviceBvh bvh;
@@ -173,7 +176,7 @@ struct BlendViewCase {
       params.pixel_rad = 0.001f;
       params.cols = at.tile.cols;
       params.rows = at.tile.rows;
-      params.mix = {BLEND_BANDS, 2, {8}};
+      params.mix = input.mix;
       params.photograph = static_cast<int>(i);
       params.feather_px = 32;
       params.tolerance_m = 0.02f;
@@ -190,6 +193,17 @@ struct BlendViewCase {
   static double items(const Input&) { return 1.0 * FurnishedRoom::kWidth * FurnishedRoom::kHeight; }
   static double bytes(const Input& input) { return 8 * 124.0 * items(input); }
   static double flops(const Input& input) { return 8 * 1000.0 * items(input); }
+};
+
+// The same view in multi-band's default of four bands, each photograph with its three Gaussians.
+struct MultiBandViewCase : BlendViewCase {
+  static Input make(std::size_t size, std::uint32_t seed) {
+    Input input = BlendViewCase::make(size, seed);
+    input.mix = {BLEND_BANDS, 4, {4, 3, 2}};
+    input.low.resize(3 * input.pixels.size(), 0x3800);
+    return input;
+  }
+  static double bytes(const Input& input) { return 8 * 252.0 * items(input); }  // 64 more for two bands each
 };
 
 // The same view by weights of unstructured lumigraph rendering, k = 4: ranking, and blending what was ranked.

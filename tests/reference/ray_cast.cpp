@@ -79,19 +79,17 @@ RayCastCase::Output RayCastCase::reference(const Input& input) {
     const double t = sphere_wins ? t_sphere : t_triangle;
     const Vec3 point = origin + t * direction;
     double radius = triangle ? triangle->radius : 0;
-    bool own_normal = triangle && triangle->radius > 0;
     if (sphere_wins) {
       const auto& record = input.scene.spheres[sphere];
       const float* known = input.scene.surfaces[sphere].normal;
       normal = Vec3(known[0], known[1], known[2]);
       radius = record.radius;
-      own_normal = !normal.isZero();
       if (normal.isZero()) {
         normal = (point - Vec3(record.centre[0], record.centre[1], record.centre[2])) / radius;
         radius = -radius;
       }
     }
-    if (!own_normal && normal.dot(direction) > 0) normal = -normal;  // a splat's own normal stays
+    if (normal.dot(direction) > 0) normal = -normal;
     out.distance[i] = static_cast<float>(t);
     out.id[i] = sphere_wins ? input.scene.surfaces[sphere].id : triangle->id;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -118,10 +118,14 @@ PerfectView perfect_view(const TrueView& view, const std::vector<Camera>& photog
   image.id.assign(pixels, 1);
   image.coverage.assign(pixels, 0);
   image.best.assign(pixels, kNoPhotograph);
+  image.depth_m.assign(pixels, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < pixels; ++i) {
     const auto width = static_cast<std::size_t>(image.linear.width);
     const auto hit = mesh.first_hit(view.camera.eye, view.camera.ray(static_cast<double>(i % width) + 0.5,
                                                                      static_cast<double>(i / width) + 0.5));
+    if (hit)
+      image.depth_m[i] =
+          static_cast<float>(view.camera.world_from_camera.col(2).dot(hit->point - view.camera.eye));
     for (std::size_t j = 0; hit && j < photographs.size(); ++j)
       if (mesh.sees(photographs[j], *hit) && image.coverage[i]++ == 0)
         image.best[i] = static_cast<std::uint32_t>(j);

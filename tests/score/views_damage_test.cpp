@@ -96,7 +96,17 @@ TEST_F(PerfectRoom, a_photograph_that_cannot_see_the_point_bleeds) {
   EXPECT_NEAR(marks["views"][0]["bleeding_at_centre_share"], static_cast<double>(damaged) / painted, 1e-9);
   // At outlines and shadow borders a corner of the pixel may be seen.
   EXPECT_GT(marks["views"][0]["bleeding_share"], 0.9 * static_cast<double>(damaged) / painted);
+  EXPECT_EQ(marks["views"][0]["bleeding_wrong_surface_share"], 0.0);
   expect_others_hold(marks, {kView + "bleeding*"});
+  // The same photographs on a surface that is not the true one: those of the left half are of a wrong
+  // surface.
+  const auto width = static_cast<std::size_t>(camera.width_px);
+  for (std::size_t i = 0; i < image.depth_m.size(); ++i)
+    if (i % width < width / 2) image.depth_m[i] += 1;
+  const auto behind = marks_of(results)["views"][0];
+  EXPECT_EQ(behind["bleeding_share"], marks["views"][0]["bleeding_share"]);
+  EXPECT_GT(behind["bleeding_wrong_surface_share"], 0.2 * behind["bleeding_share"].get<double>());
+  EXPECT_LT(behind["bleeding_wrong_surface_share"], 0.8 * behind["bleeding_share"].get<double>());
 }
 
 }  // namespace score_tests

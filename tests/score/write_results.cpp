@@ -102,6 +102,7 @@ void write_view(const fs::path& file, const ViewResult& view) {
   writer.add("id", view.id);
   writer.add("coverage", view.coverage);
   writer.add("best", view.best);
+  writer.add("Z", view.depth_m);
   writer.write(file);
 }
 

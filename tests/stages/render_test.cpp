@@ -411,30 +411,32 @@ TEST(Render, a_contour_polygon_is_a_surface_of_the_scan_and_stands_in_for_its_sa
   EXPECT_GT(count("scan", 0x80000000u, 0x80000001u), 0);
 }
 
-TEST(Render, a_splat_takes_colour_from_the_side_it_was_scanned_from) {
+TEST(Render, a_splat_and_a_contour_take_colour_from_the_side_they_are_seen_from) {
+  // A scan sees one side of what stands there; on the other side is a back that it knows nothing of, and what
+  // a photograph shows of the front does not belong on it.
   RenderScene scene;
   scene.splats = {{{0, 0, 0}, 0.2f, {0, -1, 0}, 0}, {{1, 0, 0}, 0.2f, {0, 0, 0}, 0}};
-  Photograph front = look_at({0.5, -3, 0}, {0.5, 0, 0}, {0, 0, 1}, 60, 32, 32);
+  scene.contours.vertices = {{-1.2, 0, -0.2}, {-0.8, 0, -0.2}, {-0.8, 0, 0.2}, {-1.2, 0, 0.2}};
+  scene.contours.faces = {Face{}};
+  scene.contours.faces[0].outer = {0, 1, 2, 3};  // its front towards -y
+  scene.contour_scan = {0};
+  Photograph front = look_at({0.5, -3, 0}, {0, 0, 0}, {0, 0, 1}, 60, 32, 32);
   front.name = "front";
   scene.photographs = {front};
   scene.photograph_pixels = {Image8(32, 32, 3, 255)};
-  // Seen from behind, the normal still says that the photograph faces the splat.
-  const ViewRequest request = view({0.5, 3, 0.1}, {0.5, 0, 0}, 64, 64);
-  const RenderedView image = render(scene, request);
-  std::size_t known = 0;
-  for (std::size_t i = 0; i < image.id.size(); ++i) {
-    if (image.id[i] == 0x80000000u) {
-      ++known;
-      EXPECT_EQ(image.coverage[i], 1u);
-      EXPECT_EQ(image.normal.pixels[3 * i + 1], 1);  // towards the viewer
-    }
-  }
-  EXPECT_GT(known, 20u);
-  scene.splats[0].normal = {0, 1, 0};
-  const RenderedView away = render(scene, request);
-  for (std::size_t i = 0; i < away.id.size(); ++i)
-    if (away.id[i] == 0x80000000u) {
-      EXPECT_EQ(away.coverage[i], 0u);  // the photograph is on its back
+  for (const double side : {-1.0, 1.0})
+    for (const float scanned_from : {-1.0f, 1.0f}) {
+      scene.splats[0].normal = {0, scanned_from, 0};
+      const RenderedView image = render(scene, view({0, 3 * side, 0.1}, {0, 0, 0}, 64, 64));
+      std::size_t splat = 0, contour = 0;
+      for (std::size_t i = 0; i < image.id.size(); ++i) {
+        if (image.id[i] != 0x80000000u && image.id[i] != 0x20000000u) continue;
+        ++(image.id[i] == 0x80000000u ? splat : contour);
+        EXPECT_EQ(image.coverage[i], side < 0 ? 1u : 0u) << side << " " << scanned_from;
+        EXPECT_EQ(image.normal.pixels[3 * i + 1], static_cast<float>(side));  // towards the viewer
+      }
+      EXPECT_GT(splat, 20u);
+      EXPECT_GT(contour, 20u);
     }
 }
 

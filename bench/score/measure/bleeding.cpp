@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace score {
 namespace {
@@ -47,10 +48,20 @@ struct Judge {
   }
 };
 
+// Whether the view shows another surface than the true one: it lacks that, or has one before it. What shows
+// instead may well be what its photograph sees.
+bool drawn_elsewhere(const ViewResult& view, std::size_t i, const Camera& camera,
+                     const std::optional<TrueMesh::Hit>& truth) {
+  if (view.depth_m.empty()) return false;
+  if (!truth) return true;
+  const double depth_m = camera.world_from_camera.col(2).dot(truth->point - camera.eye);
+  return !(std::abs(static_cast<double>(view.depth_m[i]) - depth_m) <= kDrawnOffM + kDrawnOffShare * depth_m);
+}
+
 void add(BleedingScore& sum, const BleedingScore& row) {
   for (auto field : {&BleedingScore::pixels, &BleedingScore::painted, &BleedingScore::bleeding,
-                     &BleedingScore::bleeding_at_centre, &BleedingScore::red, &BleedingScore::red_though_seen,
-                     &BleedingScore::truly_unseen})
+                     &BleedingScore::bleeding_elsewhere, &BleedingScore::bleeding_at_centre,
+                     &BleedingScore::red, &BleedingScore::red_though_seen, &BleedingScore::truly_unseen})
     sum.*field += row.*field;
 }
 
@@ -76,9 +87,11 @@ BleedingScore score_bleeding(const ViewResult& view, const Camera& camera,
       if (painted && !right) {
         ++score.bleeding_at_centre;
         const Points points = judge.with_corners(col, row, middle);
-        score.bleeding += std::none_of(points.begin(), points.end(), [&](const auto& point) {
+        const bool bleeds = std::none_of(points.begin(), points.end(), [&](const auto& point) {
           return judge.sees(photographs[view.best[i]], point);
         });
+        score.bleeding += bleeds;
+        score.bleeding_elsewhere += bleeds && drawn_elsewhere(view, i, camera, middle);
       }
       if (view.id[i] != 0 && view.coverage[i] == 0) {
         ++score.red;

@@ -38,6 +38,7 @@ ViewResult read_view_result(const std::filesystem::path& file) {
   view.id = image.uints("id");
   view.coverage = image.uints("coverage");
   view.best = image.uints("best");
+  if (image.has("Z")) view.depth_m = image.floats("Z");
   return view;
 }
 

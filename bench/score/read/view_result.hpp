@@ -21,6 +21,7 @@ struct ViewResult {
   std::vector<std::uint32_t> id;        // 0: no surface
   std::vector<std::uint32_t> coverage;  // photographs that see the pixel's surface
   std::vector<std::uint32_t> best;      // the heaviest photograph's index; kNoPhotograph
+  std::vector<float> depth_m;           // of the drawn surface, along the viewing axis; empty: not written
 };
 inline constexpr std::uint32_t kNoPhotograph = 0xffffffffu;
 ViewResult read_view_result(const std::filesystem::path& file);

@@ -75,6 +75,7 @@ Json view_json(const ViewScore& view) {
           {"red_though_seen_share", share(sight.red_though_seen, sight.pixels)},
           {"truly_unseen_share", share(sight.truly_unseen, sight.pixels)},
           {"bleeding_share", share(sight.bleeding, sight.painted)},
+          {"bleeding_wrong_surface_share", share(sight.bleeding_elsewhere, sight.painted)},
           {"bleeding_at_centre_share", share(sight.bleeding_at_centre, sight.painted)}};
 }
 

@@ -101,14 +101,15 @@ std::string decimation_table(const std::vector<ScanScore>& scans) {
 std::string views_table(const std::vector<ViewScore>& views) {
   if (views.empty()) return "";
   std::vector<Row> rows = {{"view", "against", "seen", "PSNR dB", "SSIM", "sharpness", "agreement", "red",
-                            "truly unseen", "red though seen", "bleeding"}};
+                            "truly unseen", "red though seen", "bleeding", "of wrong surface"}};
   for (const ViewScore& view : views) {
     const auto& [quality, sight] = std::tie(view.quality, view.bleeding);
     rows.push_back({view.name, view.against, percent(quality.compared, view.pixels),
                     fmt::format("{:.2f}", quality.psnr_db), fmt::format("{:.4f}", quality.ssim),
                     fmt::format("{:.3f}", quality.sharpness), fmt::format("{:.3f}", quality.detail_agreement),
                     percent(sight.red, sight.pixels), percent(sight.truly_unseen, sight.pixels),
-                    percent(sight.red_though_seen, sight.pixels), percent(sight.bleeding, sight.painted)});
+                    percent(sight.red_though_seen, sight.pixels), percent(sight.bleeding, sight.painted),
+                    percent(sight.bleeding_elsewhere, sight.painted)});
   }
   return aligned("views", rows);
 }
