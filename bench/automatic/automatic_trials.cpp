@@ -1,12 +1,16 @@
 // hybrid-automatic-trials: how often the automatic alignment is right, wrong or silent, on many random rooms
-// (or on crops of a real pipeline's scans, see scene mode) whose truth is known.
+// or on the scans of hybrid-synth's scenes, whose truth is known.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "batch/scene_request.hpp"
+#include "batch/scene_scan.hpp"
 #include "cases/trial_room.hpp"
 #include "stages/automatic.hpp"
 #include "stages/automatic_search.hpp"
@@ -45,7 +49,7 @@ double margin_of_truth(device::Queue& queue, const stages::ScanEvidence& evidenc
   return least;
 }
 
-Trial judge(device::Queue& queue, const stages::ScanEvidence& evidence, const PolygonModel& proxy,
+Trial judge(device::Queue& queue, const stages::ScanEvidence& evidence, const stages::ProxyModel& proxy,
             const Pose& truth, const stages::AutomaticOptions& options) {
   Trial trial;
   const auto begin = std::chrono::steady_clock::now();
@@ -64,17 +68,77 @@ struct Request {
   std::vector<std::string> kinds = {"box", "niche", "hall", "ell", "oblique", "alcoves"};
   int trials = 20, seed = 1, first = 0;
   double crop = 0.5, proxy_error_m = 0.01;
+  std::vector<std::filesystem::path> scenes;
   bool levelled = false, other_room = false, verbose = false;
 };
 
+// Draws the scan's crop: every other one keeps between `request.crop` and all of the turn.
+double draw_crop(testing::Draw& draw, int k, const Request& request) {
+  return k % 2 ? draw.within(request.crop, 1) : 1;
+}
+
+class Tally {
+ public:
+  explicit Tally(std::string kind) : kind_(std::move(kind)) {}
+
+  void add(const Trial& trial, const std::string& which, bool verbose) {
+    ++trials_;
+    seconds_ += trial.seconds;
+    slowest_ = std::max(slowest_, trial.seconds);
+    right_ += trial.outcome == "right";
+    wrong_ += trial.outcome == "wrong";
+    abstained_ += trial.outcome == "abstained";
+    distinguishable_ += trial.distinguishable;
+    right_of_these_ += trial.distinguishable && trial.outcome == "right";
+    best_right_ += trial.best_is_right;
+    if (verbose || trial.outcome == "wrong") print(trial, which);
+  }
+
+  Json json() const {
+    return {{"kind", kind_},
+            {"trials", trials_},
+            {"accepted_right", right_},
+            {"accepted_wrong", wrong_},
+            {"abstained", abstained_},
+            {"best_right", best_right_},
+            {"distinguishable", distinguishable_},
+            {"distinguishable_accepted_right", right_of_these_},
+            {"mean_seconds", seconds_ / std::max(trials_, 1)},
+            {"slowest_seconds", slowest_}};
+  }
+
+ private:
+  void print(const Trial& trial, const std::string& which) const {
+    const auto& a = trial.alignment;
+    std::cerr << fmt::format(
+        "{} {}: {}{}{} score {:.3f} S {:.2f} F {:.2f} T {:.2f} B {:.2f} doubt {:.2f} margin {:.4f} finalists "
+        "{}",
+        kind_, which, trial.outcome, trial.distinguishable ? " distinguishable" : "",
+        trial.best_is_right ? " best-right" : " best-WRONG", a.shares.score, a.shares.supported,
+        a.shares.in_front, a.shares.through, a.shares.behind, a.doubt, a.margin, a.finalists);
+    if (!a.rivals.empty()) {
+      const auto& c = a.rivals[0].comparison;
+      std::cerr << fmt::format(
+          " truth score {:.3f} S {:.2f} for {:.4f} against {:.4f} rest {:.4f} strength {:.2f} [{}]",
+          trial.truth.score, trial.truth.supported, c.for_it, c.against_it, c.without_largest(),
+          a.rivals[0].strength, a.rivals[0].words);
+    }
+    std::cerr << " " << a.reason.substr(0, 90) << "\n";
+  }
+
+  std::string kind_;
+  int trials_ = 0, right_ = 0, wrong_ = 0, abstained_ = 0, distinguishable_ = 0, right_of_these_ = 0,
+      best_right_ = 0;
+  double seconds_ = 0, slowest_ = 0;
+};
+
 Json run_kind(device::Queue& queue, const std::string& kind, const Request& request) {
-  int right = 0, wrong = 0, abstained = 0, distinguishable = 0, right_of_these = 0, best_right = 0;
-  double seconds = 0;
+  Tally tally(kind);
   for (int k = request.first; k < request.first + request.trials; ++k) {
     const auto seed = static_cast<std::uint32_t>(1000 * request.seed + k);
     testing::Draw draw(seed, 3);
     const auto room = testing::make_trial_room(kind, seed, request.proxy_error_m);
-    const double crop = k % 2 ? draw.within(request.crop, 1) : 1;
+    const double crop = draw_crop(draw, k, request);
     const auto scan = testing::scan_trial_room(queue, room, seed, crop);
     stages::AutomaticOptions options;
     options.levelled = request.levelled;
@@ -85,42 +149,59 @@ Json run_kind(device::Queue& queue, const std::string& kind, const Request& requ
       proxy = testing::make_trial_room(kind, seed + 500000, request.proxy_error_m).proxy;
       truth.translation += Vec3(1e3, 0, 0);  // nothing is right
     }
-    const Trial trial = judge(queue, evidence, proxy, truth, options);
-    seconds += trial.seconds;
-    right += trial.outcome == "right";
-    wrong += trial.outcome == "wrong";
-    abstained += trial.outcome == "abstained";
-    distinguishable += trial.distinguishable;
-    right_of_these += trial.distinguishable && trial.outcome == "right";
-    best_right += trial.best_is_right;
-    if (request.verbose || trial.outcome == "wrong") {
-      const auto& a = trial.alignment;
-      std::cerr << fmt::format(
-          "{} {} crop {:.2f}: {}{}{} score {:.3f} S {:.2f} F {:.2f} T {:.2f} B {:.2f} doubt {:.2f} margin "
-          "{:.4f} "
-          "finalists {}",
-          kind, seed, crop, trial.outcome, trial.distinguishable ? " distinguishable" : "",
-          trial.best_is_right ? " best-right" : " best-WRONG", a.shares.score, a.shares.supported,
-          a.shares.in_front, a.shares.through, a.shares.behind, a.doubt, a.margin, a.finalists);
-      if (!a.rivals.empty()) {
-        const auto& c = a.rivals[0].comparison;
-        std::cerr << fmt::format(
-            " truth score {:.3f} S {:.2f} for {:.4f} against {:.4f} rest {:.4f} strength {:.2f} [{}]",
-            trial.truth.score, trial.truth.supported, c.for_it, c.against_it, c.without_largest(),
-            a.rivals[0].strength, a.rivals[0].words);
-      }
-      std::cerr << " " << a.reason.substr(0, 90) << "\n";
+    tally.add(judge(queue, evidence, proxy, truth, options), fmt::format("{} crop {:.2f}", seed, crop),
+              request.verbose);
+  }
+  return tally.json();
+}
+
+// The true pose of a scan of hybrid-synth.
+Pose true_pose(const Json& truth, const std::string& id) {
+  for (const auto& scan : truth.at("scans"))
+    if (scan.at("id") == id)
+      return pose_from_row_major(scan.at("world_from_scan").get<std::array<double, 16>>());
+  throw std::runtime_error(fmt::format("truth.json: no scan {}", id));
+}
+
+// Scans of hybrid-synth's scenes, each with planes as `hybrid planes` finds them and seen by a scanner turned
+// by any yaw and about a degree of tilt, `trials` times. Neither the start nor the truth is read to align.
+void run_scene(device::Queue& queue, const std::filesystem::path& folder, const Request& request,
+               Tally& tally) {
+  batch::RunRequest run;
+  run.scene_file = folder / "scene.toml";
+  std::set<std::string> stages_wanted = {"register"};
+  batch::StageOptions stage_options;
+  const auto scene = batch::read_scene(run, stages_wanted, stage_options);
+  std::vector<io::ObjFaceNames> face_names;
+  const PolygonModel polygons = batch::read_scene_model(scene.model.value(), face_names);
+  const stages::ProxyModel proxy(polygons);
+  const Json truth = Json::parse(std::ifstream(folder / "truth.json"));
+  batch::ScanNames names(scene);
+  batch::Progress progress(true);
+  for (const auto& entry : scene.scans) {
+    const std::string id = names.next(entry, 0, 1);
+    const auto made = batch::make_planes(queue, id, entry, batch::list_scene_scans(entry, false).at(0),
+                                         stage_options, progress);
+    for (int k = request.first; k < request.first + request.trials; ++k) {
+      testing::Draw draw(static_cast<std::uint32_t>(1000 * request.seed + k), 5);
+      RangeImage image = made.product.image;
+      PlaneSegmentation segmentation = made.product.segmentation;
+      const double crop = draw_crop(draw, k, request);
+      testing::crop_scan(image, segmentation, draw.within(0, 2 * std::numbers::pi), crop);
+      const Vec3 lean(draw.within(-1, 1), draw.within(-1, 1), 0);
+      const Eigen::Quaterniond turn =
+          Eigen::AngleAxisd(draw.within(0, 2 * std::numbers::pi), Vec3::UnitZ()) *
+          Eigen::AngleAxisd(lean.norm() * std::numbers::pi / 180, lean.normalized());
+      stages::AutomaticOptions options;
+      options.levelled = request.levelled;
+      const auto evidence =
+          stages::turned(stages::gather_evidence(image, segmentation, options.rays, options.seed), turn);
+      Pose true_of_turned = true_pose(truth, id);
+      true_of_turned.rotation = true_of_turned.rotation * turn.conjugate();
+      tally.add(judge(queue, evidence, proxy, true_of_turned, options),
+                fmt::format("{} {} crop {:.2f}", folder.filename().string(), id, crop), request.verbose);
     }
   }
-  return {{"kind", kind},
-          {"trials", request.trials},
-          {"accepted_right", right},
-          {"accepted_wrong", wrong},
-          {"abstained", abstained},
-          {"best_right", best_right},
-          {"distinguishable", distinguishable},
-          {"distinguishable_accepted_right", right_of_these},
-          {"mean_seconds", seconds / request.trials}};
 }
 
 }  // namespace
@@ -129,7 +210,10 @@ int main(int argc, char** argv) {
   CLI::App app{"Automatic alignment: trials with known truth", "hybrid-automatic-trials"};
   Request request;
   app.add_option("--kinds", request.kinds, "box niche hall ell oblique alcoves")->capture_default_str();
-  app.add_option("--trials", request.trials, "per kind")->capture_default_str();
+  app.add_option("--scenes", request.scenes,
+                 "folders of hybrid-synth instead: its scans, each turned at random")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--trials", request.trials, "per kind, or per scan of a scene")->capture_default_str();
   app.add_option("--seed", request.seed, "trials of another seed share no room")->capture_default_str();
   app.add_option("--first", request.first, "number of the first trial")->capture_default_str();
   app.add_option("--crop", request.crop, "every other scan is cropped to between this share and all")
@@ -142,7 +226,12 @@ int main(int argc, char** argv) {
   try {
     device::Queue queue;
     Json all = Json::array();
-    for (const auto& kind : request.kinds) all.push_back(run_kind(queue, kind, request));
+    Tally of_scenes("scenes");
+    for (const auto& folder : request.scenes) run_scene(queue, folder, request, of_scenes);
+    if (!request.scenes.empty())
+      all.push_back(of_scenes.json());
+    else
+      for (const auto& kind : request.kinds) all.push_back(run_kind(queue, kind, request));
     std::cout << all.dump(1) << "\n";
   } catch (const std::exception& error) {
     std::cerr << "hybrid-automatic-trials: " << error.what() << "\n";
