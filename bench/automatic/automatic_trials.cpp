@@ -72,11 +72,6 @@ struct Request {
   bool levelled = false, other_room = false, verbose = false;
 };
 
-// Draws the scan's crop: every other one keeps between `request.crop` and all of the turn.
-double draw_crop(testing::Draw& draw, int k, const Request& request) {
-  return k % 2 ? draw.within(request.crop, 1) : 1;
-}
-
 class Tally {
  public:
   explicit Tally(std::string kind) : kind_(std::move(kind)) {}
@@ -138,7 +133,7 @@ Json run_kind(device::Queue& queue, const std::string& kind, const Request& requ
     const auto seed = static_cast<std::uint32_t>(1000 * request.seed + k);
     testing::Draw draw(seed, 3);
     const auto room = testing::make_trial_room(kind, seed, request.proxy_error_m);
-    const double crop = draw_crop(draw, k, request);
+    const double crop = k % 2 ? draw.within(request.crop, 1) : 1;
     const auto scan = testing::scan_trial_room(queue, room, seed, crop);
     stages::AutomaticOptions options;
     options.levelled = request.levelled;
@@ -186,7 +181,7 @@ void run_scene(device::Queue& queue, const std::filesystem::path& folder, const 
       testing::Draw draw(static_cast<std::uint32_t>(1000 * request.seed + k), 5);
       RangeImage image = made.product.image;
       PlaneSegmentation segmentation = made.product.segmentation;
-      const double crop = draw_crop(draw, k, request);
+      const double crop = k == 0 ? 1 : draw.within(request.crop, 1);
       testing::crop_scan(image, segmentation, draw.within(0, 2 * std::numbers::pi), crop);
       const Vec3 lean(draw.within(-1, 1), draw.within(-1, 1), 0);
       const Eigen::Quaterniond turn =
@@ -216,7 +211,8 @@ int main(int argc, char** argv) {
   app.add_option("--trials", request.trials, "per kind, or per scan of a scene")->capture_default_str();
   app.add_option("--seed", request.seed, "trials of another seed share no room")->capture_default_str();
   app.add_option("--first", request.first, "number of the first trial")->capture_default_str();
-  app.add_option("--crop", request.crop, "every other scan is cropped to between this share and all")
+  app.add_option("--crop", request.crop,
+                 "every other scan (of a scene all but the first) is cropped to between this share and all")
       ->capture_default_str();
   app.add_option("--proxy-error-m", request.proxy_error_m, "standard deviation")->capture_default_str();
   app.add_flag("--levelled", request.levelled);

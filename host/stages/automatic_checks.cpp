@@ -9,6 +9,7 @@ namespace {
 
 // Sine of the angle that normals must at least span in every direction.
 constexpr double kSpan = 0.1;
+constexpr double kNothing = 10;  // so many times as much off the faces as on them: nothing to speak of is on
 constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
 constexpr const char* kGiveLandmarks = "; give 3 or more landmarks (the landmark sheet helps) or a pose";
@@ -96,6 +97,12 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "% "
         "may; is it the model of another place?{}",
         100 * shares.through, 100 * options.most_through, kGiveLandmarks);
+  if (best.doubt > options.most_doubt && best.doubt > kNothing)
+    return fmt::format(
+        "under the best pose hardly any planar area that faces along some direction lies on the model's "
+        "faces: "
+        "the scan shows too little of the model to hold it there, or the model lacks walls{}",
+        kGiveLandmarks);
   if (best.doubt > options.most_doubt)
     return fmt::format(
         "under the best pose {:.0f} % as much planar area lies off the model's faces as on them, along some "

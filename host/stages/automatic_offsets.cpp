@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kRadian = std::numbers::pi / 180;
 constexpr double kPeakWidth_m = 0.2;
-constexpr std::size_t kPeaks = 14, kLargestTiles = 80;
-constexpr double kPeakShare = 0.08;  // of the highest peak of its axis
+constexpr std::size_t kPeaks = 20, kLargestTiles = 80;
+constexpr double kPeakShare = 0.02;  // of the highest peak of its axis
 constexpr double kNear_m = 0.3;
 
 struct Vote {
