@@ -28,12 +28,6 @@ Path ours_range(const Setup& setup, const Case& at) {
   return ours_folder(setup, at) / "scans" / kScan / "range.exr";
 }
 
-Json read_json(const Path& file) {
-  std::ifstream input(file);
-  if (!input) throw std::runtime_error(file.string() + ": cannot be opened");
-  return Json::parse(input);
-}
-
 // `hybrid planes` as users run it. Seconds: the stages from the range image in memory to its labels; the
 // others are in the report's parts.
 Run run_ours(const Setup& setup, const Case& at) {
@@ -85,32 +79,6 @@ Run run_planes_peer(const Setup& setup, const Case& at, const Path& program, con
   return run;
 }
 
-// The label measures of hybrid-score, the same for all.
-void score_labels(const Setup& setup, const Case& at, const Path& result, Row& row) {
-  const Path scorer = setup.bin / "hybrid-score";
-  if (!std::filesystem::exists(scorer)) {
-    row.quality = "not scored: hybrid-score not built";
-    return;
-  }
-  const Finished finished = run_process({scorer.string(), (scene(setup, at) / "truth.json").string(),
-                                         result.string(), "--scan", kScan, "--no-decimation", "--json"},
-                                        2 * setup.run_limit_s);
-  if (const auto failure = failure_of(finished); !failure.empty()) {
-    row.quality = "not scored: " + failure;
-    return;
-  }
-  const Json score = Json::parse(finished.output);
-  for (const Json& scan : score.at("scans")) {
-    if (scan.at("id") != kScan || !scan.contains("planes")) continue;
-    const Json& planes = scan.at("planes");
-    row.score = planes;
-    row.quality = fmt::format("{:.1f} % right, {} of {} planes, curved called planar {:.1f} %",
-                              100 * planes.at("planar_samples_right_share").get<double>(),
-                              planes.at("planes_found").get<int>(), planes.at("planes").get<int>(),
-                              100 * planes.at("curved_called_planar_share").get<double>());
-  }
-}
-
 std::vector<Case> cases_of(const Setup& setup) {
   std::vector<Case> cases;
   const auto add = [&](const std::string& size, bool probe) {
@@ -140,7 +108,7 @@ Program program_of(const Setup& setup, const Peer& peer, const std::vector<std::
       external ? missing_external(setup, peer.program) : missing_peer(setup, peer.program, peer.package);
   program.run = [=](const Case& at) { return run_planes_peer(setup, at, file, peer.variant, more); };
   program.score = [=](const Case& at, Row& row) {
-    score_labels(setup, at, row.runs.back().report.at("out").get<std::string>(), row);
+    score_labels(setup, scene(setup, at), kScan, row.runs.back().report.at("out").get<std::string>(), row);
   };
   return program;
 }
@@ -160,7 +128,9 @@ Job planes_job(const Setup& setup) {
   ours.name = "hybrid planes";
   ours.ours = ours.large = true;
   ours.run = [=](const Case& at) { return run_ours(setup, at); };
-  ours.score = [=](const Case& at, Row& row) { score_labels(setup, at, ours_folder(setup, at), row); };
+  ours.score = [=](const Case& at, Row& row) {
+    score_labels(setup, scene(setup, at), kScan, ours_folder(setup, at), row);
+  };
   job.programs.push_back(ours);
   const Peer peers[] = {
       {"C++/OpenMP RANSAC per square", "twin_planes", "32", "OpenMP", false, true},

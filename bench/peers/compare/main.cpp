@@ -39,10 +39,15 @@ std::string now_text() {
   return text;
 }
 
-std::vector<Row> run_all(const Setup& setup, const std::string& only) {
+// Not beside the others: it takes other scans and has a table of its own.
+constexpr const char* kEndToEnd = "end-to-end";
+
+std::vector<Row> run_all(Setup& setup, const std::string& only) {
   std::vector<Row> rows;
   const auto wanted = [&](const std::string& name) { return only.empty() || name == only; };
   const auto add = [&](const std::vector<Row>& more) { rows.insert(rows.end(), more.begin(), more.end()); };
+  if (only == kEndToEnd)
+    for (const Job& job : end_to_end_jobs(setup)) add(run_ladder(job, setup.ladder));
   if (wanted("planes")) add(run_ladder(planes_job(setup), setup.ladder));
   if (wanted("squares")) add(run_ladder(squares_job(setup), setup.ladder));
   if (wanted("icp"))
@@ -67,13 +72,15 @@ std::string make_scenes(Setup& setup) {
   return made.empty() ? "no scans" : made + " MP scans";
 }
 
-void write_results(const Setup& setup, const std::vector<Row>& rows, nlohmann::ordered_json machine) {
-  const std::string table = markdown_table(rows);
+void write_results(const Setup& setup, const std::vector<Row>& rows, nlohmann::ordered_json machine,
+                   bool end_to_end) {
+  const std::string table = end_to_end ? parts_table(rows) : markdown_table(rows);
+  const std::string name = end_to_end ? "end_to_end" : "compare";
   std::cout << table;
   machine["packages"] = packages_of(rows);
   const std::string text = results_heading(machine, rows) + table;
-  write_text(setup.work / "compare.md", text);
-  write_text(setup.work / "compare.json",
+  write_text(setup.work / (name + ".md"), text);
+  write_text(setup.work / (name + ".json"),
              nlohmann::ordered_json{{"machine", machine}, {"rows", json_of(rows)}}.dump(1) + "\n");
   const bool planes =
       std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.job == "planes"; });
@@ -84,7 +91,7 @@ void write_results(const Setup& setup, const std::vector<Row>& rows, nlohmann::o
     write_text(setup.work / "planes-memory.svg", memory);
   }
   if (setup.results.empty()) return;
-  replace_between_marks(setup.results, text);
+  replace_between_marks(setup.results, name + ".sh", text);
   if (planes) {
     write_text(setup.results.parent_path() / "peers" / "planes-time.svg", time);
     write_text(setup.results.parent_path() / "peers" / "planes-memory.svg", memory);
@@ -107,11 +114,12 @@ int compare(Setup& setup, const std::string& sizes, const std::string& only, dou
         start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(45 * minutes));
   auto machine = machine_json(setup);
   machine["date"] = now_text();
-  machine["scans_made"] = make_scenes(setup);
+  const bool end_to_end = only == kEndToEnd;
+  machine["scans_made"] = end_to_end ? "scans that were not there" : make_scenes(setup);
   const auto rows = run_all(setup, only);
   machine["minutes"] = std::round(elapsed_s() / 6) / 10;
   setup.ladder.say("done");
-  write_results(setup, rows, machine);
+  write_results(setup, rows, machine, end_to_end);
   return 0;
 }
 
@@ -148,13 +156,15 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory);
   app.add_option("--scenes", setup.scenes, "folder of room-1/, room-5/ ...; made where they are not there")
       ->required();
-  app.add_option("--work", setup.work, "folder for results, compare.md, compare.json and the plots")
+  app.add_option(
+         "--work", setup.work,
+         "folder for results, compare.md, compare.json and the plots (end-to-end: end_to_end.md, .json)")
       ->required();
   app.add_option("--sizes", sizes, "megapixels, ascending, with commas")
       ->check(kSizes)
       ->capture_default_str();
   app.add_option("--only", only, "one job")
-      ->check(CLI::IsMember({"planes", "squares", "icp", "rays", "e57"}));
+      ->check(CLI::IsMember({"planes", "squares", "icp", "rays", "e57", kEndToEnd}));
   app.add_option("--rounds", setup.ladder.rounds, "runs of each program")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();

@@ -10,9 +10,6 @@
 namespace hybrid::compare {
 namespace {
 
-constexpr const char* kBegin = "<!-- compare.sh: begin -->\n";
-constexpr const char* kEnd = "<!-- compare.sh: end -->\n";
-
 std::string text_of(const nlohmann::ordered_json& machine, const char* key) {
   if (!machine.contains(key)) return "not known";
   const auto& value = machine.at(key);
@@ -59,17 +56,20 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
   throw std::runtime_error(file.string() + ": cannot be written; is the disk full?");
 }
 
-void replace_between_marks(const std::filesystem::path& file, const std::string& text) {
+void replace_between_marks(const std::filesystem::path& file, const std::string& script,
+                           const std::string& text) {
+  const std::string first = "<!-- " + script + ": begin -->\n", last = "<!-- " + script + ": end -->\n";
   std::ifstream input(file);
   std::stringstream content;
   content << input.rdbuf();
   if (!input) throw std::runtime_error(file.string() + ": cannot be read");
   std::string whole = content.str();
-  const auto begin = whole.find(kBegin), end = whole.find(kEnd);
+  const auto begin = whole.find(first), end = whole.find(last);
   if (begin == std::string::npos || end == std::string::npos || end < begin)
     throw std::runtime_error(fmt::format("{}: expected the lines {} and {}, found none or in another order",
-                                         file.string(), std::string(kBegin, 26), std::string(kEnd, 24)));
-  const auto from = begin + std::string(kBegin).size();
+                                         file.string(), first.substr(0, first.size() - 1),
+                                         last.substr(0, last.size() - 1)));
+  const auto from = begin + first.size();
   write_text(file, whole.replace(from, end - from, "\n" + text + "\n"));
 }
 

@@ -14,9 +14,10 @@ std::string results_heading(const nlohmann::ordered_json& machine, const std::ve
 // Names and versions of what the rows were run with, each once.
 std::vector<std::string> packages_of(const std::vector<Row>& rows);
 
-// Replaces what stands between the lines "<!-- compare.sh: begin -->" and "<!-- compare.sh: end -->" of a
-// Markdown file. Throws std::runtime_error when it has no such lines or cannot be written.
-void replace_between_marks(const std::filesystem::path& file, const std::string& text);
+// Replaces what stands between the lines "<!-- SCRIPT: begin -->" and "<!-- SCRIPT: end -->" of a Markdown
+// file. Throws std::runtime_error when it has no such lines or cannot be written.
+void replace_between_marks(const std::filesystem::path& file, const std::string& script,
+                           const std::string& text);
 
 // Through a temporary file beside it, so that a full disk leaves the old one.
 void write_text(const std::filesystem::path& file, const std::string& text);

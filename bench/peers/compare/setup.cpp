@@ -66,15 +66,19 @@ Run run_peer(const std::vector<std::string>& command, double limit_s) {
   return run;
 }
 
-std::string make_scene(const Setup& setup, const std::string& size) {
-  const auto scene = setup.scenes / ("room-" + size);
-  if (std::filesystem::exists(scene / "scene.toml")) return "";  // written last
+std::string make_scene(const Setup& setup, const std::string& size, const ScanRecipe& recipe) {
+  const auto folder = setup.scenes / (recipe.folder + "-" + size);
+  if (std::filesystem::exists(folder / "scene.toml")) return "";  // written last
+  std::vector<std::string> command = {
+      (setup.bin / "hybrid-synth").string(), recipe.scene, "--out", folder.string(), "--seed", "1"};
+  const auto add = [&](const std::vector<std::string>& more) {
+    command.insert(command.end(), more.begin(), more.end());
+  };
+  add({"--preset", "tiny", "--megapixels", size, "--only-scan", recipe.scan, "--quiet"});
+  if (!recipe.format.empty()) add({"--format", recipe.format});
   try {
     std::filesystem::create_directories(setup.scenes);
-    const auto failure = failure_of(
-        run_process({(setup.bin / "hybrid-synth").string(), "room", "--out", scene.string(), "--seed", "1",
-                     "--preset", "tiny", "--megapixels", size, "--only-scan", "west", "--quiet"},
-                    kLongestMaking_s));
+    const auto failure = failure_of(run_process(command, kLongestMaking_s));
     return failure.empty() ? "" : "no scan: " + failure;
   } catch (const std::exception& problem) {
     return std::string("no scan: ") + problem.what();

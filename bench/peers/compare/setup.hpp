@@ -37,8 +37,21 @@ std::string missing_external(const Setup& setup, const std::string& program);
 // words.
 Run run_peer(const std::vector<std::string>& command, double limit_s);
 
-// Makes scenes/room-<size> where it is not there yet; what went wrong, or empty.
-std::string make_scene(const Setup& setup, const std::string& size);
+// One scan of a scene of hybrid-synth, seed 1.
+struct ScanRecipe {
+  std::string folder = "room";  // under `scenes`, before the size
+  std::string scene = "room", scan = "west";
+  std::string format = {};  // of its file; empty = the scene's own
+};
+
+// Makes scenes/<folder>-<size> where it is not there yet; what went wrong, or empty.
+std::string make_scene(const Setup& setup, const std::string& size, const ScanRecipe& recipe = {});
+
+nlohmann::json read_json(const std::filesystem::path& file);
+
+// hybrid-score's measures of a scan's labels in a result folder, against the scene's truth, the same for all.
+void score_labels(const Setup& setup, const std::filesystem::path& scene, const std::string& scan,
+                  const std::filesystem::path& result, Row& row);
 
 Job planes_job(const Setup& setup);
 Job squares_job(const Setup& setup);
@@ -46,6 +59,9 @@ Job squares_job(const Setup& setup);
 std::vector<Job> icp_jobs(const Setup& setup);
 // Decoding E57 files.
 Job e57_job(const Setup& setup);
+// From a scan's file to decimated points in the world, all files written, of a room and of a church: `parts`
+// in the runs' reports, seconds of the whole process. Makes its scenes.
+std::vector<Job> end_to_end_jobs(Setup& setup);
 // Rays, photographs and closest points: one program measures ours and Embree in turn, which saves the scene's
 // making.
 std::vector<Row> ray_rows(const Setup& setup);

@@ -10,6 +10,11 @@ namespace hybrid::compare {
 // settings. Extrapolated figures carry a tilde; programs that did not run say why.
 std::string markdown_table(const std::vector<Row>& rows);
 
+// The table of the end-to-end jobs: median seconds of each part and of what is no part (start, end), wall
+// clock and processor time of the whole process, peak memory, and how many times ours wall clock and
+// processor are.
+std::string parts_table(const std::vector<Row>& rows);
+
 // The same for programs: every run, package and score.
 nlohmann::ordered_json json_of(const std::vector<Row>& rows);
 

@@ -10,6 +10,7 @@
 #include "shared/labels_exr.hpp"
 #include "shared/peer_report.hpp"
 #include "shared/points_ply.hpp"
+#include "shared/pose_json.hpp"
 #include "stages/icp.hpp"
 
 namespace hybrid::peers {
@@ -53,15 +54,6 @@ std::vector<PlyPoint> planar_samples(const RangeImage& image, const PlaneSegment
   return points;
 }
 
-// 2 degrees about an axis oblique to all walls, 5 cm in a direction oblique to all walls.
-Pose disturbed(const Pose& truth) {
-  Pose start = truth;
-  start.rotation =
-      Eigen::AngleAxisd(2 * 3.14159265358979 / 180, Vec3(0.5, -0.6, 0.62).normalized()) * truth.rotation;
-  start.translation += 0.05 * Vec3(0.6, 0.55, -0.58).normalized();
-  return start;
-}
-
 }  // namespace
 }  // namespace hybrid::peers
 
@@ -90,9 +82,10 @@ int main(int argc, char** argv) {
       peers::write_points_ply(base / ("planar-" + std::to_string(count) + ".ply"),
                               peers::planar_samples(image, segmentation, count));
     }
+    const auto pose = row_major(known->world_from_scan);
     std::ofstream(std::filesystem::path(out) / "job.json") << nlohmann::json{
-        {"start", row_major(peers::disturbed(known->world_from_scan))},
-        {"truth", row_major(known->world_from_scan)}}.dump(1);
+        {"start", peers::json_of(peers::disturbed(peers::matrix_of(pose)))},
+        {"truth", pose}}.dump(1);
     return peers::Report{"hybrid", "samples and start pose", 0, {}, {}};
   });
 }

@@ -40,4 +40,13 @@ PoseError pose_error(const Eigen::Matrix4d& pose, const Eigen::Matrix4d& truth) 
           1000 * (pose.topRightCorner<3, 1>() - truth.topRightCorner<3, 1>()).norm()};
 }
 
+Eigen::Matrix4d disturbed(const Eigen::Matrix4d& truth) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(0.5, -0.6, 0.62).normalized();
+  Eigen::Matrix4d start = truth;
+  start.topLeftCorner<3, 3>() =
+      Eigen::AngleAxisd(2 * std::numbers::pi / 180, axis).toRotationMatrix() * truth.topLeftCorner<3, 3>();
+  start.topRightCorner<3, 1>() += 0.05 * Eigen::Vector3d(0.6, 0.55, -0.58).normalized();
+  return start;
+}
+
 }  // namespace hybrid::peers

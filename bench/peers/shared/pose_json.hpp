@@ -19,4 +19,8 @@ struct PoseError {
 };
 PoseError pose_error(const Eigen::Matrix4d& pose, const Eigen::Matrix4d& truth);
 
+// A start for registrations: 2 degrees about an axis oblique to all walls, 5 cm in a direction oblique to all
+// walls.
+Eigen::Matrix4d disturbed(const Eigen::Matrix4d& truth);
+
 }  // namespace hybrid::peers

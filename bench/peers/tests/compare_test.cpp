@@ -188,6 +188,61 @@ TEST_F(Compare, ReadingE57RunsOursAndThePeers) {
       << finished.output;
 }
 
+TEST_F(Compare, EndToEndTakesChainsApartByTheirParts) {
+  script("bin/hybrid-synth", R"(
+while [ $# -gt 0 ]; do
+  case $1 in --out) out=$2; shift;; --format) format=$2; shift;; --only-scan) id=$2; shift;; esac; shift
+done
+[ "$format" = e57 ] || exit 2
+mkdir -p $out; touch $out/scene.toml
+echo '{"noise_m": 0.0015, "scans": [{"id": "'$id'",
+       "world_from_scan": [1,0,0,1, 0,1,0,2, 0,0,1,3, 0,0,0,1]}]}' > $out/truth.json
+)");
+  script("bin/hybrid", R"(
+if [ "$1" = devices ]; then echo '[]'; exit; fi
+grep -q '^pose = \[' $2 || exit 4
+id=$(grep '^id = ' $2 | cut -d '"' -f 2)
+while [ $# -gt 0 ]; do case $1 in --out) out=$2; shift;; esac; shift; done
+mkdir -p $out/scans/$id; touch $out/scans/$id/range.exr
+echo '{"world_from_scan": [1,0,0,1, 0,1,0,2, 0,0,1,3.001, 0,0,0,1]}' > $out/scans/$id/pose.json
+echo '{"seconds_by_stage": {"read": 1, "resample": 0.5, "square planes": 2, "superclusters": 0.25,
+       "contours": 0.5, "ICP": 4, "decimate": 8, "write": 16}}' > $out/timing.json
+echo '{"program": {"version": "0.1"}, "scans": [{"nodes": {"measured": 1000},
+       "decimation": {"discarded_share": 0.9}}]}' > $out/summary.json
+)");
+  script("bin/peers/pcl_chain", R"(
+echo "$@" >> $(dirname $0)/log
+while [ $# -gt 0 ]; do case $1 in --scan) scan=$2; shift;; --prepare) touch $scan; exit;; esac; shift; done
+[ -e $scan ] || exit 1
+echo '{"seconds": 4, "package": "PCL 9", "settings": "s", "samples": 900,
+  "parts": {"read": 0.5, "planes": 3, "register": 2, "decimate": 0.125, "write": 1},
+  "discarded_share": 0.95, "world_from_scan": [1,0,0,1, 0,1,0,2, 0,0,1,3, 0,0,0,1]}' | tr -d '\n'
+)");
+  fs::create_directories(folder / "bench");
+  std::ofstream(folder / "bench" / "RESULTS.md")
+      << "before\n<!-- end_to_end.sh: begin -->\nold\n<!-- end_to_end.sh: end -->\nafter\n";
+  const auto finished = compare("--only end-to-end --sizes 1 --rounds 2 --write-results " +
+                                (folder / "bench" / "RESULTS.md").string());
+  ASSERT_EQ(failure_of(finished), "");
+  const std::string table = text("bench/RESULTS.md");
+  for (const char* line :
+       {"| room | 1 MP | **hybrid run** | 1.50 | 2.75 | 4.00 | 8.00 | 16.0 |",
+        "| church | 1 MP | **hybrid run** | 1.50 | 2.75 | 4.00 | 8.00 | 16.0 |",
+        "| room | 1 MP | PCL chain, gradient | 0.500 | 3.00 | 2.00 | 0.125 | 1.00 |",
+        "| church | 1 MP | PCL chain, covariance | 0.500 |", "; 0.0000 deg, 1.00 mm; 90 % discarded |"})
+    EXPECT_NE(table.find(line), std::string::npos) << line << "\n" << table;
+  EXPECT_EQ(table.find("old"), std::string::npos);
+  const auto entry =
+      nlohmann::json::parse(text("work/end_to_end.json")).at("rows").at(1);  // seconds: of the process
+  EXPECT_EQ(entry.at("runs").size(), 2u);
+  EXPECT_EQ(entry.at("runs").at(0).at("seconds"), entry.at("runs").at(0).at("process_s"));
+  const std::string log = text("bin/peers/log");
+  const auto prepared = log.find("--prepare"), again = log.find("--prepare", prepared + 1);
+  EXPECT_NE(again, std::string::npos);  // once for all variants and rounds of a scene
+  EXPECT_EQ(log.find("--prepare", again + 1), std::string::npos);
+  EXPECT_NE(log.find("--sigma 0.0015"), std::string::npos);  // peers are told the truth
+}
+
 TEST_F(Compare, BadOptionsAreTold) {
   for (const char* options : {"--fast", "--only lunch", "--rounds 0", "--sizes 1,x", "--sizes 5,1",
                               "--sizes ,", "--minutes -1", "--e57 /no/such.e57"}) {
