@@ -60,13 +60,14 @@ struct Judge {
     const auto height = static_cast<std::size_t>(e.row1 - e.row0 + 1);
     std::vector<std::uint8_t> result(width * height, 0);
     const PlaneCoordinates coordinates(supercluster.plane);
+    const InsideRings inside(rings);
     parallel_for(height, [&](std::size_t r) {
       for (std::size_t c = 0; c < width; ++c) {
         const Vec3 u = ray(e.row0 + static_cast<int>(r), e.col0 + static_cast<int>(c));
         const double cosine = supercluster.plane.normal.dot(u);
         if (std::abs(cosine) < kMinCosine || supercluster.plane.offset_m / cosine <= 0) continue;
         const Vec3 point = supercluster.plane.offset_m / cosine * u;
-        result[r * width + c] = inside(rings, coordinates.vertex(point));
+        result[r * width + c] = inside(coordinates.vertex(point));
       }
     });
     return result;

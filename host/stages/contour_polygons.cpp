@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "core/error.hpp"
@@ -9,6 +10,7 @@
 namespace hybrid::stages {
 namespace {
 
+constexpr std::size_t kMostBands = 1024;
 constexpr double kLongestStretch = 3;  // of the sample spacing at grazing incidence
 
 // Marks the vertices that Douglas and Peucker keep between first and last (indices modulo the ring's size).
@@ -89,16 +91,21 @@ std::vector<FlatRing> flat_rings(const RangeImage& image, const Supercluster& su
 
 namespace {
 
-// Crossing number; points on an edge fall to one side or the other.
+// Whether a line from the point towards greater x crosses the edge. Counted over a ring's edges it tells
+// whether the point is inside.
+bool crosses(std::int64_t from_x, std::int64_t from_y, std::int64_t to_x, std::int64_t to_y,
+             const RingVertex& p) {
+  if ((from_y > p.y) == (to_y > p.y)) return false;
+  const double x = static_cast<double>(to_x - from_x) *
+                   (static_cast<double>(p.y - from_y) / static_cast<double>(to_y - from_y));
+  return static_cast<double>(p.x - from_x) < x;
+}
+
 bool inside(const FlatRing& ring, const RingVertex& p) {
   bool odd = false;
   const auto& v = ring.vertices;
-  for (std::size_t i = 0, j = v.size() - 1; i < v.size(); j = i++) {
-    if ((v[i].y > p.y) == (v[j].y > p.y)) continue;
-    const double x = static_cast<double>(v[j].x - v[i].x) *
-                     (static_cast<double>(p.y - v[i].y) / static_cast<double>(v[j].y - v[i].y));
-    odd ^= static_cast<double>(p.x - v[i].x) < x;
-  }
+  for (std::size_t i = 0, j = v.size() - 1; i < v.size(); j = i++)
+    odd ^= crosses(v[i].x, v[i].y, v[j].x, v[j].y, p);
   return odd;
 }
 
@@ -126,9 +133,41 @@ std::vector<std::uint32_t> append_vertices(const FlatRing& ring, PolygonModel& m
 
 }  // namespace
 
-bool inside(const std::vector<FlatRing>& rings, const RingVertex& p) {
+InsideRings::InsideRings(const std::vector<FlatRing>& rings) {
+  for (const FlatRing& ring : rings) {
+    const auto& v = ring.vertices;
+    for (std::size_t i = 0, j = v.size() - 1; i < v.size(); j = i++)
+      if (v[i].y != v[j].y) edges_.push_back({v[i].x, v[i].y, v[j].x, v[j].y});
+  }
+  if (edges_.empty()) return;
+  low_y_ = high_y_ = edges_[0].from_y;
+  for (const Edge& edge : edges_) {
+    low_y_ = std::min({low_y_, edge.from_y, edge.to_y});
+    high_y_ = std::max({high_y_, edge.from_y, edge.to_y});
+  }
+  const auto wanted = static_cast<std::int64_t>(std::min(edges_.size(), kMostBands));
+  band_nm_ = (high_y_ - low_y_) / wanted + 1;
+  first_.assign(band(high_y_) + 2, 0);
+  const auto each_band = [&](const Edge& edge, const auto& act) {
+    const std::size_t last = band(std::max(edge.from_y, edge.to_y));
+    for (std::size_t b = band(std::min(edge.from_y, edge.to_y)); b <= last; ++b) act(b);
+  };
+  for (const Edge& edge : edges_) each_band(edge, [&](std::size_t b) { ++first_[b + 1]; });
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  of_band_.resize(first_.back());
+  std::vector<std::uint32_t> next = first_;
+  for (std::size_t e = 0; e < edges_.size(); ++e)
+    each_band(edges_[e], [&](std::size_t b) { of_band_[next[b]++] = static_cast<std::uint32_t>(e); });
+}
+
+bool InsideRings::operator()(const RingVertex& p) const {
+  if (edges_.empty() || p.y < low_y_ || p.y > high_y_) return false;
   bool odd = false;
-  for (const FlatRing& ring : rings) odd ^= inside(ring, p);
+  const std::size_t b = band(p.y);
+  for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k) {
+    const Edge& edge = edges_[of_band_[k]];
+    odd ^= crosses(edge.from_x, edge.from_y, edge.to_x, edge.to_y, p);
+  }
   return odd;
 }
 
