@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "core/free_memory.hpp"
 
 namespace hybrid::io {
 
@@ -59,7 +60,7 @@ void RecordIndex::load(std::size_t group, const std::uint32_t* source) {
 }
 
 void RecordIndex::unload(std::size_t group) {
-  stretch_[group].pixel_of = {};
+  free_memory(stretch_[group].pixel_of);
 }
 
 const std::uint32_t* RecordIndex::pixels(std::uint64_t first, std::size_t count) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/error.hpp"
+#include "core/free_memory.hpp"
 #include "io/input_file.hpp"
 #include "io/lzf.hpp"
 #include "io/pcd_header.hpp"
@@ -265,7 +266,7 @@ class PcdReader {
     if (!damage.empty() && !salvage_)
       fail_input("{}: {}: expected LZF data, found {}; the file is damaged: copy or export it again, {}",
                  file_, byte(8), damage, kSalvageRemedy);
-    packed = {};
+    free_memory(packed);
     if (produced < expanded) return salvage_fields(records, produced, byte(8) + ": " + damage, compressed);
     ScanBuilder result = builder();
     add_records(result, [&](const PcdField& field, std::uint64_t i) {
