@@ -122,38 +122,54 @@ NumberRows::NumberRows(const InputFile& file, TextPlace from, std::uint64_t end,
 
 NumberRows::~NumberRows() = default;
 
+// The pieces from place() on.
+void NumberRows::load() {
+  const std::uint64_t begin = place_.offset;
+  ready_ = for_pieces(
+      begin, end_, batch_,
+      [&](std::size_t k, auto first, auto last) {
+        pieces_[k].text.load(file_, begin, first, last, end_);
+        pieces_[k].parse(columns_);
+      },
+      piece_bytes_);
+  piece_ = 0;
+  given_lines_ = given_rows_ = 0;
+  if (piece_bytes_ < kPiece_bytes)
+    piece_bytes_ = std::min(2 * piece_bytes_, kPiece_bytes);
+  else
+    batch_ = std::min(2 * batch_, pieces_.size());
+}
+
 const std::vector<std::span<const double>>& NumberRows::next(std::uint64_t most) {
   parts_.clear();
   while (parts_.empty() && most > 0 && place_.offset < end_) {
     const std::uint64_t begin = place_.offset;
-    const std::size_t count = for_pieces(
-        begin, end_, batch_,
-        [&](std::size_t k, auto first, auto last) {
-          pieces_[k].text.load(file_, begin, first, last, end_);
-          pieces_[k].parse(columns_);
-        },
-        piece_bytes_);
-    if (piece_bytes_ < kPiece_bytes)
-      piece_bytes_ = std::min(2 * piece_bytes_, kPiece_bytes);
-    else
-      batch_ = std::min(2 * batch_, pieces_.size());
-    for (std::size_t k = 0; k < count && most > 0; ++k) {
-      const Piece& piece = pieces_[k];
-      const std::uint64_t rows = std::min(piece.rows, most);
+    if (piece_ == ready_) load();
+    while (piece_ < ready_ && most > 0) {
+      const Piece& piece = pieces_[piece_];
+      const std::uint64_t rows = std::min(piece.rows - given_rows_, most);
       LineWalk walk{piece.at, piece.lines, piece.rows};
-      if (rows < piece.rows) walk = walk_lines(piece.text, rows);
-      if (rows > 0) parts_.emplace_back(piece.values.data(), static_cast<std::size_t>(rows) * columns_);
+      if (given_rows_ + rows < piece.rows) walk = walk_lines(piece.text, given_rows_ + rows);
+      if (rows > 0)
+        parts_.emplace_back(piece.values.data() + given_rows_ * columns_,
+                            static_cast<std::size_t>(rows) * columns_);
       most -= rows;
       commas_seen_ |= piece.commas;
-      if (walk.lines > 0) place_.offset = piece.text.offset(walk.at);
-      place_.line += walk.lines;
-      if (walk.at < piece.text.limit() && most > 0) {  // no such row: its reader takes over
+      if (walk.lines > given_lines_) place_.offset = piece.text.offset(walk.at);
+      place_.line += walk.lines - given_lines_;
+      given_lines_ = walk.lines;
+      given_rows_ = walk.rows;
+      if (walk.rows < piece.rows) return parts_;
+      if (walk.at < piece.text.limit()) {  // no such row follows: its reader takes over
         place_.offset = piece.text.offset(walk.at);
+        piece_ = ready_ = 0;
         // The next one may be near: a file of such rows is not to be read anew for each.
         batch_ = 1;
         piece_bytes_ = kLeastPiece_bytes;
         return parts_;
       }
+      ++piece_;
+      given_lines_ = given_rows_ = 0;
     }
     if (place_.offset == begin) break;
   }

@@ -37,12 +37,16 @@ class NumberRows {
   // Of the line after the rows given.
   TextPlace place() const { return place_; }
   // Goes on behind a line that the caller has read by other means.
-  void go_on(TextPlace place) { place_ = place; }
+  void go_on(TextPlace place) {
+    place_ = place;
+    piece_ = ready_ = 0;
+  }
   bool commas_seen() const { return commas_seen_; }
   std::size_t columns() const { return columns_; }
 
  private:
   struct Piece;
+  void load();
 
   const InputFile& file_;
   TextPlace place_;
@@ -50,6 +54,8 @@ class NumberRows {
   std::size_t columns_, batch_ = 1;  // pieces of the next batch
   std::uint64_t piece_bytes_;        // of one: small where rows are refused
   std::vector<Piece> pieces_;
+  std::size_t piece_ = 0, ready_ = 0;  // those from piece_ to ready_ are parsed and not all given
+  std::uint64_t given_lines_ = 0, given_rows_ = 0;  // of the first of these
   std::vector<std::span<const double>> parts_;
   bool commas_seen_ = false;
 };

@@ -9,16 +9,15 @@
 
 namespace hybrid::io {
 
-// Adds `count` samples, one per line of `columns` numbers from `place` on, read on all threads:
+// Adds `count` samples, one per line of numbers from where `rows` is on, read on all threads:
 // to_sample(numbers) makes a ScanSample. What is no such line goes to read_line(cursor, values, done), which
 // reads it or throws, the end of the text too. With `damage` (salvage) a line that read_line refuses becomes
-// a no-return and is counted there, and the samples end where the text does. Returns the place behind the
-// last sample.
-template <typename ToSample, typename ReadLine>
-TextPlace add_text_samples(InputFile& input, TextPlace place, std::uint64_t count, std::size_t columns,
-                           ScanBuilder& builder, bool& commas_seen, const ToSample& to_sample,
-                           const ReadLine& read_line, Damage* damage = nullptr) {
-  NumberRows rows(input, place, input.size(), columns);
+// a no-return and is counted there, and the samples end where the text does.
+template <typename Builder, typename ToSample, typename ReadLine>
+void add_text_samples(InputFile& input, NumberRows& rows, std::uint64_t count, Builder& builder,
+                      bool& commas_seen, const ToSample& to_sample, const ReadLine& read_line,
+                      Damage* damage = nullptr) {
+  const std::size_t columns = rows.columns();
   std::vector<std::size_t> counts;
   std::vector<double> values(columns);
   for (std::uint64_t done = 0; done < count;) {
@@ -55,6 +54,15 @@ TextPlace add_text_samples(InputFile& input, TextPlace place, std::uint64_t coun
     ++done;
   }
   commas_seen |= rows.commas_seen();
+}
+
+// The same from `place` on, with `columns` numbers a line. Returns the place behind the last sample.
+template <typename ToSample, typename ReadLine>
+TextPlace add_text_samples(InputFile& input, TextPlace place, std::uint64_t count, std::size_t columns,
+                           ScanBuilder& builder, bool& commas_seen, const ToSample& to_sample,
+                           const ReadLine& read_line, Damage* damage = nullptr) {
+  NumberRows rows(input, place, input.size(), columns);
+  add_text_samples(input, rows, count, builder, commas_seen, to_sample, read_line, damage);
   return rows.place();
 }
 
