@@ -7,6 +7,7 @@
 #include <new>
 
 #include "core/error.hpp"
+#include "core/free_memory.hpp"
 #include "io/salvage.hpp"
 
 namespace hybrid::io {
@@ -30,6 +31,11 @@ ColourKind colour_kind(ScalarType type) {
   return size_of(type) == 1 ? ColourKind::byte : ColourKind::word;
 }
 
+double colour_scale(ColourKind kind, double largest) {
+  if (kind == ColourKind::real && largest <= 1) return 255;
+  return largest <= 255 ? 1 : 1.0 / 257;
+}
+
 Vec3 local_origin(std::span<const std::array<double, 3>> returns) {
   Vec3 sum = Vec3::Zero();
   for (const auto& point : returns) sum += Vec3(point[0], point[1], point[2]);
@@ -47,6 +53,9 @@ ScanBuilder::ScanBuilder(const std::string& file, std::string name, std::uint64_
   if (count > kMost)
     fail_input("{}: expected at most {} points, found {}; split the file", file, kMost, count);
   scan_.name = std::move(name);
+  if (options.origin) scan_.origin = *options.origin;
+  origin_chosen_ = options.origin.has_value();
+  if (options.part > 0) count = std::min<std::uint64_t>(count, options.part);
   try {
     scan_.points.reserve(count);
     if (options.exact) scan_.exact.reserve(count);
@@ -70,7 +79,7 @@ bool ScanBuilder::is_return(double x, double y, double z) const {
   return !(zero && (options_.zero_is_no_return || !scan_.origin.isZero()));
 }
 
-bool ScanBuilder::are_coordinates(double x, double y, double z, std::size_t at, Tally& tally) {
+bool ScanBuilder::are_coordinates(double x, double y, double z, std::uint64_t at, Tally& tally) {
   if (!fits_float(x) || !fits_float(y) || !fits_float(z)) {
     ++tally.not_finite;
     return false;
@@ -84,6 +93,20 @@ bool ScanBuilder::are_coordinates(double x, double y, double z, std::size_t at, 
   return false;
 }
 
+bool ScanBuilder::is_place(const ScanSample& sample, bool zero_is_no_return) {
+  Tally ignored;
+  const bool zero = sample.x == 0 && sample.y == 0 && sample.z == 0;
+  return are_coordinates(sample.x, sample.y, sample.z, 0, ignored) && !(zero && zero_is_no_return);
+}
+
+void ScanBuilder::start_part() {
+  before_ += scan_.points.size();
+  scan_.points.clear();
+  scan_.exact.clear();
+  scan_.intensity.clear();
+  scan_.rgb.clear();
+}
+
 void ScanBuilder::Tally::add(const Tally& later) {
   not_finite += later.not_finite;
   if (absurd == 0) {
@@ -94,7 +117,8 @@ void ScanBuilder::Tally::add(const Tally& later) {
 }
 
 void ScanBuilder::add_point(double x, double y, double z) {
-  const bool no_return = !are_coordinates(x, y, z, scan_.points.size(), tally_) || !is_return(x, y, z);
+  const bool no_return =
+      !are_coordinates(x, y, z, before_ + scan_.points.size(), tally_) || !is_return(x, y, z);
   if (options_.exact) scan_.exact.push_back({x, y, z});
   if (no_return || !origin_chosen_) {
     if (!no_return) {
@@ -126,10 +150,10 @@ void ScanBuilder::grow(std::size_t count) {
 }
 
 void ScanBuilder::put(std::size_t at, const ScanSample& sample, Tally& tally) {
-  scan_.points[at] =
-      are_coordinates(sample.x, sample.y, sample.z, at, tally) && is_return(sample.x, sample.y, sample.z)
-          ? relative({sample.x, sample.y, sample.z})
-          : std::array{kNaN, kNaN, kNaN};
+  scan_.points[at] = are_coordinates(sample.x, sample.y, sample.z, before_ + at, tally) &&
+                             is_return(sample.x, sample.y, sample.z)
+                         ? relative({sample.x, sample.y, sample.z})
+                         : std::array{kNaN, kNaN, kNaN};
   if (options_.exact) scan_.exact[at] = {sample.x, sample.y, sample.z};
   if (options_.intensity) scan_.intensity[at] = static_cast<float>(sample.intensity);
   const auto& [red, green, blue] = sample.rgb;
@@ -152,8 +176,8 @@ void ScanBuilder::choose_origin() {
     const bool zero = point[0] == 0 && point[1] == 0 && point[2] == 0;
     if (!zero || scan_.origin.isZero()) scan_.points[waiting_index_[i]] = relative(point);
   }
-  waiting_ = {};
-  waiting_index_ = {};
+  free_memory(waiting_);
+  free_memory(waiting_index_);
 }
 
 void ScanBuilder::add_colour(double red, double green, double blue) {
@@ -163,12 +187,10 @@ void ScanBuilder::add_colour(double red, double green, double blue) {
     colours_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
 }
 
-// 16-bit fields often hold bytes, and reals are 0..1 or 0..255: the largest value of the file tells.
 void ScanBuilder::scale_colours() {
   float largest = 0;
   for (const auto& colour : colours_) largest = std::max({largest, colour[0], colour[1], colour[2]});
-  double scale = largest <= 255 ? 1 : 1.0 / 257;
-  if (options_.colour == ColourKind::real && largest <= 1) scale = 255;
+  const double scale = colour_scale(options_.colour, static_cast<double>(largest));
   scan_.rgb.reserve(colours_.size());
   for (const auto& colour : colours_) {
     const auto byte = [&](int i) {
@@ -176,7 +198,7 @@ void ScanBuilder::scale_colours() {
     };
     scan_.rgb.push_back({byte(0), byte(1), byte(2)});
   }
-  colours_ = {};
+  free_memory(colours_);
 }
 
 void ScanBuilder::judge_absurd() {
@@ -187,18 +209,18 @@ void ScanBuilder::judge_absurd() {
     fail_input("{}: {}, and {} such points in all; correct it, {}", file_, problem, tally_.absurd,
                kSalvageRemedy);
   add_note(fmt::format("{} of {} points have absurd coordinates ({}): taken as no-returns", tally_.absurd,
-                       scan_.points.size(), problem));
+                       before_ + scan_.points.size(), problem));
 }
 
 Scan ScanBuilder::finish() {
   judge_absurd();
   if (!waiting_.empty()) choose_origin();
   if (!colours_.empty()) scale_colours();
-  if (holds_the_same(scan_)) scan_.exact = {};
+  if (holds_the_same(scan_)) free_memory(scan_.exact);
   if (tally_.not_finite > 0)
     add_note(fmt::format("{} of {} points are not finite: taken as no-returns", tally_.not_finite,
-                         scan_.points.size()));
-  if (scan_.points.empty()) add_note("no points");
+                         before_ + scan_.points.size()));
+  if (before_ + scan_.points.size() == 0) add_note("no points");
   if (!scan_.origin.isZero())
     add_note(fmt::format("coordinates are large: kept relative to ({}, {}, {})", scan_.origin.x(),
                          scan_.origin.y(), scan_.origin.z()));

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@ namespace hybrid::io {
 // 0..255).
 enum class ColourKind { none, byte, word, real };
 ColourKind colour_kind(ScalarType type);
+// From words or reals to bytes: 16-bit fields often hold bytes, and reals are 0..1 or 0..255; the largest
+// value of the file tells.
+double colour_scale(ColourKind kind, double largest);
 
 // A sample as a file writes it; what the file does not have stays 0.
 struct ScanSample {
@@ -38,6 +42,8 @@ class ScanBuilder {
     bool zero_is_no_return = false;  // "0 0 0" becomes NaN, without a note
     bool salvage = false;            // absurd coordinates become NaN, with a note, instead of an error
     bool exact = false;              // fills Scan::exact, unless the points hold the same
+    std::optional<Vec3> origin{};    // where it is known; else chosen from the first returns
+    std::size_t part = 0;            // of samples that are built part after part: of one
   };
   // Throws ErrorKind::input when `count` samples cannot be indexed by 32 bits, ErrorKind::device (whose exit
   // code means memory, too) when there is no memory for them.
@@ -54,6 +60,11 @@ class ScanBuilder {
   // Samples that salvage knows nothing of: no-returns, without a note.
   void add_lost(std::uint64_t count);
   std::size_t size() const { return scan_.points.size(); }
+  // For scans that are taken part after part: drops the samples that there are, and goes on behind them.
+  void start_part();
+  const Scan& part() const { return scan_; }
+  // What origins are chosen from, `zero_is_no_return` as above.
+  static bool is_place(const ScanSample& sample, bool zero_is_no_return);
   // counts[0] samples, then counts[1] ..., made on all threads by sample(part, index): a ScanSample.
   template <typename Sample>
   void add_parts(const std::vector<std::size_t>& counts, const Sample& sample);
@@ -72,7 +83,7 @@ class ScanBuilder {
   std::array<float, 3> relative(const Point& point) const;
   bool is_return(double x, double y, double z) const;
   // Whether they are finite and not absurd; counts those that are not.
-  static bool are_coordinates(double x, double y, double z, std::size_t at, Tally& tally);
+  static bool are_coordinates(double x, double y, double z, std::uint64_t at, Tally& tally);
   void judge_absurd();
   void choose_origin();
   void scale_colours();
@@ -83,6 +94,7 @@ class ScanBuilder {
   std::string file_;
   Options options_;
   Scan scan_;
+  std::uint64_t before_ = 0;  // samples of parts before
   bool origin_chosen_ = false;
   // Returns that wait for the choice of the origin.
   std::vector<std::size_t> waiting_index_;

@@ -4,10 +4,12 @@
 #include <new>
 
 #include "core/error.hpp"
+#include "core/free_memory.hpp"
 #include "core/large_vector.hpp"
 #include "io/e57/e57.hpp"
 #include "io/e57/grid_scatter.hpp"
 #include "io/e57/scan_grid.hpp"
+#include "io/e57/scan_notes.hpp"
 #include "io/e57/scan_samples.hpp"
 #include "io/scan_builder.hpp"
 
@@ -30,7 +32,7 @@ class ScanReader {
 
   Scan read() {
     allocate();
-    describe();
+    describe_e57_scan(source_, samples_, reader_, scan_);
     ScanGrid grid(source_, columns_, reader_.count());
     tallies_.resize(reader_.count() / E57RecordReader::kRange + 1);
     reader_.read(columns_.fields, 0, reader_.count(), [&](const E57Records& records) {
@@ -42,11 +44,11 @@ class ScanReader {
       reader_.read(columns_.fields, 0, reader_.count(),
                    [&](const E57Records& records) { grid.add(records); });
     }
-    note_tallies();
-    if (exact_ && holds_the_same(scan_)) scan_.exact = {};
+    note_tallies(where_, sum_of(tallies_), reader_, salvage_, scan_);
+    if (exact_ && holds_the_same(scan_)) free_memory(scan_.exact);
     if (!scan_.exact.empty()) scan_.steps = samples_.steps();
     grid.finish(scan_);
-    add_notes();
+    add_e57_notes(source_, columns_, reader_.count(), scan_);
     return std::move(scan_);
   }
 
@@ -71,22 +73,14 @@ class ScanReader {
     if (!grid) return {};
     scan_.grid_rows = grid->scan.grid_rows;
     scan_.grid_cols = grid->scan.grid_cols;
-    describe();
-    note_tallies();
-    add_notes();
+    describe_e57_scan(source_, samples_, reader_, scan_);
+    note_tallies(where_, sum_of(tallies_), reader_, salvage_, scan_);
+    add_e57_notes(source_, columns_, reader_.count(), scan_);
     grid->scan = std::move(scan_);
     return grid;
   }
 
  private:
-  // What the file says of the scan.
-  void describe() {
-    scan_.world_from_scan = source_.world_from_scan;
-    scan_.notes = source_.notes;
-    scan_.origin = samples_.origin();
-    scan_.notes.insert(scan_.notes.end(), reader_.notes().begin(), reader_.notes().end());
-  }
-
   void allocate() {
     const std::uint64_t count = reader_.count();
     constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
@@ -119,58 +113,6 @@ class ScanReader {
         scan_.points[done] = {kNaN, kNaN, kNaN};
   }
 
-  void note_tallies() {
-    SampleTally sum;
-    for (const SampleTally& tally : tallies_) {
-      if (tally.absurd > 0 && sum.absurd == 0) {
-        sum.first_absurd = tally.first_absurd;
-        sum.absurd_value = tally.absurd_value;
-      }
-      sum.not_finite += tally.not_finite;
-      sum.invalid += tally.invalid;
-      sum.absurd += tally.absurd;
-      sum.lost += tally.lost;
-    }
-    const auto note = [&](std::uint64_t number, const std::string& text) {
-      if (number > 0)
-        scan_.notes.push_back(
-            fmt::format("{} of {} points {}: taken as no-returns", number, reader_.count(), text));
-    };
-    if (sum.absurd > 0) {
-      const auto problem = fmt::format("point {}: expected a coordinate within {} m, found {}",
-                                       sum.first_absurd, kAbsurd_m, sum.absurd_value);
-      if (!salvage_)
-        fail_input("{}: {}, and {} points in all; correct it, or use --salvage", where_, problem, sum.absurd);
-      note(sum.absurd, "have absurd coordinates (" + problem + ")");
-    }
-    note(sum.not_finite, "are not finite");
-    note(sum.invalid, "are marked invalid");
-    if (!reader_.bad_pages().empty())
-      scan_.notes.push_back(fmt::format("{} damaged pages of 1024 bytes, the first at byte {}",
-                                        reader_.bad_pages().size(),
-                                        *reader_.bad_pages().begin() * PagedFile::kPage_bytes));
-    const auto share =
-        static_cast<double>(sum.lost) / static_cast<double>(std::max<std::uint64_t>(reader_.count(), 1));
-    note(sum.lost, fmt::format("({:.2f} %) are lost to damage", 100 * share));
-  }
-
-  void add_notes() {
-    const auto list = [](const std::vector<std::string>& names) {
-      std::string text;
-      for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-      return text;
-    };
-    if (!columns_.unused.empty()) scan_.notes.push_back("fields not used: " + list(columns_.unused));
-    if (!source_.dropped.empty()) scan_.notes.push_back("elements not used: " + list(source_.dropped));
-    if (columns_.intensity && source_.intensity)
-      scan_.notes.push_back(
-          fmt::format("intensities from {} to {}", source_.intensity->minimum, source_.intensity->maximum));
-    if (reader_.count() == 0) scan_.notes.push_back("no points");
-    if (!scan_.origin.isZero())
-      scan_.notes.push_back(fmt::format("coordinates are large: kept relative to ({}, {}, {})",
-                                        scan_.origin.x(), scan_.origin.y(), scan_.origin.z()));
-  }
-
   bool salvage_;
   const E57Scan& source_;
   std::string where_;
@@ -182,20 +124,12 @@ class ScanReader {
   Scan scan_;
 };
 
-void name_scan(const std::string& file, const E57Contents& contents, std::size_t index, Scan& scan) {
-  scan.name = std::filesystem::path(file).stem().string();
-  if (contents.scans.size() > 1) scan.name += fmt::format("-{}", index);
-  scan.crs = contents.coordinate_system;
-  if (const auto& limits = contents.scans[index].intensity)
-    scan.intensity_limits = {static_cast<float>(limits->minimum), static_cast<float>(limits->maximum)};
-}
-
 }  // namespace
 
 Scan read_e57(const std::string& file, const E57Contents& contents, std::size_t index,
               const E57RecordReader& reader, const ReadOptions& options) {
   Scan scan = ScanReader(file, contents.scans.at(index), reader, options).read();
-  name_scan(file, contents, index, scan);
+  name_e57_scan(file, contents, index, scan);
   return scan;
 }
 
@@ -205,7 +139,7 @@ std::optional<GridScan> read_e57_grid(const E57File& file, std::size_t index) {
   const E57TableReader reader = file.open(source.points);
   auto grid = ScanReader(file.name(), source, reader, {}).read_grid();
   if (!grid) return {};
-  name_scan(file.name(), file.contents(), index, grid->scan);
+  name_e57_scan(file.name(), file.contents(), index, grid->scan);
   grid->scan.notes.insert(grid->scan.notes.end(), file.notes().begin(), file.notes().end());
   return grid;
 }

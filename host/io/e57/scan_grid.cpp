@@ -16,12 +16,18 @@ constexpr std::uint64_t kMostNodes = Scan::kNoNode - 1;
 // A grid this much larger than its samples is a crop of a scan, or none: stages hold whole images.
 constexpr std::uint64_t kMostNodesPerSample = 16, kFreeNodes = 1 << 16;
 
-std::uint64_t nodes_of(std::uint64_t rows, std::uint64_t columns) {  // 0: more than can be numbered
+}  // namespace
+
+std::uint64_t grid_nodes(std::uint64_t rows, std::uint64_t columns) {
   if (rows == 0 || columns == 0 || rows > kMostNodes / columns) return 0;
   return rows * columns;
 }
 
-}  // namespace
+std::string too_sparse(std::uint64_t rows, std::uint64_t columns, std::uint64_t samples) {
+  if (rows * columns <= kMostNodesPerSample * samples + kFreeNodes) return {};
+  return fmt::format("{} points on a grid of {} rows x {} columns: taken as not organised", samples, rows,
+                     columns);
+}
 
 ScanGrid::ScanGrid(const E57Scan& scan, const ScanColumns& columns, std::uint64_t count) : columns_(columns) {
   if (!columns.row || count == 0) return;
@@ -47,7 +53,7 @@ ScanGrid::Bounds ScanGrid::declared(const std::optional<E57Limits>& bounds, cons
 bool ScanGrid::choose_frame(Bounds row, Bounds column) {
   row_ = row;
   column_ = column;
-  return nodes_of(row.extent(), column.extent()) > 0;
+  return grid_nodes(row.extent(), column.extent()) > 0;
 }
 
 void ScanGrid::add(const E57Records& records) {
@@ -132,17 +138,15 @@ void ScanGrid::keep_first_returns(const Scan& scan, std::uint64_t nodes) {
 }
 
 void ScanGrid::finish(Scan& scan) {
-  if (columns_.row && !usable_ && !scan.points.empty())
-    scan.notes.push_back("row and column indices are not of a grid: taken as not organised");
+  if (columns_.row && !usable_ && !scan.points.empty()) scan.notes.emplace_back(kNoGrid);
   if (!usable_) return;
   const Bounds old_row = row_, old_column = column_;
   restart();  // the smallest rectangle; it lies within the frame
   const std::uint64_t rows = row_.extent(), columns = column_.extent();
   if (!usable_ || rows < 2 || columns < 2) return;
-  const std::uint64_t nodes = nodes_of(rows, columns);
-  if (nodes > kMostNodesPerSample * node_.size() + kFreeNodes) {
-    scan.notes.push_back(fmt::format("{} points on a grid of {} rows x {} columns: taken as not organised",
-                                     node_.size(), rows, columns));
+  const std::uint64_t nodes = grid_nodes(rows, columns);
+  if (const std::string note = too_sparse(rows, columns, node_.size()); !note.empty()) {
+    scan.notes.push_back(note);
     return;
   }
   const auto row_off = static_cast<std::uint64_t>(row_.low - old_row.low);

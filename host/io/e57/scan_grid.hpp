@@ -9,6 +9,12 @@
 
 namespace hybrid::io {
 
+// rows * columns, or 0: more nodes than can be numbered.
+std::uint64_t grid_nodes(std::uint64_t rows, std::uint64_t columns);
+// What is said of indices that make no grid, or "": where it has far more nodes than samples.
+inline constexpr const char* kNoGrid = "row and column indices are not of a grid: taken as not organised";
+std::string too_sparse(std::uint64_t rows, std::uint64_t columns, std::uint64_t samples);
+
 // Makes a scan's grid from its samples' row and column indices, which come in any order and need not be
 // complete: the smallest rectangle that holds them. A sample's node is known only when all indices are, so
 // they are kept relative to what the file declares, until then.
