@@ -9,6 +9,7 @@
 #include "core/log.hpp"
 #include "io/read_scan.hpp"
 #include "io/scan_writers.hpp"
+#include "io/stream_scan.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -83,11 +84,11 @@ class Conversion {
   Json write(const Output& output) {
     scans_ = Json::array();
     std::size_t at = 0;
-    writer_.write(output.file, [&]() -> std::optional<Scan> {
+    writer_.write(output.file, [&]() -> std::unique_ptr<io::ScanStream> {
       while (at < output.scans.size())
-        if (auto scan = read(output.scans[at++])) return scan;
+        if (auto scan = open(output.scans[at++])) return scan;
       if (scans_.empty()) throw Error(last_failure_.value());
-      return std::nullopt;
+      return nullptr;
     });
     return {{"file", output.file.string()},
             {"format", writer_.name},
@@ -95,22 +96,23 @@ class Conversion {
             {"scans", scans_}};
   }
 
-  std::optional<Scan> read(const io::ScanEntry& entry) {
+  std::unique_ptr<io::ScanStream> open(const io::ScanEntry& entry) {
     try {
-      Scan scan = io::read_scan(request_.in, entry);
-      tell(scan);
+      auto scan = io::stream_scan(request_.in, entry);
+      tell(*scan);
       return scan;
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;
       log::error("scan {}: {}", entry.name, error.what());
       failures_.push_back({{"scan", entry.name}, {"error", error.what()}});
       last_failure_ = error;
-      return std::nullopt;
+      return nullptr;
     }
   }
 
-  void tell(const Scan& scan) {
-    auto losses = io::losses_of(writer_, scan);
+  void tell(const io::ScanStream& stream) {
+    const Scan& scan = stream.head();
+    auto losses = io::losses_of(writer_, stream);
     if (scans_.empty() && photographs_ > 0)
       losses.dropped.push_back(fmt::format("photographs ({})", photographs_));
     for (const auto& note : scan.notes) log::warning("scan {}: {}", scan.name, note);
@@ -119,7 +121,7 @@ class Conversion {
                    fmt::join(losses.dropped, ", "));
     for (const auto& change : losses.changed) log::warning("scan {}: {}", scan.name, change);
     scans_.push_back({{"name", scan.name},
-                      {"samples", scan.points.size()},
+                      {"samples", stream.count()},
                       {"dropped", losses.dropped},
                       {"changed", losses.changed},
                       {"notes", scan.notes}});

@@ -20,7 +20,7 @@ struct ConvertRun {
   int exit_code = 0;               // 3 when some scans failed
 };
 
-// Writes a file's scans in the format of the other's extension, one in memory at a time. Several scans go
+// Writes a file's scans in the format of the other's extension, one open at a time. Several scans go
 // into one file where its format holds several, else into numbered ones (a-0.ply, a-1.ply). What the format
 // cannot hold is named by a warning. Between E57 files and range images with records everything is kept as it
 // is stored (convert_records.hpp). A scan that cannot be read does not stop the others; when none can,

@@ -88,19 +88,16 @@ Json write_registered_scan(const fs::path& folder, const std::set<std::string>& 
   for (const auto& format : formats) {
     const fs::path file = file_of(folder, format);
     const io::ScanWriter& writer = io::writer_for(file);
-    std::optional<Scan> scan = read();
+    Scan read_scan = read();
     if (writer.pose)
-      set_registered_pose(*scan, world_from_scan, scene);
+      set_registered_pose(read_scan, world_from_scan, scene);
     else
-      scan = moved_into_world(std::move(*scan), world_from_scan, scene);
+      read_scan = moved_into_world(std::move(read_scan), world_from_scan, scene);
+    auto scan = std::make_unique<io::ScanInMemory>(std::move(read_scan));
     const auto losses = io::losses_of(writer, *scan);
-    const std::size_t samples = writer.no_returns
-                                    ? scan->points.size()
-                                    : static_cast<std::size_t>(std::count_if(
-                                          scan->points.begin(), scan->points.end(),
-                                          [](const auto& p) { return std::isfinite(p[0] + p[1] + p[2]); }));
+    const std::uint64_t samples = writer.no_returns ? scan->count() : scan->facts().returns;
     for (const auto& change : losses.changed) log::info("{}: {}", file.filename().string(), change);
-    writer.write(file, [&] { return std::exchange(scan, std::nullopt); });
+    writer.write(file, [&] { return std::move(scan); });
     files.push_back({{"file", file.filename().string()},
                      {"bytes", fs::file_size(file)},
                      {"samples", samples},

@@ -164,9 +164,9 @@ struct SceneExport::State {
 
   void write_cloud(const std::string& format) {
     if (points().position.empty()) return;
-    std::optional<Scan> cloud = cloud_of(points(), inputs.scene);
+    auto cloud = std::make_unique<io::ScanInMemory>(cloud_of(points(), inputs.scene));
     const auto file = made("points." + format);
-    const io::ScanSource source = [&]() { return std::exchange(cloud, std::nullopt); };
+    const io::ScanSource source = [&] { return std::move(cloud); };
     format == "las" ? io::write_las(file, source) : io::write_ply_scan(file, source);
   }
 
@@ -180,13 +180,13 @@ struct SceneExport::State {
       note("no registered scan: no scans.e57");
       return;
     }
-    io::write_e57(made("scans.e57"), [&]() -> std::optional<Scan> {
-      if (!registered()) return std::nullopt;
+    io::write_e57(made("scans.e57"), [&]() -> std::unique_ptr<io::ScanStream> {
+      if (!registered()) return nullptr;
       const std::size_t i = next++;
       auto scan = inputs.read_scan(i);
       scan->name = inputs.products[i].id;
       set_registered_pose(*scan, inputs.registrations[i]->world_from_scan(), inputs.scene);
-      return scan;
+      return std::make_unique<io::ScanInMemory>(std::move(*scan));
     });
   }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "core/error.hpp"
+#include "io/e57/e57_stream.hpp"
 #include "io/e57/e57_xml.hpp"
 #include "io/input_file.hpp"
 #include "io/output.hpp"
@@ -236,6 +237,12 @@ Scan read_exr_records(const fs::path& file, const ReadOptions& options) {
   const ExrSource source({file});
   const auto reader = source.open(source.points(0));
   return read_e57(file.string(), source.contents(), 0, *reader, options);
+}
+
+std::unique_ptr<ScanStream> stream_exr_records(const fs::path& file, const ScanEntry& entry) {
+  const auto source = std::make_shared<const ExrSource>(std::vector{file});
+  return E57Stream::open(file.string(), source->contents(), 0, source->open(source->points(0)), entry,
+                         source);
 }
 
 }  // namespace hybrid::io

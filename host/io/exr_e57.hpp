@@ -8,6 +8,7 @@
 #include "io/e57/e57_source.hpp"
 #include "io/exr_records.hpp"
 #include "io/scan_entry.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -46,5 +47,7 @@ std::string write_exr_parts(const E57Source& source, const std::filesystem::path
 // Its one scan, by the header; with all that read_e57() would tell of the E57 file.
 ScanEntry list_exr_records(const std::filesystem::path& file);
 Scan read_exr_records(const std::filesystem::path& file, const ReadOptions& options = {});
+// The same as E57Stream, null as there.
+std::unique_ptr<ScanStream> stream_exr_records(const std::filesystem::path& file, const ScanEntry& entry);
 
 }  // namespace hybrid::io

@@ -2,7 +2,7 @@
 #include <array>
 #include <optional>
 
-#include "geometry/scan.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -14,6 +14,6 @@ struct IntensityMap {
   bool identity() const { return scale == 1 && shift == 0; }
   double operator()(float value) const { return scale * static_cast<double>(value) + shift; }
 };
-IntensityMap map_intensity(const Scan& scan, const std::optional<std::array<float, 2>>& limits);
+IntensityMap map_intensity(const ScanStream& scan, const std::optional<std::array<float, 2>>& limits);
 
 }  // namespace hybrid::io

@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "io/built_stream.hpp"
 #include "io/input_file.hpp"
 #include "io/las_header.hpp"
 #include "io/salvage.hpp"
@@ -58,15 +59,18 @@ class LasReader {
     greatest_.fill(std::numeric_limits<std::int32_t>::min());
   }
 
+  InputFile& input() { return input_; }
+  const LasHeader& header() const { return header_; }
+  bool has_colour() const { return format_.red > 0; }
+
   Scan read() {
-    const bool colour = format_.red > 0;
     ScanBuilder builder(input_.name(), name_, header_.points,
                         {.intensity = true,
-                         .colour = colour ? ColourKind::word : ColourKind::none,
+                         .colour = has_colour() ? ColourKind::word : ColourKind::none,
                          .salvage = salvage_,
                          .exact = exact_});
     for (const std::string& note : header_.notes) builder.add_note(note);
-    add_points(builder);
+    add_points(0, header_.points, builder);
     if (header_.points < header_.announced) {
       Damage damage(input_.name());
       damage.add(header_.announced - header_.points,
@@ -75,43 +79,57 @@ class LasReader {
       builder.add_note(damage.note(header_.announced));
     }
     if (const auto note = check_las_rest(input_, header_, salvage_)) builder.add_note(*note);
-    note_extent(builder);
-    note_unused(builder);
+    for (const std::string& note : notes()) builder.add_note(note);
     Scan scan = builder.finish();
+    describe(scan, !scan.exact.empty());
+    return scan;
+  }
+
+  // What the header says of all samples.
+  void describe(Scan& scan, bool exact) const {
     scan.intensity_limits = {0.0f, 65535.0f};
-    if (!scan.exact.empty()) {
+    if (exact) {
       const auto& [sx, sy, sz] = header_.scale;
       const auto& [ox, oy, oz] = header_.offset;
       scan.steps = {{sx, sy, sz}, {ox, oy, oz}};
     }
     scan.crs = header_.crs;
-    scan.crs_records = std::move(header_.crs_records);
-    return scan;
+    scan.crs_records = header_.crs_records;
   }
 
- private:
-  void add_points(ScanBuilder& builder) {
+  // Of all points, which were added.
+  std::vector<std::string> notes() const {
+    std::vector<std::string> notes;
+    note_extent(notes);
+    note_unused(notes);
+    return notes;
+  }
+
+  // Points [first, first + count), read on all threads.
+  template <typename Builder>
+  void add_points(std::uint64_t first, std::uint64_t count, Builder& builder) {
     const auto record_bytes = static_cast<std::size_t>(header_.record_bytes);
     const std::size_t per_part = std::max<std::size_t>(1, kPart_bytes / record_bytes);
-    std::vector<Part> parts(kPartsPerThread * static_cast<std::size_t>(thread_count()));
+    parts_.resize(kPartsPerThread * static_cast<std::size_t>(thread_count()));
     std::vector<std::size_t> counts;
-    for (std::uint64_t done = 0; done < header_.points;) {
+    for (std::uint64_t done = 0; done < count;) {
       counts.clear();
-      for (std::uint64_t left = header_.points - done; left > 0 && counts.size() < parts.size();
+      for (std::uint64_t left = count - done; left > 0 && counts.size() < parts_.size();
            left -= counts.back())
         counts.push_back(static_cast<std::size_t>(std::min<std::uint64_t>(left, per_part)));
       parallel_for(counts.size(), [&](std::size_t k) {
-        parts[k].load(input_, header_.data_offset + (done + k * per_part) * header_.record_bytes, counts[k],
-                      record_bytes);
+        parts_[k].load(input_, header_.data_offset + (first + done + k * per_part) * header_.record_bytes,
+                       counts[k], record_bytes);
       });
-      for (std::size_t k = 0; k < counts.size(); ++k) take(parts[k]);
+      for (std::size_t k = 0; k < counts.size(); ++k) take(parts_[k]);
       builder.add_parts(counts, [&](std::size_t k, std::size_t i) {
-        return sample(parts[k].bytes.data() + i * record_bytes);
+        return sample(parts_[k].bytes.data() + i * record_bytes);
       });
-      for (const std::size_t count : counts) done += count;
+      for (const std::size_t part : counts) done += part;
     }
   }
 
+ private:
   void take(const Part& part) {
     for (std::size_t k = 0; k < any_.size(); ++k) any_[k] = static_cast<char>(any_[k] | part.any[k]);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -134,13 +152,13 @@ class LasReader {
     return sample;
   }
 
-  void note_extent(ScanBuilder& builder) const {
+  void note_extent(std::vector<std::string>& notes) const {
     if (header_.points == 0) return;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double least = coordinate(axis, least_[axis]), greatest = coordinate(axis, greatest_[axis]);
       const double slack = 2 * header_.scale[axis];
       if (least >= header_.minimum[axis] - slack && greatest <= header_.maximum[axis] + slack) continue;
-      builder.add_note(
+      notes.push_back(
           fmt::format("the header gives {} from {} to {}, its points lie from {} to {}: damaged, or changed "
                       "without its header",
                       "xyz"[axis], header_.minimum[axis], header_.maximum[axis], least, greatest));
@@ -151,7 +169,7 @@ class LasReader {
     return std::any_of(any_.begin() + from, any_.begin() + from + bytes, [](char c) { return c != 0; });
   }
 
-  void note_unused(ScanBuilder& builder) const {
+  void note_unused(std::vector<std::string>& notes) const {
     std::string unused;
     const auto add = [&](bool used, const char* name) {
       if (used) unused += (unused.empty() ? "" : ", ") + std::string(name);
@@ -172,7 +190,7 @@ class LasReader {
     add(format_.waveform > 0 && any(format_.waveform, 29), "waveforms");
     const int extra = static_cast<int>(any_.size()) - format_.bytes;
     add(extra > 0 && any(format_.bytes, extra), "extra bytes");
-    if (!unused.empty()) builder.add_note("fields not used: " + unused);
+    if (!unused.empty()) notes.push_back("fields not used: " + unused);
   }
 
   InputFile input_;
@@ -181,6 +199,69 @@ class LasReader {
   const LasPointFormat& format_;
   std::string name_, any_;
   std::array<std::int32_t, 3> least_{}, greatest_{};
+  std::vector<Part> parts_;
+};
+
+// Of all points, before they are samples: what they are kept relative to, how colours are meant.
+struct FirstPass : FirstReturns {
+  bool colour = false;
+  double largest = 0;  // of colours
+
+  template <typename Sample>
+  void add_parts(const std::vector<std::size_t>& counts, const Sample& sample) {
+    FirstReturns::add_parts(counts, sample);
+    if (!colour) return;
+    std::vector<double> of_parts(counts.size());
+    parallel_for(counts.size(), [&](std::size_t part) {
+      for (std::size_t i = 0; i < counts[part]; ++i)
+        of_parts[part] = std::max(of_parts[part], std::ranges::max(sample(part, i).rgb));
+    });
+    for (const double value : of_parts) largest = std::max(largest, value);
+  }
+};
+
+class LasStream : public BuiltStream {
+ public:
+  LasStream(const std::filesystem::path& file, const ScanEntry& entry)
+      : BuiltStream(entry), reader_(file, entry.name, {}) {
+    const LasHeader& header = reader_.header();
+    count_ = header.points;
+    intensity_ = true;
+    colour_ = reader_.has_colour();
+    FirstPass all;
+    all.colour = colour_;
+    reader_.add_points(0, count_, all);
+    head_.origin = all.origin();
+    colour_scale_ = colour_scale(ColourKind::word, all.largest);
+    head_.notes = header.notes;
+    if (const auto note = check_las_rest(reader_.input(), header, false)) head_.notes.push_back(*note);
+    add_notes(reader_.notes());
+    add_notes(take(reader_.input().name(), false));
+    reader_.describe(head_, exact_);
+  }
+
+ private:
+  // Scales colours to bytes.
+  struct Scaled {
+    ScanBuilder& builder;
+    double scale;
+
+    template <typename Sample>
+    void add_parts(const std::vector<std::size_t>& counts, const Sample& sample) {
+      builder.add_parts(counts, [&](std::size_t part, std::size_t i) {
+        ScanSample scaled = sample(part, i);
+        for (double& value : scaled.rgb) value *= scale;
+        return scaled;
+      });
+    }
+  };
+  void add(std::uint64_t first, std::size_t count, ScanBuilder& builder) const override {
+    Scaled scaled{builder, colour_scale_};
+    reader_.add_points(first, count, scaled);
+  }
+
+  mutable LasReader reader_;
+  double colour_scale_ = 1;
 };
 
 }  // namespace
@@ -196,6 +277,11 @@ std::vector<ScanEntry> list_las(const std::filesystem::path& file, const ReadOpt
   entry.offset = header.data_offset;
   entry.end = header.data_end;
   return {entry};
+}
+
+std::unique_ptr<ScanStream> stream_las(const std::filesystem::path& file, const ScanEntry& entry) {
+  if (entry.salvage) return nullptr;
+  return std::make_unique<LasStream>(file, entry);
 }
 
 Scan read_las(const std::filesystem::path& file, const ScanEntry& entry) {

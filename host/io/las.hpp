@@ -1,9 +1,11 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "geometry/scan.hpp"
 #include "io/scan_entry.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -14,5 +16,7 @@ namespace hybrid::io {
 // ErrorKind::input naming the byte.
 std::vector<ScanEntry> list_las(const std::filesystem::path& file, const ReadOptions& options = {});
 Scan read_las(const std::filesystem::path& file, const ScanEntry& entry);
+// The same in blocks; null in salvage.
+std::unique_ptr<ScanStream> stream_las(const std::filesystem::path& file, const ScanEntry& entry);
 
 }  // namespace hybrid::io

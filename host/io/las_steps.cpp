@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/parallel.hpp"
 
@@ -12,44 +13,30 @@ namespace {
 
 constexpr double kMostSteps = std::numeric_limits<std::int32_t>::max();
 constexpr int kUsualDecimals = 5, kMostDecimals = 9;
-constexpr std::size_t kBlock = 1 << 16;
+constexpr std::size_t kPart = 8192;
 
-template <typename Body>  // body(block, first, end)
-void for_blocks(std::size_t count, const Body& body) {
-  parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
-    body(block, block * kBlock, std::min((block + 1) * kBlock, count));
+// Calls body(block, sample) for the returns, on all threads, until one is false.
+template <typename Body>
+bool for_returns(const ScanStream& scan, const Body& body) {
+  std::atomic<bool> all{true};
+  scan.for_each_block([&](const SampleBlock& block) {
+    parallel_for((block.size() + kPart - 1) / kPart, [&](std::size_t part) {
+      for (std::size_t i = part * kPart, end = std::min(i + kPart, block.size()); i < end && all; ++i)
+        if (is_return(block.points[i]) && !body(block, i)) all = false;
+    });
+    return all.load();
   });
-}
-
-struct Extent {
-  Vec3 least = Vec3::Constant(INFINITY), greatest = Vec3::Constant(-INFINITY);
-};
-
-Extent extent_of(const Scan& scan, const std::vector<std::uint32_t>& returns) {
-  std::vector<Extent> parts(returns.size() / kBlock + 1);
-  for_blocks(returns.size(), [&](std::size_t block, std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) {
-      const Vec3 point = scan.exact_point(returns[i]);
-      parts[block].least = parts[block].least.cwiseMin(point);
-      parts[block].greatest = parts[block].greatest.cwiseMax(point);
-    }
-  });
-  Extent all;
-  for (const Extent& part : parts) {
-    all.least = all.least.cwiseMin(part.least);
-    all.greatest = all.greatest.cwiseMax(part.greatest);
-  }
   return all;
 }
 
 // Whole numbers stay what they are: the file's own steps, or those from a middle that is one of them.
-void take_steps(const CoordinateSteps& of_file, const Extent& extent, LasSteps& steps) {
+void take_steps(const CoordinateSteps& of_file, const SampleFacts& facts, LasSteps& steps) {
   for (int axis = 0; axis < 3; ++axis) {
     double scale = of_file.scale[axis];
     const double offset = of_file.offset[axis];
     const auto whole = [&](double value) { return std::round((value - offset) / scale); };
-    while (whole(extent.greatest[axis]) - whole(extent.least[axis]) > 2 * (kMostSteps - 1)) scale *= 10;
-    const double low = whole(extent.least[axis]), high = whole(extent.greatest[axis]);
+    while (whole(facts.greatest_m[axis]) - whole(facts.least_m[axis]) > 2 * (kMostSteps - 1)) scale *= 10;
+    const double low = whole(facts.least_m[axis]), high = whole(facts.greatest_m[axis]);
     const bool fits = low >= -kMostSteps && high <= kMostSteps;
     steps.scale[axis] = scale;
     steps.offset[axis] = fits ? offset : offset + std::round((low + high) / 2) * scale;
@@ -57,39 +44,41 @@ void take_steps(const CoordinateSteps& of_file, const Extent& extent, LasSteps& 
 }
 
 // The value that a reader makes of it is the one that is here.
-bool survives(const Scan& scan, std::size_t sample, const LasSteps& steps) {
+bool survives(const SampleBlock& block, std::size_t sample, const LasSteps& steps) {
   constexpr double kLastDigit = 8 * std::numeric_limits<double>::epsilon();
-  const Vec3 point = scan.exact_point(sample);
+  const Vec3 point = block.exact_point(sample);
   for (int axis = 0; axis < 3; ++axis) {
     const double back = steps.back(point[axis], axis);
-    if (scan.exact.empty() ? static_cast<float>(back - scan.origin[axis]) !=
-                                 scan.points[sample][static_cast<std::size_t>(axis)]
-                           : std::abs(back - point[axis]) >
-                                 kLastDigit * std::max(std::abs(point[axis]), std::abs(steps.offset[axis])))
+    if (block.exact.empty() ? static_cast<float>(back - block.scan->origin[axis]) !=
+                                  block.points[sample][static_cast<std::size_t>(axis)]
+                            : std::abs(back - point[axis]) >
+                                  kLastDigit * std::max(std::abs(point[axis]), std::abs(steps.offset[axis])))
       return false;
   }
   return true;
 }
 
-bool all_survive(const Scan& scan, const std::vector<std::uint32_t>& returns, const LasSteps& steps) {
-  std::atomic<bool> all{true};
-  for_blocks(returns.size(), [&](std::size_t, std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end && all; ++i)
-      if (!survives(scan, returns[i], steps)) all = false;
-  });
-  return all;
+bool all_survive(const ScanStream& scan, const LasSteps& steps) {
+  return for_returns(scan,
+                     [&](const SampleBlock& block, std::size_t i) { return survives(block, i, steps); });
 }
 
-double largest_rounding(const Scan& scan, const std::vector<std::uint32_t>& returns, const LasSteps& steps) {
-  std::vector<double> parts(returns.size() / kBlock + 1, 0.0);
-  for_blocks(returns.size(), [&](std::size_t block, std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) {
-      const Vec3 point = scan.exact_point(returns[i]);
-      for (int axis = 0; axis < 3; ++axis)
-        parts[block] = std::max(parts[block], std::abs(steps.back(point[axis], axis) - point[axis]));
-    }
+double largest_rounding(const ScanStream& scan, const LasSteps& steps) {
+  double largest = 0;
+  scan.for_each_block([&](const SampleBlock& block) {
+    std::vector<double> parts((block.size() + kPart - 1) / kPart, 0.0);
+    parallel_for(parts.size(), [&](std::size_t part) {
+      for (std::size_t i = part * kPart, end = std::min(i + kPart, block.size()); i < end; ++i) {
+        if (!is_return(block.points[i])) continue;
+        const Vec3 point = block.exact_point(i);
+        for (int axis = 0; axis < 3; ++axis)
+          parts[part] = std::max(parts[part], std::abs(steps.back(point[axis], axis) - point[axis]));
+      }
+    });
+    largest = std::max(largest, *std::ranges::max_element(parts));
+    return true;
   });
-  return *std::ranges::max_element(parts);
+  return largest;
 }
 
 // Ten to this power, the double nearest to it.
@@ -98,17 +87,17 @@ double power_of_ten(int exponent) {
 }
 
 // Decimal steps about the middle.
-bool choose_decimals(const Scan& scan, const std::vector<std::uint32_t>& returns, const Extent& extent,
-                     LasSteps& steps) {
+bool choose_decimals(const ScanStream& scan, LasSteps& steps) {
+  const SampleFacts& facts = scan.facts();
   for (int axis = 0; axis < 3; ++axis)
-    steps.offset[axis] = std::round((extent.least[axis] + extent.greatest[axis]) / 2) + 0.0;
-  const double farthest = (extent.greatest - steps.offset).cwiseMax(steps.offset - extent.least).maxCoeff();
+    steps.offset[axis] = std::round((facts.least_m[axis] + facts.greatest_m[axis]) / 2) + 0.0;
+  const double farthest = (facts.greatest_m - steps.offset).cwiseMax(steps.offset - facts.least_m).maxCoeff();
   const auto fits = [&](int decimals) { return farthest / power_of_ten(-decimals) < kMostSteps; };
   int decimals = kUsualDecimals;
   while (!fits(decimals)) --decimals;
   for (;; ++decimals) {
     steps.scale = Vec3::Constant(power_of_ten(-decimals));
-    if (all_survive(scan, returns, steps)) return true;
+    if (all_survive(scan, steps)) return true;
     if (decimals >= kMostDecimals || !fits(decimals + 1)) return false;
   }
 }
@@ -119,21 +108,22 @@ std::int32_t LasSteps::whole(double value, int axis) const {
   return static_cast<std::int32_t>(std::lround((value - offset[axis]) / scale[axis]));
 }
 
-LasSteps choose_las_steps(const Scan& scan, const std::vector<std::uint32_t>& returns) {
+LasSteps choose_las_steps(const ScanStream& scan) {
   LasSteps steps;
-  if (returns.empty()) return steps;
-  const Extent extent = extent_of(scan, returns);
+  const SampleFacts& facts = scan.facts();
+  const auto& of_file = scan.head().steps;
+  if (facts.returns == 0) return steps;
   bool all = false;
-  if (scan.steps && !scan.exact.empty() && (scan.steps->scale.array() > 0).all()) {
-    take_steps(*scan.steps, extent, steps);
-    all = steps.scale == scan.steps->scale;
+  if (of_file && scan.has_exact() && (of_file->scale.array() > 0).all()) {
+    take_steps(*of_file, facts, steps);
+    all = steps.scale == of_file->scale;
   } else {
-    all = choose_decimals(scan, returns, extent, steps);
+    all = choose_decimals(scan, steps);
   }
-  if (!all) steps.rounding_m = largest_rounding(scan, returns, steps);
+  if (!all) steps.rounding_m = largest_rounding(scan, steps);
   for (int axis = 0; axis < 3; ++axis) {
-    steps.minimum[axis] = steps.back(extent.least[axis], axis);
-    steps.maximum[axis] = steps.back(extent.greatest[axis], axis);
+    steps.minimum[axis] = steps.back(facts.least_m[axis], axis);
+    steps.maximum[axis] = steps.back(facts.greatest_m[axis], axis);
   }
   return steps;
 }

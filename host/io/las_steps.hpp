@@ -1,8 +1,7 @@
 #pragma once
 #include <cstdint>
-#include <vector>
 
-#include "geometry/scan.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -21,6 +20,6 @@ struct LasSteps {
 // the next finer power of ten in which it does, or the finest that 32 bits allow, 1 nm at most; beyond 20 km
 // of extent larger ones. A coordinate survives when it reads back as the same float or, where the scan has
 // them, double but for the last digit.
-LasSteps choose_las_steps(const Scan& scan, const std::vector<std::uint32_t>& returns);
+LasSteps choose_las_steps(const ScanStream& scan);
 
 }  // namespace hybrid::io

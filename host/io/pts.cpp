@@ -11,12 +11,15 @@
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 #include "io/text_samples.hpp"
+#include "io/text_stream.hpp"
 
 namespace hybrid::io {
 namespace {
 
 constexpr std::uint64_t kShortestLine = 6;  // "0 0 0\n"
 constexpr std::size_t kMostColumns = 7;
+constexpr float kLeastIntensity = -2048, kGreatestIntensity = 2047;
+constexpr const char* kCommas = "values are separated by commas, which PTS does not provide for";
 constexpr double kMostCounted = 9e15;  // whole numbers are exact below
 constexpr const char* kColumns[] = {
     "", "", "", "x y z", "x y z intensity", "", "x y z red green blue", "x y z intensity red green blue"};
@@ -174,6 +177,39 @@ std::vector<ScanEntry> list_damaged(InputFile& input) {
   return entries;
 }
 
+void read_point(TextCursor& cursor, std::span<double> values, std::uint64_t count, std::uint64_t done) {
+  const std::uint64_t line = cursor.line();
+  if (cursor.at_end())
+    fail_input("{}: line {}: expected {} points, found {}; another process shortened the file: read it again",
+               cursor.file(), line, count, done);
+  const std::size_t found = cursor.read_numbers(values);
+  if (found != values.size())
+    fail_input(
+        "{}: line {}: expected {} ({} numbers) as on the scan's first line, found {}; correct that line, or "
+        "the count, or use --salvage",
+        cursor.file(), line, kColumns[values.size()], values.size(), found);
+}
+
+class PtsStream : public TextStream {
+ public:
+  PtsStream(const std::filesystem::path& file, const ScanEntry& entry) : TextStream(file, entry) {
+    TextCursor cursor(input(), entry.offset, entry.line);
+    const std::size_t columns = entry.samples == 0 ? 3 : check_columns(input().name(), io::read_line(cursor));
+    const auto notes =
+        take({.start = {entry.offset, entry.line}, .count = entry.samples, .columns = {columns}});
+    if (commas_seen()) head_.notes.emplace_back(kCommas);
+    add_notes(notes);
+    const SampleFacts& all = facts();
+    if (has_intensity() && all.whole && all.least >= kLeastIntensity && all.greatest <= kGreatestIntensity)
+      head_.intensity_limits = {kLeastIntensity, kGreatestIntensity};
+  }
+
+ private:
+  void read_line(TextCursor& cursor, std::span<double> values, std::uint64_t done) const override {
+    read_point(cursor, values, count(), done);
+  }
+};
+
 // What the first of `lines` lines that is a point has.
 std::size_t first_columns(InputFile& input, const ScanEntry& entry) {
   TextCursor cursor(input, entry.offset, entry.line);
@@ -221,7 +257,7 @@ Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry) {
                               : entry.salvage    ? first_columns(input, entry)
                                                  : check_columns(input.name(), read_line(cursor));
   Damage damage(input.name());
-  const bool intensity = columns == 4 || columns == 7, colour = columns >= 6;
+  const bool intensity = TextColumns{columns}.intensity(), colour = TextColumns{columns}.colour();
   ScanBuilder builder(input.name(), entry.name, entry.samples,
                       {.intensity = intensity,
                        .colour = colour ? ColourKind::byte : ColourKind::none,
@@ -230,24 +266,9 @@ Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry) {
   bool commas = false;
   add_text_samples(
       input, {entry.offset, entry.line}, entry.samples, columns, builder, commas,
-      [&](const double* row) {
-        ScanSample sample{row[0], row[1], row[2], intensity ? row[3] : 0, {}};
-        if (colour) sample.rgb = {row[columns - 3], row[columns - 2], row[columns - 1]};
-        return sample;
-      },
+      [&](const double* row) { return TextColumns{columns}.sample(row); },
       [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
-        const std::uint64_t line = at.line();
-        if (at.at_end())
-          fail_input(
-              "{}: line {}: expected {} points, found {}; another process shortened the file: read it again",
-              input.name(), line, entry.samples, done);
-        const std::size_t found = at.read_numbers(values);
-        if (found != values.size())
-          fail_input(
-              "{}: line {}: expected {} ({} numbers) as on the scan's first line, found {}; correct that "
-              "line, "
-              "or the count, or use --salvage",
-              input.name(), line, kColumns[columns], columns, found);
+        read_point(at, values, entry.samples, done);
       },
       entry.salvage ? &damage : nullptr);
   const std::uint64_t announced = entry.announced.value_or(entry.samples);
@@ -260,12 +281,18 @@ Scan read_pts(const std::filesystem::path& file, const ScanEntry& entry) {
         fmt::format("line {}: expected {} points as the line before says, found {}: all are used", entry.line,
                     announced, builder.size()));
   if (damage.records() > 0) builder.add_note(damage.note(std::max<std::uint64_t>(announced, builder.size())));
-  if (commas) builder.add_note("values are separated by commas, which PTS does not provide for");
+  if (commas) builder.add_note(kCommas);
   Scan scan = builder.finish();
   const bool whole = std::all_of(scan.intensity.begin(), scan.intensity.end(),
                                  [](float value) { return value == std::floor(value); });
-  if (intensity && whole && within(scan.intensity, -2048, 2047)) scan.intensity_limits = {-2048.0f, 2047.0f};
+  if (intensity && whole && within(scan.intensity, kLeastIntensity, kGreatestIntensity))
+    scan.intensity_limits = {kLeastIntensity, kGreatestIntensity};
   return scan;
+}
+
+std::unique_ptr<ScanStream> stream_pts(const std::filesystem::path& file, const ScanEntry& entry) {
+  if (entry.salvage) return nullptr;
+  return std::make_unique<PtsStream>(file, entry);
 }
 
 }  // namespace hybrid::io

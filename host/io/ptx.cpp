@@ -10,6 +10,7 @@
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 #include "io/text_samples.hpp"
+#include "io/text_stream.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -165,6 +166,11 @@ ScanEntry list_one(InputFile& input, TextPlace& place) {
   return entry;
 }
 
+void read_point(TextCursor& cursor, std::span<double> values, const PtxHeader& header, std::uint64_t done) {
+  if (cursor.at_end()) fail_points_missing(cursor, header, done);
+  read_line(cursor, values, values.size() == 7 ? "x y z intensity red green blue" : "x y z intensity");
+}
+
 // Where a scan starts in a damaged file: two counts and the scanner's position.
 bool starts_scan(InputFile& input, const TextPlace& place) {
   TextCursor cursor(input, place.offset, place.line);
@@ -248,6 +254,28 @@ void name_entries(std::vector<ScanEntry>& entries, const std::string& stem) {
   }
 }
 
+class PtxStream : public TextStream {
+ public:
+  PtxStream(const std::filesystem::path& file, const ScanEntry& entry) : TextStream(file, entry) {
+    TextCursor cursor(input(), entry.offset, entry.line);
+    header_ = read_checked_header(cursor);
+    head_.grid_cols = static_cast<int>(header_.cols);
+    head_.grid_rows = static_cast<int>(header_.rows);
+    add_notes(take({.start = {cursor.offset(), cursor.line()},
+                    .count = point_count(header_),
+                    .columns = {count_columns(input(), cursor, header_)},
+                    .zero_is_no_return = true}));
+    if (facts().least >= 0 && facts().greatest <= 1) head_.intensity_limits = {0.0f, 1.0f};
+    set_pose(head_, cursor.file(), header_, false);
+  }
+
+ private:
+  void read_line(TextCursor& cursor, std::span<double> values, std::uint64_t done) const override {
+    read_point(cursor, values, header_, done);
+  }
+  PtxHeader header_;
+};
+
 }  // namespace
 
 std::vector<ScanEntry> list_ptx(const std::filesystem::path& file, const ReadOptions& options) {
@@ -291,18 +319,12 @@ Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
                        .zero_is_no_return = true,
                        .salvage = entry.salvage,
                        .exact = entry.exact});
-  const bool colour = columns == 7;
   bool commas = false;
   add_text_samples(
       input, {cursor.offset(), cursor.line()}, count, columns, builder, commas,
-      [&](const double* row) {
-        ScanSample sample{row[0], row[1], row[2], row[3], {}};
-        if (colour) sample.rgb = {row[4], row[5], row[6]};
-        return sample;
-      },
+      [&](const double* row) { return TextColumns{columns}.sample(row); },
       [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
-        if (at.at_end()) fail_points_missing(at, header, done);
-        read_line(at, values, colour ? "x y z intensity red green blue" : "x y z intensity");
+        read_point(at, values, header, done);
       },
       entry.salvage ? &damage : nullptr);
   const CroppedGrid grid = cropped_grid(header.rows, builder.size());
@@ -318,6 +340,11 @@ Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
   scan.grid_rows = static_cast<int>(grid.fast);
   set_pose(scan, cursor.file(), header, entry.salvage);
   return scan;
+}
+
+std::unique_ptr<ScanStream> stream_ptx(const std::filesystem::path& file, const ScanEntry& entry) {
+  if (entry.salvage) return nullptr;
+  return std::make_unique<PtxStream>(file, entry);
 }
 
 }  // namespace hybrid::io

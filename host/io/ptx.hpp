@@ -1,9 +1,11 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "geometry/scan.hpp"
 #include "io/scan_entry.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -18,5 +20,7 @@ namespace hybrid::io {
 std::vector<ScanEntry> list_ptx(const std::filesystem::path& file, const ReadOptions& options = {});
 // One of them, parsed on all threads. Throws ErrorKind::input naming file and line.
 Scan read_ptx(const std::filesystem::path& file, const ScanEntry& entry);
+// The same in blocks; null in salvage.
+std::unique_ptr<ScanStream> stream_ptx(const std::filesystem::path& file, const ScanEntry& entry);
 
 }  // namespace hybrid::io

@@ -4,6 +4,7 @@
 
 #include "core/error.hpp"
 #include "io/e57/e57.hpp"
+#include "io/e57/e57_stream.hpp"
 #include "io/exr_e57.hpp"
 #include "io/exr_scan.hpp"
 #include "io/las.hpp"
@@ -13,6 +14,7 @@
 #include "io/pts.hpp"
 #include "io/ptx.hpp"
 #include "io/samples/sample_file.hpp"
+#include "io/stream_scan.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -23,6 +25,8 @@ struct ScanFormat {
   const char* extension;
   std::vector<ScanEntry> (*list)(const std::filesystem::path& file, const ReadOptions& options);
   Scan (*read)(const std::filesystem::path& file, const ScanEntry& entry);
+  // Null also where this one cannot be streamed.
+  std::unique_ptr<ScanStream> (*stream)(const std::filesystem::path& file, const ScanEntry& entry) = nullptr;
 };
 
 std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOptions& options) {
@@ -34,6 +38,10 @@ std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOpt
 Scan read_exr(const std::filesystem::path& file, const ScanEntry& entry) {
   return holds_exr_records(file) ? read_exr_records(file, {.exact = entry.exact})
                                  : read_exr_scan(file, {.salvage = entry.salvage});
+}
+
+std::unique_ptr<ScanStream> stream_exr(const std::filesystem::path& file, const ScanEntry& entry) {
+  return holds_exr_records(file) ? stream_exr_records(file, entry) : nullptr;
 }
 
 std::vector<ScanEntry> list_e57(const std::filesystem::path& file, const ReadOptions& options) {
@@ -63,6 +71,10 @@ Scan read_e57_entry(const std::filesystem::path& file, const ScanEntry& entry) {
   return read_e57(E57File(file, {.salvage = entry.salvage}), entry.index, entry.exact);
 }
 
+std::unique_ptr<ScanStream> stream_e57(const std::filesystem::path& file, const ScanEntry& entry) {
+  return entry.salvage ? nullptr : E57Stream::open(file, entry);
+}
+
 std::vector<ScanEntry> list_ply_entry(const std::filesystem::path& file, const ReadOptions&) {
   return list_ply(file);
 }
@@ -74,14 +86,10 @@ Scan read_one(const std::filesystem::path& file, const ScanEntry& entry) {
 }
 
 constexpr ScanFormat kFormats[] = {
-    {".e57", list_e57, read_e57_entry},
-    {".pcd", list_pcd, read_one<read_pcd>},
-    {".ply", list_ply_entry, read_one<read_ply>},
-    {".ptx", list_ptx, read_ptx},
-    {".pts", list_pts, read_pts},
-    {".las", list_las, read_las},
-    {".exr", list_exr, read_exr},
-    {".hsf", list_sample_file, read_one<read_sample_file>},
+    {".e57", list_e57, read_e57_entry, stream_e57}, {".pcd", list_pcd, read_one<read_pcd>},
+    {".ply", list_ply_entry, read_one<read_ply>},   {".ptx", list_ptx, read_ptx, stream_ptx},
+    {".pts", list_pts, read_pts, stream_pts},       {".las", list_las, read_las, stream_las},
+    {".exr", list_exr, read_exr, stream_exr},       {".hsf", list_sample_file, read_one<read_sample_file>},
 };
 
 // Formats that are known and not read, and what to do.
@@ -117,6 +125,14 @@ std::vector<ScanEntry> list_scans(const std::filesystem::path& file, const ReadO
 Scan read_scan(const std::filesystem::path& file, const ScanEntry& entry) {
   if (!entry.problem.empty()) throw Error(ErrorKind::input, entry.problem);
   return format_of(file).read(file, entry);
+}
+
+std::unique_ptr<ScanStream> stream_scan(const std::filesystem::path& file, const ScanEntry& entry) {
+  if (!entry.problem.empty()) throw Error(ErrorKind::input, entry.problem);
+  const ScanFormat& format = format_of(file);
+  auto stream = format.stream ? format.stream(file, entry) : nullptr;
+  if (!stream) stream = std::make_unique<ScanInMemory>(format.read(file, entry));
+  return stream;
 }
 
 Scan read_scan(const std::filesystem::path& file, std::size_t index) {

@@ -6,6 +6,7 @@
 #include "core/interrupt.hpp"
 #include "core/parallel.hpp"
 #include "io/output_file.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -25,6 +26,15 @@ void write_records(OutputFile& out, std::size_t count, const Append& append) {
     });
     for (std::size_t b = 0; b < blocks; ++b) out.write(texts[b].data(), texts[b].size());
   }
+}
+
+// The same of a scan's samples in their order: append(block, index in it, text).
+template <typename Append>
+void write_blocks(OutputFile& out, const ScanStream& scan, const Append& append) {
+  scan.for_each_block([&](const SampleBlock& block) {
+    write_records(out, block.size(), [&](std::size_t i, std::string& text) { append(block, i, text); });
+    return true;
+  });
 }
 
 // The bytes of a value as they lie in memory.

@@ -1,6 +1,5 @@
 #include "io/sample_text.hpp"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -48,20 +47,17 @@ void append_number(std::string& text, float value) {
   append(text, value);
 }
 
-bool is_return(const std::array<float, 3>& point) {
-  return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-}
-
-void append_point(std::string& text, const Scan& scan, std::size_t sample) {
-  const auto& point = scan.points[sample];
+void append_point(std::string& text, const SampleBlock& block, std::size_t sample) {
+  const Scan& scan = *block.scan;
+  const auto& point = block.points[sample];
   if (!is_return(point)) {
     text += "0 0 0";
     return;
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (axis > 0) text += ' ';
-    if (!scan.exact.empty())
-      append_step(text, scan.exact[sample][static_cast<std::size_t>(axis)],
+    if (!block.exact.empty())
+      append_step(text, block.exact[sample][static_cast<std::size_t>(axis)],
                   scan.steps ? scan.steps->scale[axis] : 0.0);
     else if (scan.origin.isZero())
       append(text, point[static_cast<std::size_t>(axis)]);
@@ -75,34 +71,6 @@ void append_colour(std::string& text, const std::array<std::uint8_t, 3>& rgb) {
     text += ' ';
     append(text, static_cast<int>(value));
   }
-}
-
-std::size_t laid_out(const Scan& scan) {
-  if (!scan.organised()) return scan.points.size();
-  if (!scan.node.empty())
-    return scan.node.size() - static_cast<std::size_t>(std::ranges::count(scan.node, Scan::kNoNode));
-  return static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
-}
-
-GridSamples::GridSamples(const Scan& scan) : scan_(scan) {
-  if (scan.node.empty()) return;
-  sample_.assign(static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols),
-                 Scan::kNoNode);
-  for (std::size_t i = 0; i < scan.node.size(); ++i)
-    if (scan.node[i] != Scan::kNoNode) sample_[scan.node[i]] = static_cast<std::uint32_t>(i);
-}
-
-std::uint32_t GridSamples::at(int row, int col) const {
-  if (sample_.empty()) return static_cast<std::uint32_t>(scan_.grid_index(row, col));
-  return sample_[static_cast<std::size_t>(row) * static_cast<std::size_t>(scan_.grid_cols) +
-                 static_cast<std::size_t>(col)];
-}
-
-std::vector<std::uint32_t> returns_of(const Scan& scan) {
-  std::vector<std::uint32_t> indices;
-  for (std::size_t i = 0; i < scan.points.size(); ++i)
-    if (is_return(scan.points[i])) indices.push_back(static_cast<std::uint32_t>(i));
-  return indices;
 }
 
 }  // namespace hybrid::io

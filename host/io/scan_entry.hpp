@@ -27,6 +27,7 @@ struct ScanEntry {
   std::uint64_t offset = 0, line = 1;        // where it starts
   std::uint64_t end = 0;                     // where it ends
   std::optional<std::uint64_t> announced{};  // in salvage: samples that its header counts, where it does
+  std::size_t kept_bytes = 256 << 20;        // of samples that may stay in memory when it is streamed
 };
 
 }  // namespace hybrid::io

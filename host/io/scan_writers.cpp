@@ -6,11 +6,25 @@
 #include "core/error.hpp"
 #include "io/intensity_map.hpp"
 #include "io/las_steps.hpp"
-#include "io/sample_text.hpp"
 #include "io/text_cursor.hpp"
 #include "io/write_scan.hpp"
 
 namespace hybrid::io {
+namespace {
+
+// Whether an intensity is no whole number once it is mapped.
+bool rounds(const ScanStream& scan, const IntensityMap& map) {
+  if (!scan.has_intensity() || (map.identity() && scan.facts().whole)) return false;
+  bool found = false;
+  scan.for_each_block([&](const SampleBlock& block) {
+    found = std::ranges::any_of(block.intensity,
+                                [&](float value) { return map(value) != std::round(map(value)); });
+    return !found;
+  });
+  return found;
+}
+
+}  // namespace
 
 const std::vector<ScanWriter>& scan_writers() {
   static const std::vector<ScanWriter> writers = {
@@ -73,32 +87,31 @@ const ScanWriter& writer_for(const std::filesystem::path& file) {
        extension.empty() ? "no extension" : extension);
 }
 
-WriteLosses losses_of(const ScanWriter& writer, const Scan& scan) {
+WriteLosses losses_of(const ScanWriter& writer, const ScanStream& stream) {
   WriteLosses losses;
+  const Scan& scan = stream.head();
   if (scan.organised() && !writer.grid)
     losses.dropped.push_back(fmt::format("grid ({} x {})", scan.grid_rows, scan.grid_cols));
   if (scan.range_grid)
     losses.dropped.push_back(
         fmt::format("angle tables, interpolated nodes ({})", scan.range_grid->interpolated.size()));
-  if (const std::size_t beside = scan.points.size() - laid_out(scan); beside > 0 && writer.grid)
+  if (const std::uint64_t beside = stream.count() - stream.laid_out(); beside > 0 && writer.grid)
     losses.dropped.push_back(fmt::format("samples beside the grid ({})", beside));
   if (scan.world_from_scan && !writer.pose) losses.dropped.emplace_back("pose");
   if (scan.world_from_scan && writer.pose && !writer.pose_scale && scan.world_from_scan->scale != 1)
     losses.dropped.push_back(fmt::format("the pose's scale ({})", scan.world_from_scan->scale));
   if (!scan.crs.empty() && !writer.crs) losses.dropped.emplace_back("coordinate system");
   if (!writer.no_returns)
-    if (const std::size_t count = scan.points.size() - returns_of(scan).size(); count > 0)
+    if (const std::uint64_t count = stream.count() - stream.facts().returns; count > 0)
       losses.dropped.push_back(fmt::format("no-returns ({})", count));
-  const IntensityMap map = map_intensity(scan, writer.intensity_limits);
+  const IntensityMap map = map_intensity(stream, writer.intensity_limits);
   if (!map.identity())
     losses.changed.push_back(fmt::format("intensity scaled from {}..{} to {}..{}", map.from[0], map.from[1],
                                          map.to[0], map.to[1]));
-  if (writer.whole_intensity && std::any_of(scan.intensity.begin(), scan.intensity.end(), [&](float value) {
-        return map(value) != std::round(map(value));
-      }))
+  if (writer.whole_intensity && rounds(stream, map))
     losses.changed.emplace_back("intensity rounded to whole numbers");
   if (writer.las_steps)
-    if (const LasSteps steps = choose_las_steps(scan, returns_of(scan)); steps.rounding_m > 0)
+    if (const LasSteps steps = choose_las_steps(stream); steps.rounding_m > 0)
       losses.changed.push_back(fmt::format("coordinates rounded to steps of {:.6g} m, by up to {:.2g} m",
                                            steps.scale.maxCoeff(), steps.rounding_m));
   return losses;

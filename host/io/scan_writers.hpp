@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "geometry/scan.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
-// Gives the scans to be written one after the other, so that one is in memory at a time.
-using ScanSource = std::function<std::optional<Scan>()>;
+// Gives the scans to be written one after the other, so that one is open at a time; null after the last.
+using ScanSource = std::function<std::unique_ptr<ScanStream>()>;
 
 // A format that scans are written in, and what it can hold.
 struct ScanWriter {
@@ -37,6 +37,6 @@ const ScanWriter& writer_for(const std::filesystem::path& file);
 struct WriteLosses {
   std::vector<std::string> dropped, changed;
 };
-WriteLosses losses_of(const ScanWriter& writer, const Scan& scan);
+WriteLosses losses_of(const ScanWriter& writer, const ScanStream& scan);
 
 }  // namespace hybrid::io

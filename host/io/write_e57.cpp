@@ -15,7 +15,7 @@ void write_e57(const std::filesystem::path& file, const ScanSource& next) {
   if (!scan) return;
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     E57WriterOptions options;
-    options.coordinate_system = scan->crs;
+    options.coordinate_system = scan->head().crs;
     E57Writer writer(temporary, options);
     for (; scan; scan = next()) {
       const ScanRecords records(*scan);

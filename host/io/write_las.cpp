@@ -21,12 +21,13 @@ struct Layout {
   std::vector<CrsRecord> records;
 };
 
-Layout choose_layout(const Scan& scan) {
+Layout choose_layout(const ScanStream& stream) {
+  const Scan& scan = stream.head();
   Layout layout;
   layout.records = scan.crs_records.empty() ? las_crs_records(scan.crs) : scan.crs_records;
   layout.wkt =
       std::any_of(layout.records.begin(), layout.records.end(), [](const auto& r) { return r.id == kWkt; });
-  layout.format = layout.wkt ? (scan.rgb.empty() ? 6 : 7) : (scan.rgb.empty() ? 0 : 2);
+  layout.format = layout.wkt ? (stream.has_colour() ? 7 : 6) : (stream.has_colour() ? 2 : 0);
   return layout;
 }
 
@@ -90,26 +91,26 @@ std::string header(const Layout& layout, const LasSteps& steps, std::uint64_t po
 void write_las(const std::filesystem::path& file, const ScanSource& next) {
   const auto scan = next();
   if (!scan) return;
-  const auto returns = returns_of(*scan);
-  const LasSteps steps = choose_las_steps(*scan, returns);
+  const LasSteps steps = choose_las_steps(*scan);
   const Layout layout = choose_layout(*scan);
   const LasPointFormat& format = las_point_format(layout.format);
   const IntensityMap map = map_intensity(*scan, kLasIntensity);
-  const std::string head = header(layout, steps, returns.size());
+  const std::string head = header(layout, steps, scan->facts().returns);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);
     out.write(head.data(), head.size());
-    write_records(out, returns.size(), [&](std::size_t i, std::string& bytes) {
-      const std::size_t at = returns[i], start = bytes.size();
-      const Vec3 point = scan->exact_point(at);
+    write_blocks(out, *scan, [&](const SampleBlock& block, std::size_t i, std::string& bytes) {
+      if (!is_return(block.points[i])) return;
+      const std::size_t start = bytes.size();
+      const Vec3 point = block.exact_point(i);
       for (int axis = 0; axis < 3; ++axis) append_raw(bytes, steps.whole(point[axis], axis));
-      const double intensity = scan->intensity.empty() ? 0 : map(scan->intensity[at]);
+      const double intensity = block.intensity.empty() ? 0 : map(block.intensity[i]);
       append_raw(bytes, static_cast<std::uint16_t>(std::lround(std::clamp(intensity, 0.0, 65535.0))));
       bytes += layout.wkt ? '\x11' : '\x09';  // the first return of one
       bytes.resize(start + static_cast<std::size_t>(format.bytes), '\0');
-      if (scan->rgb.empty()) return;
+      if (block.rgb.empty()) return;
       bytes.resize(start + static_cast<std::size_t>(format.red));
-      for (const std::uint8_t value : scan->rgb[at])
+      for (const std::uint8_t value : block.rgb[i])
         append_raw(bytes, static_cast<std::uint16_t>(257 * value));
     });
     out.close();

@@ -12,15 +12,14 @@ void write_pts(const std::filesystem::path& file, const ScanSource& next) {
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);
     while (const auto scan = next()) {
-      const auto returns = returns_of(*scan);
       const IntensityMap map = map_intensity(*scan, kPtsIntensity);
-      const std::string count = fmt::format("{}\n", returns.size());
+      const std::string count = fmt::format("{}\n", scan->facts().returns);
       out.write(count.data(), count.size());
-      write_records(out, returns.size(), [&](std::size_t i, std::string& text) {
-        const std::size_t at = returns[i];
-        append_point(text, *scan, at);
-        if (!scan->intensity.empty()) text += fmt::format(" {}", std::lround(map(scan->intensity[at])));
-        if (!scan->rgb.empty()) append_colour(text, scan->rgb[at]);
+      write_blocks(out, *scan, [&](const SampleBlock& block, std::size_t i, std::string& text) {
+        if (!is_return(block.points[i])) return;
+        append_point(text, block, i);
+        if (!block.intensity.empty()) text += fmt::format(" {}", std::lround(map(block.intensity[i])));
+        if (!block.rgb.empty()) append_colour(text, block.rgb[i]);
         text += '\n';
       });
     }

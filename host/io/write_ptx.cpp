@@ -1,4 +1,5 @@
 #include "io/intensity_map.hpp"
+#include "io/node_blocks.hpp"
 #include "io/output.hpp"
 #include "io/record_blocks.hpp"
 #include "io/sample_text.hpp"
@@ -18,7 +19,7 @@ void append_row(std::string& text, std::initializer_list<double> values) {
 }
 
 // The matrix multiplies row vectors from the right: its rows are the images of the axes.
-std::string header(const Scan& scan, std::size_t cols, std::size_t rows) {
+std::string header(const Scan& scan, std::uint64_t cols, std::uint64_t rows) {
   const auto m = row_major(scan.world_from_scan.value_or(Pose{}));
   std::string text = fmt::format("{}\n{}\n", cols, rows);
   append_row(text, {m[3], m[7], m[11]});
@@ -28,25 +29,27 @@ std::string header(const Scan& scan, std::size_t cols, std::size_t rows) {
   return text;
 }
 
-void append_scan(OutputFile& out, const Scan& scan) {
-  const bool organised = scan.organised();
-  const std::size_t rows = organised ? static_cast<std::size_t>(scan.grid_rows) : 1;
-  const std::size_t cols = organised ? static_cast<std::size_t>(scan.grid_cols) : scan.points.size();
-  const std::string head = header(scan, cols, rows);
+void append_scan(OutputFile& out, const ScanStream& scan) {
+  const bool organised = scan.head().organised();
+  const std::string head = organised ? header(scan.head(), static_cast<std::uint64_t>(scan.head().grid_cols),
+                                              static_cast<std::uint64_t>(scan.head().grid_rows))
+                                     : header(scan.head(), scan.count(), 1);
   out.write(head.data(), head.size());
   const IntensityMap map = map_intensity(scan, kPtxIntensity);
-  const GridSamples grid(scan);
-  write_records(out, rows * cols, [&](std::size_t i, std::string& text) {
-    const std::size_t at = organised ? grid.at(static_cast<int>(i % rows), static_cast<int>(i / rows)) : i;
-    if (at == Scan::kNoNode) {
-      text += scan.rgb.empty() ? "0 0 0 0\n" : "0 0 0 0 0 0 0\n";
+  const auto append = [&](const SampleBlock& block, std::size_t i, std::string& text) {
+    if (!block.node.empty() && block.node[i] == Scan::kNoNode) {
+      text += block.rgb.empty() ? "0 0 0 0\n" : "0 0 0 0 0 0 0\n";
       return;
     }
-    append_point(text, scan, at);
+    append_point(text, block, i);
     text += ' ';
-    append_number(text, scan.intensity.empty() ? 0.0f : static_cast<float>(map(scan.intensity[at])));
-    if (!scan.rgb.empty()) append_colour(text, scan.rgb[at]);
+    append_number(text, block.intensity.empty() ? 0.0f : static_cast<float>(map(block.intensity[i])));
+    if (!block.rgb.empty()) append_colour(text, block.rgb[i]);
     text += '\n';
+  };
+  if (!organised) return write_blocks(out, scan, append);
+  for_each_node_block(scan, true, [&](const SampleBlock& block) {
+    write_records(out, block.size(), [&](std::size_t i, std::string& text) { append(block, i, text); });
   });
 }
 
@@ -56,10 +59,10 @@ void write_ptx(const std::filesystem::path& file, const ScanSource& next) {
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);
     while (const auto scan = next()) {
-      if (scan->points.empty())
+      if (scan->count() == 0)
         fail_input(
             "{}: scan {}: expected at least one sample, found none: PTX holds no empty scans; leave it out",
-            file.string(), scan->name);
+            file.string(), scan->head().name);
       append_scan(out, *scan);
     }
     out.close();

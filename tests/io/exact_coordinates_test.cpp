@@ -10,6 +10,7 @@
 #include "io/las_records.hpp"
 #include "io/read_scan.hpp"
 #include "io/scan_writers.hpp"
+#include "io/stream_scan.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -22,11 +23,11 @@ Scan read_exact(const std::filesystem::path& file) {
 
 // What `hybrid convert` does.
 io::WriteLosses convert(const std::filesystem::path& from, const std::filesystem::path& to) {
-  const Scan scan = read_exact(from);
+  auto scan = io::stream_scan(from, io::list_scans(from, kExact).at(0));
   const io::ScanWriter& writer = io::writer_for(to);
-  bool given = false;
-  writer.write(to, [&] { return std::exchange(given, true) ? std::nullopt : std::optional(scan); });
-  return io::losses_of(writer, scan);
+  const auto losses = io::losses_of(writer, *scan);
+  writer.write(to, [&] { return std::move(scan); });
+  return losses;
 }
 
 // The returns' coordinates.

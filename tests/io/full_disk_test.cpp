@@ -62,11 +62,11 @@ std::vector<float> noise(std::size_t count) {
 }
 
 ScanSource one_scan() {
-  return [given = false]() mutable -> std::optional<Scan> {
-    if (std::exchange(given, true)) return std::nullopt;
+  return [given = false]() mutable -> std::unique_ptr<ScanStream> {
+    if (std::exchange(given, true)) return nullptr;
     Scan scan;
     for (const float value : noise(5000)) scan.points.push_back({value * 1e-6f, 1, 2});
-    return scan;
+    return std::make_unique<ScanInMemory>(std::move(scan));
   };
 }
 

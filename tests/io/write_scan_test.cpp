@@ -37,8 +37,12 @@ Scan full_scan(int rows, int cols, bool row_by_row = false) {
 
 io::ScanSource source(std::vector<Scan> scans) {
   return [scans, at = std::size_t{0}]() mutable {
-    return at < scans.size() ? std::optional(scans[at++]) : std::nullopt;
+    return at < scans.size() ? std::make_unique<io::ScanInMemory>(scans[at++]) : nullptr;
   };
+}
+
+io::WriteLosses losses_in(const std::string& name, const Scan& scan) {
+  return io::losses_of(io::writer_for(name), io::ScanInMemory(scan));
 }
 
 Scan through(const ScanFolder& folder, const std::string& name, const Scan& scan) {
@@ -186,7 +190,7 @@ TEST(WriteScan, IntensitiesGoToTheRangeOfTheFormatAndBack) {
 TEST(WriteScan, LossesAreNamed) {
   const Scan scan = full_scan(4, 5);
   const auto losses = [&](const char* name, const Scan& of) {
-    const auto found = io::losses_of(io::writer_for(name), of);
+    const auto found = losses_in(name, of);
     return fmt::format("{} | {}", fmt::join(found.dropped, ", "), fmt::join(found.changed, ", "));
   };
   EXPECT_EQ(losses("a.ptx", scan), " | ");
@@ -211,9 +215,8 @@ TEST(WriteScan, SamplesBesideTheGridAreNoPartOfIt) {
   scan.rgb.push_back({1, 2, 3});
   for (const char* name : {"a.ptx", "a.pcd"}) {
     expect_same_grid(grid, through(folder, name, scan));
-    EXPECT_EQ(
-        io::losses_of(io::writer_for(name), scan).dropped,
-        (std::vector<std::string>{"angle tables, interpolated nodes (0)", "samples beside the grid (1)"}));
+    EXPECT_EQ(losses_in(name, scan).dropped, (std::vector<std::string>{"angle tables, interpolated nodes (0)",
+                                                                       "samples beside the grid (1)"}));
   }
   EXPECT_EQ(through(folder, "a.ply", scan).points.back(), (std::array<float, 3>{7, 8, 9}));
 }
@@ -227,8 +230,8 @@ TEST(WriteScan, E57AndRangeImagesKeepEverySample) {
     scan.points[5] = {0, 0, 0};  // at the mirror: no return
     for (const char* name : {"a.e57", "a.exr"}) {
       SCOPED_TRACE(name);
-      EXPECT_TRUE(io::losses_of(io::writer_for(name), scan).dropped.empty());
-      EXPECT_TRUE(io::losses_of(io::writer_for(name), scan).changed.empty());
+      EXPECT_TRUE(losses_in(name, scan).dropped.empty());
+      EXPECT_TRUE(losses_in(name, scan).changed.empty());
       const Scan read = through(folder, name, scan);
       Scan expected = scan;
       expected.points[5] = {kNaN, kNaN, kNaN};
@@ -276,7 +279,7 @@ TEST(WriteScan, AGridWithMissingNodesIsFilledWithNoReturns) {
   scan.rgb.resize(4);
   scan.node = {5, 0, 2, Scan::kNoNode};  // row * 2 + column
   for (const char* name : {"a.ptx", "a.pcd", "a.e57", "a.exr"}) {
-    const auto losses = io::losses_of(io::writer_for(name), scan);
+    const auto losses = losses_in(name, scan);
     EXPECT_EQ(losses.dropped, std::vector<std::string>{"samples beside the grid (1)"}) << name;
     const Scan read = through(folder, name, scan);
     if (!read.node.empty()) {  // these hold no more than the samples

@@ -1,0 +1,291 @@
+// A scan in blocks is the scan read at once, in whatever order its samples are asked for.
+#include "io/scan_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "io/allocation_watch.hpp"
+#include "io/e57_scans.hpp"
+#include "io/exr_e57.hpp"
+#include "io/files.hpp"
+#include "io/las_samples.hpp"
+#include "io/node_blocks.hpp"
+#include "io/read_scan.hpp"
+#include "io/stream_scan.hpp"
+#include "io/write_scan.hpp"
+
+namespace hybrid::io {
+namespace {
+using testing::error_of;
+using testing::TemporaryFolder;
+namespace fs = std::filesystem;
+
+// The columns of all samples.
+struct Samples {
+  std::string points, exact;  // bytes, as NaN are the same here
+  std::vector<float> intensity;
+  std::vector<std::array<std::uint8_t, 3>> rgb;
+  std::vector<std::uint32_t> node;
+
+  void add(const SampleBlock& block) {
+    points.append(reinterpret_cast<const char*>(block.points.data()), block.points.size_bytes());
+    exact.append(reinterpret_cast<const char*>(block.exact.data()), block.exact.size_bytes());
+    intensity.insert(intensity.end(), block.intensity.begin(), block.intensity.end());
+    rgb.insert(rgb.end(), block.rgb.begin(), block.rgb.end());
+    node.insert(node.end(), block.node.begin(), block.node.end());
+  }
+  bool operator==(const Samples&) const = default;
+};
+
+Samples samples_of(const ScanStream& scan) {
+  Samples samples;
+  scan.for_each_block([&](const SampleBlock& block) {
+    samples.add(block);
+    return true;
+  });
+  return samples;
+}
+
+void expect_same_facts(const SampleFacts& a, const SampleFacts& b) {
+  EXPECT_EQ(a.returns, b.returns);
+  EXPECT_EQ(a.no_returns, b.no_returns);
+  EXPECT_EQ(a.beside, b.beside);
+  EXPECT_EQ(a.least, b.least);
+  EXPECT_EQ(a.greatest, b.greatest);
+  EXPECT_EQ(a.least_finite, b.least_finite);
+  EXPECT_EQ(a.greatest_finite, b.greatest_finite);
+  EXPECT_EQ(a.whole, b.whole);
+  EXPECT_EQ(a.least_m, b.least_m);
+  EXPECT_EQ(a.greatest_m, b.greatest_m);
+  EXPECT_EQ(a.hash, b.hash);
+}
+
+// Every scan of a file, streamed, against the same read at once; returns the last.
+std::unique_ptr<ScanStream> expect_same(const fs::path& file, bool streams = true) {
+  std::unique_ptr<ScanStream> stream;
+  for (const bool exact : {false, true})
+    for (ScanEntry& entry : list_scans(file, {.exact = exact})) {
+      entry.kept_bytes = exact ? 1 << 20 : 0;  // some of them, or all; none
+      SCOPED_TRACE(::testing::Message() << file.filename() << ' ' << entry.name << (exact ? " exact" : ""));
+      const ScanInMemory whole(read_scan(file, entry));
+      stream = stream_scan(file, entry);
+      EXPECT_EQ(dynamic_cast<const ScanInMemory*>(stream.get()) == nullptr, streams);
+      const Scan &a = whole.head(), &b = stream->head();
+      EXPECT_EQ(a.name, b.name);
+      EXPECT_EQ(a.origin, b.origin);
+      EXPECT_EQ(a.grid_rows, b.grid_rows);
+      EXPECT_EQ(a.grid_cols, b.grid_cols);
+      EXPECT_EQ(a.row_by_row, b.row_by_row);
+      EXPECT_EQ(a.intensity_limits, b.intensity_limits);
+      EXPECT_EQ(a.crs, b.crs);
+      EXPECT_EQ(a.notes, b.notes);
+      EXPECT_EQ(a.steps.has_value(), b.steps.has_value());
+      EXPECT_EQ(a.world_from_scan.has_value(), b.world_from_scan.has_value());
+      expect_same_facts(whole.facts(), stream->facts());
+      const Samples expected = samples_of(whole);
+      EXPECT_TRUE(expected == samples_of(*stream));
+      // Anywhere.
+      std::mt19937 random(3);
+      for (int i = 0; i < 6 && whole.count() > 0; ++i) {
+        const std::uint64_t first = random() % whole.count();
+        const std::size_t count = 1 + random() % (whole.count() - first);
+        Samples some, same;
+        some.add(whole.read(first, count));
+        same.add(stream->read(first, count));
+        EXPECT_TRUE(some == same) << first << " " << count;
+      }
+    }
+  return stream;
+}
+
+std::string number(std::mt19937& random) {
+  return fmt::format("{:.5f}", static_cast<double>(random() % 2'000'001) / 1e4 - 100);
+}
+
+// Rows of a text: no-returns, blank lines, lines longer than a piece's overlap.
+std::string text_points(std::size_t count, int columns, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool none = random() % 7 == 0;
+    for (int k = 0; k < 3; ++k) text += (none ? "0" : number(random)) + ' ';
+    if (columns % 3 == 1) text += fmt::format("{:.3f} ", static_cast<double>(random() % 1000) / 1000);
+    for (int k = 0; k < 3 && columns >= 6; ++k) text += fmt::format("{} ", random() % 256);
+    if (random() % 30'000 == 0) text += std::string(9000, ' ');
+    text.back() = '\n';
+    if (random() % 5000 == 0) text += "\n";
+  }
+  return text;
+}
+
+std::string ptx_header(int cols, int rows) {
+  return fmt::format("{}\n{}\n1 2 3\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n1 2 3 1\n", cols, rows);
+}
+
+}  // namespace
+
+TEST(ScanStream, TextIsTheSameInBlocks) {
+  const TemporaryFolder folder;
+  constexpr int kCols = 613, kRows = 500;  // more than two blocks
+  static_assert(kCols * kRows > 2 * static_cast<int>(ScanStream::kBlock));
+  for (const int columns : {4, 7})
+    expect_same(folder.write("a.ptx", ptx_header(kCols, kRows) + text_points(kCols * kRows, columns, 1) +
+                                          ptx_header(3, 2) + text_points(6, columns, 2)));
+  for (const int columns : {3, 4, 6, 7})
+    expect_same(
+        folder.write("a.pts", fmt::format("{}\n", 150'000) + text_points(150'000, columns, 3) + "0\n"));
+}
+
+TEST(ScanStream, TextWithEverythingOddIsTheSameInBlocks) {
+  const TemporaryFolder folder;
+  expect_same(folder.write("far.pts", "3\n530000.123456 180000.5 3\n0 0 0\n530001 180001 3\n"));
+  expect_same(folder.write("commas.pts", "2\n1,2,3,4\n5,6,7,-2000\n"));
+  expect_same(folder.write("nan.pts", "3\nnan 1 2\n1e300 1 2\n1 2 3\n"));
+  expect_same(folder.write("none.ptx", ptx_header(2, 2) + "0 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 0\n"));
+  expect_same(folder.write("one.pts", "1.5 2 3 0.25\n"));
+}
+
+TEST(ScanStream, LasIsTheSameInBlocks) {
+  const TemporaryFolder folder;
+  for (const int minor : {2, 4}) expect_same(folder.write("a.las", testing::las_sample(minor)));
+  std::string bytes = testing::las_sample(2);  // colours that are bytes
+  for (std::size_t record = bytes.size() - 4 * 26; record < bytes.size(); record += 26)
+    for (const std::size_t high : {21u, 23u, 25u}) bytes[record + high] = '\0';
+  expect_same(folder.write("bytes.las", bytes));
+  const fs::path made = folder.path() / "made.las";
+  for (const std::string first : {"", "530000.123456 180000.5 3 0 9 9 9\n"}) {
+    const std::size_t count = first.empty() ? 300'000 : 20;
+    const fs::path text = folder.write("a.pts", first + text_points(count, 7, 7));
+    auto stream = stream_scan(text, list_scans(text, {.exact = true}).at(0));
+    write_las(made, [&] { return std::move(stream); });
+    expect_same(made);
+  }
+}
+
+TEST(ScanStream, DamageIsTheSameErrorInBlocks) {
+  const TemporaryFolder folder;
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"word.ptx",
+                                            ptx_header(2, 2) + "1 2 3 4\n1 2 x 4\n1 2 3 4\n1 2 3 4\n"},
+        {"few.pts", "3\n10 20 30\n1 2\n10 20 30\n"},
+        {"absurd.pts", "3\n1 2 3\n1 2e13 3\n1 2 3\n"}}) {
+    const fs::path file = folder.write(name, bytes);
+    const ScanEntry entry = list_scans(file).at(0);
+    EXPECT_EQ(error_of(ErrorKind::input, [&] { stream_scan(file, entry); }),
+              error_of(ErrorKind::input, [&] { read_scan(file, entry); }));
+  }
+}
+
+namespace {
+
+// A scan of rows x cols nodes: `order` says which node each record has.
+fs::path e57_of(const fs::path& file, int rows, int cols, const std::vector<std::uint32_t>& order,
+                std::optional<E57Limits> declared_rows = {}, bool returns = false) {
+  E57Scan scan;
+  scan.name = "a";
+  for (const char* axis : {"cartesianX", "cartesianY", "cartesianZ"})
+    scan.points.fields.push_back(testing::scaled_field(axis, -100'000, 100'000, 1e-4));
+  scan.points.fields.push_back(testing::integer_field("intensity", 0, 2047));
+  scan.points.fields.push_back(testing::integer_field("rowIndex", 0, 5000));
+  scan.points.fields.push_back(testing::integer_field("columnIndex", 0, 5000));
+  if (returns) scan.points.fields.push_back(testing::integer_field("returnIndex", 0, 1));
+  scan.intensity = E57Limits{0, 2047};
+  scan.rows = declared_rows ? declared_rows : E57Limits{7, 7.0 + rows - 1};
+  scan.columns = E57Limits{0, cols - 1.0};
+  testing::E57Columns columns = testing::random_columns(scan.points.fields, order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    columns.integers[4][i] = 7 + order[i] / static_cast<std::uint32_t>(cols);
+    columns.integers[5][i] = order[i] % static_cast<std::uint32_t>(cols);
+  }
+  testing::write_e57(file, scan, columns);
+  return file;
+}
+
+std::vector<std::uint32_t> all_nodes(int rows, int cols, bool by_columns) {
+  std::vector<std::uint32_t> nodes;
+  for (int i = 0; i < rows * cols; ++i)
+    nodes.push_back(static_cast<std::uint32_t>(by_columns ? i % rows * cols + i / rows : i));
+  return nodes;
+}
+
+}  // namespace
+
+TEST(ScanStream, E57AndItsRangeImageAreTheSameInBlocks) {
+  const TemporaryFolder folder;
+  constexpr int kRows = 421, kCols = 330;
+  auto shuffled = all_nodes(kRows, kCols, true);
+  std::ranges::shuffle(shuffled, std::mt19937(4));
+  shuffled.resize(shuffled.size() - 999);
+  auto twice = all_nodes(9, 8, false);
+  twice.insert(twice.end(), {5, 5, 70});
+  auto some = all_nodes(kRows, kCols, true);
+  std::erase_if(some, [](std::uint32_t node) { return node % 11 == 0; });
+  const fs::path file = folder.path() / "a.e57", exr = folder.path() / "a.exr";
+  const auto check = [&](bool streams = true) {
+    expect_same(file, streams);
+    write_exr_scan(E57FileSource(file), 0, exr, {});
+    expect_same(exr, streams);
+  };
+  for (const auto& order : {all_nodes(kRows, kCols, true), all_nodes(kRows, kCols, false), some, shuffled})
+    e57_of(file, kRows, kCols, order), check();
+  e57_of(file, 9, 8, twice), check();
+  e57_of(file, 9, 8, all_nodes(9, 8, true), E57Limits{0, 3}), check();     // indices beyond
+  e57_of(file, 9, 8, all_nodes(9, 8, true), E57Limits{0, 4000}), check();  // far fewer than declared
+  e57_of(file, 1, 8, all_nodes(1, 8, true)), check();
+  e57_of(file, 4000, 4000, {1, 4000 * 4000 - 1}), check();  // no grid worth its memory
+  e57_of(file, 9, 8, twice, {}, true), check(false);        // several returns of a node
+  e57_of(file, 9, 8, {}), check();
+}
+
+// Lines of a grid that do not all fit, in both directions, against all at once.
+TEST(ScanStream, NodesInBandsAreTheNodesAtOnce) {
+  const TemporaryFolder folder;
+  auto order = all_nodes(37, 29, false);
+  std::erase_if(order, [](std::uint32_t node) { return node % 5 == 0; });
+  order.push_back(17);  // again: the last one counts
+  for (const bool shuffle : {false, true}) {
+    if (shuffle) std::ranges::shuffle(order, std::mt19937(6));
+    const auto stream = expect_same(e57_of(folder.path() / "a.e57", 37, 29, order));
+    for (const bool by_columns : {false, true}) {
+      const auto in_bands = [&](std::uint64_t nodes) {
+        Samples samples;
+        for_each_node_block(
+            *stream, by_columns, [&](const SampleBlock& block) { samples.add(block); }, nodes);
+        return samples;
+      };
+      const Samples all = in_bands(kBandNodes);
+      ASSERT_EQ(all.node.size(), 37u * 29u);
+      for (std::uint32_t i = 0; i < all.node.size(); ++i) {
+        const std::uint32_t node = by_columns ? i % 37 * 29 + i / 37 : i;
+        const bool there = std::ranges::find(order, node) != order.end();
+        ASSERT_EQ(all.node[i], there ? node : Scan::kNoNode);
+        if (!there) continue;
+        const auto last = std::find(order.rbegin(), order.rend(), node);
+        const auto record = static_cast<std::uint64_t>(order.rend() - last - 1);
+        ASSERT_EQ(all.intensity[i], stream->read(record, 1).intensity[0]);
+      }
+      for (const std::uint64_t nodes : {1u, 37u, 100u, 500u}) EXPECT_TRUE(all == in_bands(nodes)) << nodes;
+    }
+  }
+}
+
+// Nothing as large as a column of the scan is asked for.
+TEST(ScanStream, MemoryIsOfBlocks) {
+  const TemporaryFolder folder;
+  constexpr int kCols = 1100, kRows = 1000;
+  const fs::path ptx = folder.write("a.ptx", ptx_header(kCols, kRows) + text_points(kCols * kRows, 4, 5));
+  const fs::path e57 = e57_of(folder.path() / "a.e57", kRows, kCols, all_nodes(kRows, kCols, true));
+  for (const fs::path& file : {ptx, e57}) {
+    auto entry = list_scans(file, {.exact = true}).at(0);
+    entry.kept_bytes = 0;
+    const testing::AllocationWatch watch;
+    const auto stream = stream_scan(file, entry);
+    stream->for_each_block([](const SampleBlock&) { return true; });
+    EXPECT_LT(watch.largest_bytes(), std::size_t{4} * kCols * kRows) << file;
+  }
+}
+
+}  // namespace hybrid::io
