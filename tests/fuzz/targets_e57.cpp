@@ -1,5 +1,6 @@
 // E57 as a whole file, its description alone, and its bit decoder alone.
 #include "fuzz/check_scan.hpp"
+#include "fuzz/check_stream.hpp"
 #include "fuzz/targets.hpp"
 #include "io/e57/bit_decoder.hpp"
 #include "io/e57/e57.hpp"
@@ -53,6 +54,7 @@ void read_both_ways(const fs::path& file, std::string_view) {
   for (std::size_t i = 0; i < strict.size(); ++i)
     check_salvage(strict[i], i < salvaged.size() ? salvaged[i] : std::nullopt);
   for (const auto& scan : salvaged) check_salvage({}, scan);
+  check_streams(file);
 }
 
 std::string written(const fs::path& file, const io::E57WriterOptions& options,

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "fuzz/check_scan.hpp"
+#include "fuzz/check_stream.hpp"
 #include "fuzz/targets.hpp"
 #include "io/file_in_memory.hpp"
 #include "io/foreign_exr.hpp"
@@ -44,6 +45,11 @@ void read_both_ways(const fs::path& file, std::string_view) {
   for (std::size_t i = 0; i < std::max(strict.size(), salvaged.size()); ++i)
     check_salvage(i < strict.size() ? strict[i] : std::nullopt,
                   i < salvaged.size() ? salvaged[i] : std::nullopt);
+}
+
+void read_streams_too(const fs::path& file, std::string_view bytes) {
+  read_both_ways(file, bytes);
+  check_streams(file);
 }
 
 const std::string kPtxHead = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
@@ -133,7 +139,7 @@ Seeds las(const fs::path&) {
 
 // Its samples, and its records as `convert` copies them.
 void read_las_both_ways(const fs::path& file, std::string_view bytes) {
-  read_both_ways(file, bytes);
+  read_streams_too(file, bytes);
   unless_refused([&] {
     const io::LasAsE57 source(file);
     const io::E57Table& table = source.table(source.points(0));
@@ -264,8 +270,8 @@ void read_sealed(const fs::path& file, std::string_view bytes) {
 }  // namespace
 
 std::vector<FuzzTarget> scan_fuzz_targets() {
-  return {{"ptx", "scan.ptx", 1024, ptx, read_both_ways},
-          {"pts", "scan.pts", 512, pts, read_both_ways},
+  return {{"ptx", "scan.ptx", 1024, ptx, read_streams_too},
+          {"pts", "scan.pts", 512, pts, read_streams_too},
           {"ply_ascii", "scan.ply", 1024, ply_ascii, read_both_ways},
           {"ply_binary", "scan.ply", 1024, ply_binary, read_both_ways},
           {"pcd_ascii", "scan.pcd", 1024, pcd_ascii, read_both_ways},
