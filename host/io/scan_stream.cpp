@@ -129,6 +129,8 @@ void ScanStream::reserve(std::size_t samples) {
 }
 
 void ScanStream::measure(std::size_t kept_bytes) {
+  // As a Scan without samples has no columns.
+  if (count_ == 0) exact_ = intensity_ = colour_ = node_ = false;
   const std::uint64_t most = std::min<std::uint64_t>(count_, kept_bytes / sample_bytes());
   reserve(static_cast<std::size_t>(most));
   Hash points, exact;
