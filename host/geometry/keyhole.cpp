@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include "core/error.hpp"
 
@@ -98,8 +99,15 @@ bool between(const Vec2& a, const Vec2& b, const Vec2& point) {
 
 // Does the open segment p-q meet an edge of `ring` that does not end at p or q?
 bool blocked(const Flat& flat, const Ring& ring, std::uint32_t p, std::uint32_t q) {
+  const Vec2 from = flat(p), to = flat(q), low = from.cwiseMin(to), high = from.cwiseMax(to);
+  Vec2 end = flat(ring[0]);
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const std::uint32_t c = ring[i], d = ring[(i + 1) % ring.size()];
+    const Vec2 begin = std::exchange(end, flat(d));
+    // Most edges lie elsewhere.
+    if ((begin.cwiseMax(end).array() < low.array()).any() ||
+        (begin.cwiseMin(end).array() > high.array()).any())
+      continue;
     if (c == p || c == q || d == p || d == q) continue;
     const double pqc = flat.side(p, q, c), pqd = flat.side(p, q, d);
     const double cdp = flat.side(c, d, p), cdq = flat.side(c, d, q);

@@ -70,6 +70,7 @@ class Outline {
 
   std::vector<std::array<std::uint32_t, 3>> triangles() {
     bridge_holes();
+    begin_clipping();
     std::vector<std::array<std::uint32_t, 3>> found;
     double clipped = 0;
     while (ring_.size() >= 3) {
@@ -80,7 +81,7 @@ class Outline {
       }
       found.push_back({model_vertex_[before(i)], model_vertex_[ring_[i]], model_vertex_[after(i)]});
       clipped += 0.5 * turn(before(i), ring_[i], after(i));
-      ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(i));
+      drop(i);
     }
     if (std::abs(clipped - area_) > 1e-6 * std::abs(area_) + tolerance_) fail_crossing();
     return found;
@@ -178,16 +179,64 @@ class Outline {
                first_hole + 1);
   }
 
-  // The first vertex that can be clipped; ring_.size() when none can.
-  std::size_t find_ear() const {
+  // From here on every place of the ring, which bridges pass twice, has vertices of its own.
+  void begin_clipping() {
+    const Ring passed = ring_;
+    for (std::size_t i = 0; i < passed.size(); ++i) {
+      flat_.push_back(at(passed[i]));
+      model_vertex_.push_back(model_vertex_[passed[i]]);
+      ring_[i] = static_cast<std::uint32_t>(flat_.size() - 1);
+    }
+    next_.assign(flat_.size(), kGone);
+    for (std::size_t i = 0; i < ring_.size(); ++i) next_[ring_[i]] = after(i);
+    obstacle_.assign(flat_.size(), {});
+  }
+
+  void drop(std::size_t i) {
+    next_[before(i)] = after(i);
+    next_[ring_[i]] = kGone;
+    ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+
+  // Why a vertex was no ear when its neighbours were these: no corner, a vertex inside, or a side that
+  // blocks.
+  struct Obstacle {
+    std::uint32_t before = kGone, after = kGone;
+    std::uint32_t first = kGone, second = kGone;  // a side; a vertex alone; none: no corner
+  };
+  bool stands(const Obstacle& o) const {
+    return o.first == kGone || (next_[o.first] != kGone && (o.second == kGone || next_[o.first] == o.second));
+  }
+
+  Obstacle find_obstacle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    if (side(a, b, c) <= 0) return {a, c, kGone, kGone};
+    for (const std::uint32_t v : ring_)
+      if (!same_place(v, a) && !same_place(v, b) && !same_place(v, c) && side(a, b, v) >= 0 &&
+          side(b, c, v) >= 0 && side(c, a, v) >= 0)
+        return {a, c, v, kGone};
+    // A side that blocks comes within half the diagonal's length of its middle.
+    const Vec2 middle = 0.5 * (at(a) + at(c));
+    const double reach = 0.5 * (at(a) - at(c)).norm() * (1 + 1e-9) + std::sqrt(tolerance_) * 1e-3;
+    const Vec2 low = middle.array() - reach, high = middle.array() + reach;
+    for (const std::uint32_t p : ring_) {
+      const std::uint32_t q = next_[p];
+      const Vec2 &from = at(p), &to = at(q);
+      if (std::max(from.x(), to.x()) < low.x() || std::min(from.x(), to.x()) > high.x() ||
+          std::max(from.y(), to.y()) < low.y() || std::min(from.y(), to.y()) > high.y())
+        continue;
+      if (blocks(p, q, a, c)) return {a, c, p, q};
+    }
+    return {};
+  }
+
+  // The first vertex that can be clipped; ring_.size() when none can. What kept a vertex from being an ear
+  // mostly still does.
+  std::size_t find_ear() {
     for (std::size_t i = 0; i < ring_.size(); ++i) {
-      const std::uint32_t a = before(i), b = ring_[i], c = after(i);
-      if (side(a, b, c) <= 0) continue;
-      const bool holds_vertex = std::any_of(ring_.begin(), ring_.end(), [&](std::uint32_t v) {
-        return !same_place(v, a) && !same_place(v, b) && !same_place(v, c) && side(a, b, v) >= 0 &&
-               side(b, c, v) >= 0 && side(c, a, v) >= 0;
-      });
-      if (!holds_vertex && !ring_blocks(ring_, a, c)) return i;
+      Obstacle& known = obstacle_[ring_[i]];
+      if (known.before == before(i) && known.after == after(i) && stands(known)) continue;
+      known = find_obstacle(before(i), ring_[i], after(i));
+      if (known.before == kGone) return i;
     }
     return ring_.size();
   }
@@ -196,7 +245,7 @@ class Outline {
   bool drop_flat_vertex() {
     for (std::size_t i = 0; i < ring_.size(); ++i)
       if (side(before(i), ring_[i], after(i)) == 0) {
-        ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(i));
+        drop(i);
         return true;
       }
     return false;
@@ -215,6 +264,10 @@ class Outline {
   Ring model_vertex_;
   Ring ring_;
   std::vector<Ring> holes_;
+  // While ears are clipped, per vertex: the next one in the ring, or kGone; why it was no ear.
+  static constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
+  Ring next_;
+  std::vector<Obstacle> obstacle_;
   double area_ = 0, tolerance_ = 0;
 };
 

@@ -149,20 +149,26 @@ ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentati
   result.covered.assign(image.count(), 0);
   const auto extents = find_extents(image, segmentation, explained);
   const Judge judge{image, segmentation, stray, sigma_m, options};
+  std::vector<std::size_t> unexplained;  // superclusters
   for (std::size_t k = 0; k < extents.size(); ++k) {
-    const Supercluster& supercluster = segmentation.superclusters[k];
     if (extents[k].samples == 0) continue;
-    ContourFit fit{supercluster.id};
+    ContourFit fit{segmentation.superclusters[k].id};
     fit.unexplained_share =
         1 - static_cast<double>(extents[k].explained) / static_cast<double>(extents[k].samples);
     if (fit.unexplained_share < options.unexplained_share) continue;
-    const auto rings = flat_rings(image, supercluster, options.straighten);
-    const PolygonModel polygons = polygons_of(rings);
-    if (!polygons.faces.empty() && can_be_triangulated(moved(world_from_scan, polygons)))
-      judge.weigh(supercluster, extents[k], rings, fit, result.covered);
-    if (fit.polygon) append(polygons, supercluster.id, result);
+    unexplained.push_back(k);
     result.fits.push_back(fit);
   }
+  std::vector<PolygonModel> polygons(unexplained.size());
+  parallel_for(unexplained.size(), [&](std::size_t i) {  // each marks members of its own
+    const std::size_t k = unexplained[i];
+    const auto rings = flat_rings(image, segmentation.superclusters[k], options.straighten);
+    polygons[i] = polygons_of(rings);
+    if (!polygons[i].faces.empty() && can_be_triangulated(moved(world_from_scan, polygons[i])))
+      judge.weigh(segmentation.superclusters[k], extents[k], rings, result.fits[i], result.covered);
+  });
+  for (std::size_t i = 0; i < polygons.size(); ++i)
+    if (result.fits[i].polygon) append(polygons[i], result.fits[i].supercluster, result);
   return result;
 }
 
