@@ -73,8 +73,9 @@ ProxyTree ProxyModel::tree_at(const Vec3& origin) const {
 
 const ProxyModel::Sights& ProxyModel::sights() const {
   std::call_once(made_->once_sights, [&] {
+    const auto triangles = triangulate(polygons_);  // checks the polygons, too
     const Vec3 origin = middle_of(polygons_);
-    made_->sights = {origin, build_bvh(corners_of(polygons_, triangulate(polygons_), origin), {})};
+    made_->sights = {origin, build_bvh(corners_of(polygons_, triangles, origin), {})};
   });
   return made_->sights;
 }
