@@ -4,7 +4,7 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build ccache pkg-config git
   pocl-opencl-icd ocl-icd-opencl-dev
-  libeigen3-dev libceres-dev libnanoflann-dev libtbb-dev libfmt-dev libspdlog-dev libxxhash-dev libzstd-dev libsqlite3-dev
+  libeigen3-dev libceres-dev libnanoflann-dev libtbb-dev libfmt-dev libspdlog-dev libxxhash-dev libzstd-dev libdeflate-dev libsqlite3-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libpugixml-dev
   libopenexr-dev libopenimageio-dev openimageio-tools libopencv-core-dev # OIIO's CMake files ask for the last two
   libembree-dev                                                          # hybrid-synth's independent ray tracer

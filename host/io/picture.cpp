@@ -14,9 +14,6 @@ Image8 decode_photograph(const PictureBytes& picture, const PictureBytes& mask, 
 PictureSize picture_size(const std::filesystem::path& file) {
   return picture_library().picture_size(file);
 }
-void write_png(const std::filesystem::path& file, const Image8& image) {
-  picture_library().write_png(file, image);
-}
 void write_jpeg(const std::filesystem::path& file, const Image8& image, int quality) {
   picture_library().write_jpeg(file, image, quality);
 }

@@ -15,7 +15,6 @@ struct PictureLibrary {
   decltype(&io::read_photograph) read_photograph;
   decltype(&io::decode_photograph) decode_photograph;
   decltype(&io::picture_size) picture_size;
-  decltype(&io::write_png) write_png;
   void (*write_jpeg)(const std::filesystem::path&, const Image8&, int quality);
   void (*write_best_jpeg)(const std::filesystem::path&, const Image8&);
   void (*write_tiff)(const std::filesystem::path&, const Image8&);

@@ -8,7 +8,6 @@ Image8 read_photograph(const std::filesystem::path& file, int expected_width, in
 Image8 decode_photograph(const io::PictureBytes& picture, const io::PictureBytes& mask,
                          const std::string& name, int expected_width, int expected_height);
 io::PictureSize picture_size(const std::filesystem::path& file);
-void write_png(const std::filesystem::path& file, const Image8& image);
 void write_jpeg(const std::filesystem::path& file, const Image8& image, int quality);
 void write_best_jpeg(const std::filesystem::path& file, const Image8& image);
 void write_tiff(const std::filesystem::path& file, const Image8& image);

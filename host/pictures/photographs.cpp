@@ -16,7 +16,6 @@
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
 #include "io/output.hpp"
-#include "io/output_file.hpp"
 
 namespace hybrid::pictures {
 using namespace io;
@@ -203,32 +202,6 @@ Image8 decode_bytes(const PictureBytes& picture, const std::string& name, int wi
   return decode<std::uint8_t>(name, *input, spec, OIIO::TypeUInt8);
 }
 
-// Encoded in memory: OpenImageIO does not look whether the last bytes of a file reached the disk.
-void write_encoded(const fs::path& file, const Image8& image, const char* format,
-                   const OIIO::ImageSpec& spec) {
-  OIIO::Filesystem::IOVecOutput encoded;
-  const auto output = OIIO::ImageOutput::create(format, &encoded);
-  if (!output || !output->open(std::string("memory.") + format, spec) ||
-      !output->write_image(OIIO::TypeUInt8, image.pixels.data()) || !output->close())
-    fail(ErrorKind::failed, "{}: cannot encode: {}", file.string(),
-         reason(output ? output->geterror() : OIIO::geterror()));
-  write_atomically(file, [&](const fs::path& temporary) {
-    OutputFile out(temporary);
-    out.write(encoded.buffer().data(), encoded.buffer().size());
-    out.close();
-  });
-}
-
-OIIO::ImageSpec output_spec(const fs::path& file, const Image8& image, bool alpha) {
-  if (image.width < 1 || image.height < 1 ||
-      (image.channels != 1 && image.channels != 3 && !(alpha && image.channels == 4)))
-    fail(ErrorKind::failed, "{}: expected a picture of 1, 3{} channels, found {} x {} with {}", file.string(),
-         alpha ? " or 4" : "", image.width, image.height, image.channels);
-  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
-  spec["oiio:ColorSpace"] = "sRGB";
-  return spec;
-}
-
 }  // namespace
 
 Image8 decode_photograph(const PictureBytes& picture, const PictureBytes& mask, const std::string& name,
@@ -272,19 +245,6 @@ PictureSize picture_size(const fs::path& file) {
   const OIIO::ImageSpec spec = open_picture(file)->spec();
   check_size(file, spec);
   return {spec.width, spec.height};
-}
-
-void write_png(const fs::path& file, const Image8& image) {
-  OIIO::ImageSpec spec = output_spec(file, image, true);
-  spec["oiio:UnassociatedAlpha"] = 1;
-  spec["png:compressionLevel"] = 3;  // half the time of the default 6 for a fifth more bytes
-  write_encoded(file, image, "png", spec);
-}
-
-void write_jpeg(const fs::path& file, const Image8& image, int quality) {
-  OIIO::ImageSpec spec = output_spec(file, image, false);
-  spec["Compression"] = fmt::format("jpeg:{}", quality);
-  write_encoded(file, image, "jpg", spec);
 }
 
 }  // namespace hybrid::pictures

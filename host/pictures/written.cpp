@@ -31,26 +31,32 @@ void write_encoded(const fs::path& file, const char* format, const OIIO::ImageSp
 // The library would write the time of day.
 constexpr const char* kNoDate = "1970:01:01 00:00:00";
 
-OIIO::ImageSpec colour_spec(const fs::path& file, const Image8& image) {
-  if (image.width < 1 || image.height < 1 || image.channels != 3)
-    fail(ErrorKind::failed, "{}: expected a picture of 3 channels, found {} x {} with {}", file.string(),
-         image.width, image.height, image.channels);
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeUInt8);
+OIIO::ImageSpec picture_spec(const fs::path& file, const Image8& image, bool grey_too) {
+  if (image.width < 1 || image.height < 1 || (image.channels != 3 && !(grey_too && image.channels == 1)))
+    fail(ErrorKind::failed, "{}: expected a picture of {}3 channels, found {} x {} with {}", file.string(),
+         grey_too ? "1 or " : "", image.width, image.height, image.channels);
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeUInt8);
   spec["oiio:ColorSpace"] = "sRGB";
   return spec;
 }
 
 }  // namespace
 
+void write_jpeg(const fs::path& file, const Image8& image, int quality) {
+  OIIO::ImageSpec spec = picture_spec(file, image, true);
+  spec["Compression"] = fmt::format("jpeg:{}", quality);
+  write_encoded(file, "jpg", spec, image.pixels.data());
+}
+
 void write_best_jpeg(const fs::path& file, const Image8& image) {
-  OIIO::ImageSpec spec = colour_spec(file, image);
+  OIIO::ImageSpec spec = picture_spec(file, image, false);
   spec["Compression"] = "jpeg:95";
   spec["jpeg:subsampling"] = "4:4:4";
   write_encoded(file, "jpg", spec, image.pixels.data());
 }
 
 void write_tiff(const fs::path& file, const Image8& image) {
-  OIIO::ImageSpec spec = colour_spec(file, image);
+  OIIO::ImageSpec spec = picture_spec(file, image, false);
   spec["compression"] = "zip";
   spec["DateTime"] = kNoDate;
   write_encoded(file, "tif", spec, image.pixels.data());
