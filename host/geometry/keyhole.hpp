@@ -13,9 +13,9 @@ namespace hybrid {
 // ring, the others are appended to the holes, turned clockwise where needed. Other rings stay as they are.
 void split_keyholes(const PolygonModel& model, Face& face);
 
-// The outer ring with every hole joined to it by the shortest edge that crosses nothing; vertices at both
-// ends of such an edge occur twice. Throws ErrorKind::input naming the face when a hole cannot be reached:
-// rings that cross or lie outside.
+// The outer ring with every hole joined to it by a short edge that crosses nothing; vertices at both ends of
+// such an edge occur twice. Throws ErrorKind::input naming the face when a hole cannot be reached: rings that
+// cross or lie outside.
 std::vector<std::uint32_t> keyhole_ring(const PolygonModel& model, const Face& face);
 
 }  // namespace hybrid

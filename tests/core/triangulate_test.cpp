@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/error.hpp"
+#include "geometry/keyhole.hpp"
 #include "geometry/polygon_model.hpp"
 #include "lib/random.h"
 
@@ -130,6 +131,38 @@ TEST(Triangulate, bridges_holes) {
                        .hole({{1, 4}, {1, 5}, {2, 5}, {2, 4}})
                        .hole({{6, 4}, {6, 5}, {7, 5}, {7, 4}}),
                    38);
+}
+
+// As contours have them: thousands of vertices, long sides beside short ones, and hundreds of holes, which
+// the keyhole ring goes around, too.
+TEST(Triangulate, takes_rough_outlines_with_many_holes) {
+  const auto uniform = [](int item, std::uint32_t draw) {
+    return random_bits(7, static_cast<std::uint32_t>(item), draw) / 4294967296.0;
+  };
+  Drawing drawing;
+  std::vector<std::array<double, 2>> rough{{0, 0}, {60, 0}};
+  double area = 60 * 9;
+  for (int i = 0; i < 1200; ++i) {  // from the right to the left, ever another height
+    const double left = 60 - 0.05 * (i + 1), height = 9 + uniform(i, 0);
+    rough.push_back({left + 0.05, height});
+    rough.push_back({left, height});
+    area += 0.05 * (height - 9);
+  }
+  drawing.outer(rough);
+  for (int row = 0; row < 8; ++row)
+    for (int col = 0; col < 40; ++col) {
+      const double x = 1.5 * col + 0.3 + 0.2 * uniform(row, 1), y = row + 0.5;
+      drawing.hole({{x, y}, {x, y + 0.6}, {x + 0.7, y + 0.6}, {x + 0.7, y}});
+      area -= 0.42;
+    }
+  expect_partition(drawing, area);
+
+  const Face& face = drawing.model.faces[0];
+  Face again{"again", keyhole_ring(drawing.model, face), {}};
+  EXPECT_EQ(again.outer.size(), face.outer.size() + 320 * (4 + 2));
+  split_keyholes(drawing.model, again);
+  EXPECT_EQ(again.holes.size(), 320u);
+  EXPECT_NEAR(face_area_m2(drawing.model, again), area, 1e-7 * area);
 }
 
 TEST(Triangulate, keeps_collinear_and_repeated_vertices_from_doing_harm) {
