@@ -13,7 +13,10 @@ namespace {
 constexpr double kFloodSigmas = 3;
 constexpr double kLeastCosine = 0.02;  // as window_planes' seeds
 constexpr int kSparseReach = 2;        // samples
-constexpr std::uint32_t kInside = 0xffffffffu;
+
+// Marks of samples while one plane floods: 0, one of these, or the number of the fit that rejected the
+// sample: the same fit need not be asked again.
+constexpr std::uint32_t kInside = 0xffffffffu, kWall = 0xfffffffeu;
 
 // The samples of an image, by their index.
 class WholeField {
@@ -21,11 +24,10 @@ class WholeField {
   WholeField(const RangeImage& image, const std::vector<std::uint8_t>& use) : image_(image), use_(use) {
     marks().clear();
   }
-  Vec3 point(std::uint32_t i) const { return image_.point(i); }
-  double range(const Vec3& point, std::uint32_t) const { return point.norm(); }
-  std::uint32_t& mark(std::uint32_t i) { return marks().of(i); }
+  FloodSample sample(std::uint32_t i) const { return FloodSample(image_.point(i)); }
+  void mark(std::uint32_t i, std::uint32_t value) { marks().of(i) = value; }
   template <typename Visit>
-  bool for_free_neighbours(std::uint32_t i, int reach, const Visit& visit) const {
+  bool for_neighbours(std::uint32_t i, int reach, std::uint32_t fit, const Visit& visit) const {
     const int cols = image_.cols, row = static_cast<int>(i) / cols, col = static_cast<int>(i) % cols;
     for (int r = std::max(row - reach, 0); r <= std::min(row + reach, image_.rows - 1); ++r)
       for (int step = -reach; step <= reach; ++step) {
@@ -33,7 +35,9 @@ class WholeField {
         if (image_.wraps) c = (c + cols) % cols;
         if (c < 0 || c >= cols) continue;
         const auto other = static_cast<std::uint32_t>(image_.index(r, c));
-        if (use_[other] == kFree && !visit(other)) return false;
+        if (use_[other] != kFree) continue;
+        const std::uint32_t mark = marks().of(other);
+        if (mark != kInside && mark != fit && !visit(other)) return false;
       }
     return true;
   }
@@ -47,36 +51,55 @@ class WholeField {
   const std::vector<std::uint8_t>& use_;
 };
 
+// Whether a sample lies on the plane along its ray, seen at no more than grazing incidence: residual and
+// incidence of RayPlane::at() against kFloodSigmas of noise, both sides times what would be divided by.
+class LiesOn {
+ public:
+  LiesOn(const RayPlane& plane, const RangeNoise& noise) : plane_(plane), noise_(noise) {}
+  // `unsure`: the plane's own uncertainty counts, too.
+  bool operator()(const FloodSample& sample, bool unsure) const {
+    const double reached = plane_.reached(sample.point);
+    const double cosine = std::abs(reached) * plane_.inverse_length() * sample.inverse_range;
+    if (!(reached > 0) || !(cosine >= kLeastCosine)) return false;
+    const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    const double sigma_cosine =
+        (noise_.base_m + noise_.per_m * sample.range) * cosine +
+        (noise_.per_tan_m + noise_.per_m_tan * sample.range) * std::min(sine, RANGE_NOISE_MOST_TAN * cosine);
+    const double off = std::abs(sample.range * (reached - 1)) * cosine,
+                 limit = kFloodSigmas * sigma_cosine * reached;
+    return off <= limit ||
+           // Looked at only where it could matter.
+           (unsure && off <= limit * std::sqrt(1 + plane_.prediction_variance(sample.point)));
+  }
+
+ private:
+  const RayPlane& plane_;
+  const RangeNoise& noise_;
+};
+
 // Grows `samples` over what lies on the plane through all of them; empty when they fix none.
 template <typename Field>
 std::vector<std::uint32_t> flood(Field& field, const RangeNoise& noise, int reach,
                                  std::vector<std::uint32_t> samples) {
-  // kInside, or the number of the fit that rejected the sample: the same fit need not be asked again.
-  for (const std::uint32_t i : samples) field.mark(i) = kInside;
+  for (const std::uint32_t i : samples) field.mark(i, kInside);
   if (samples.empty()) return {};
-  RayPlane plane(field.point(samples[0]));
-  for (const std::uint32_t i : samples) plane.add(field.point(i));
+  RayPlane plane(field.sample(samples[0]).point);
+  for (const std::uint32_t i : samples) plane.add(field.sample(i).point);
   if (!plane.solve()) return {};
 
-  const auto lies_on = [&](const Vec3& point, double range) {
-    const auto [residual, cosine] = plane.at(point, range);
-    // The plane's own uncertainty is looked at only where it could matter.
-    if (!(cosine >= kLeastCosine)) return false;
-    const double limit = kFloodSigmas * noise.at(range, cosine);
-    return std::abs(residual) <= limit ||
-           std::abs(residual) <= limit * std::sqrt(1 + plane.prediction_variance(point));
-  };
+  const LiesOn lies_on(plane, noise);
   std::size_t fitted = plane.samples();
   std::uint32_t fit = 1;
   for (std::size_t next = 0; next < samples.size(); ++next) {
-    const bool fits = field.for_free_neighbours(samples[next], reach, [&](std::uint32_t i) {
-      std::uint32_t& mark = field.mark(i);
-      if (mark == kInside || mark == fit) return true;
-      const Vec3 point = field.point(i);
-      mark = lies_on(point, field.range(point, i)) ? kInside : fit;
-      if (mark != kInside) return true;
+    const bool fits = field.for_neighbours(samples[next], reach, fit, [&](std::uint32_t i) {
+      const FloodSample sample = field.sample(i);
+      if (!lies_on(sample, true)) {
+        field.mark(i, fit);
+        return true;
+      }
+      field.mark(i, kInside);
       samples.push_back(i);
-      plane.add(point);
+      plane.add(sample.point);
       // A refit per tenth of growth: the plane is always known to where it is tested.
       if (10 * plane.samples() < 11 * fitted) return true;
       fitted = plane.samples();
@@ -87,12 +110,7 @@ std::vector<std::uint32_t> flood(Field& field, const RangeNoise& noise, int reac
   }
   // Samples taken while the plane was uncertain leave when all of them contradict it.
   if (!plane.solve()) return {};
-  std::erase_if(samples, [&](std::uint32_t i) {
-    const Vec3 point = field.point(i);
-    const double range = field.range(point, i);
-    const auto [residual, cosine] = plane.at(point, range);
-    return !(std::abs(residual) <= kFloodSigmas * noise.at(range, cosine)) || !(cosine >= kLeastCosine);
-  });
+  std::erase_if(samples, [&](std::uint32_t i) { return !lies_on(field.sample(i), false); });
   return samples;
 }
 
@@ -137,14 +155,17 @@ PlaneFlood PlaneFlooder::flood(const WindowSeed& seed) const {
 BlockFloods::BlockFloods(const RangeImage& image, const std::vector<std::uint8_t>& use,
                          const RangeNoise& noise, const Tile& limits)
     : image_(image), use_(use), noise_(noise), limits_(limits), width_(limits.cols + 2 * kSparseReach) {
-  nodes_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(limits.rows + 2 * kSparseReach));
+  samples_.resize(static_cast<std::size_t>(width_) *
+                  static_cast<std::size_t>(limits.rows + 2 * kSparseReach));
+  marks_.assign(samples_.size(), kWall);
+  covered_.resize(samples_.size());
   for (int row = limits.row; row < limits.row + limits.rows; ++row)
     for (int col = limits.col; col < limits.col + limits.cols; ++col) {
       const std::size_t i = image.index(row, col);
       if (use[i] != kFree) continue;
-      const Vec3 point = image.point(i);
-      nodes_[local(static_cast<std::uint32_t>(i))] = {image.x[i], image.y[i], image.z[i],
-                                                      0,          false,      point.norm()};
+      const std::uint32_t at = local(static_cast<std::uint32_t>(i));
+      samples_[at] = FloodSample(image.point(i));
+      marks_[at] = 0;
     }
 }
 
@@ -154,24 +175,28 @@ std::uint32_t BlockFloods::local(std::uint32_t sample) const {
   return static_cast<std::uint32_t>(row * width_ + col);
 }
 
-// What flood() asks of a field; the rim of empty nodes spares it asking where the block ends.
+bool BlockFloods::is_open(std::uint32_t sample) const {
+  return marks_[local(sample)] != kWall && !covered_[local(sample)];
+}
+
+// What flood() asks of a field; the rim of walls spares it asking where the block ends.
 struct BlockFloods::Field {
-  std::vector<Node>& nodes;
-  std::vector<std::uint32_t>& marked;
+  const std::vector<FloodSample>& samples;
+  std::vector<std::uint32_t>&marks, &marked;
   int width;
 
-  Vec3 point(std::uint32_t i) const { return {nodes[i].x, nodes[i].y, nodes[i].z}; }
-  double range(const Vec3&, std::uint32_t i) const { return nodes[i].range; }
-  std::uint32_t& mark(std::uint32_t i) {
-    if (nodes[i].mark == 0) marked.push_back(i);
-    return nodes[i].mark;
+  const FloodSample& sample(std::uint32_t i) const { return samples[i]; }
+  void mark(std::uint32_t i, std::uint32_t value) {
+    if (marks[i] == 0) marked.push_back(i);
+    marks[i] = value;
   }
   template <typename Visit>
-  bool for_free_neighbours(std::uint32_t i, int reach, const Visit& visit) const {
+  bool for_neighbours(std::uint32_t i, int reach, std::uint32_t fit, const Visit& visit) const {
     for (int down = -reach; down <= reach; ++down)
       for (int right = -reach; right <= reach; ++right) {
         const auto other = static_cast<std::uint32_t>(static_cast<int>(i) + down * width + right);
-        if (nodes[other].range > 0 && !visit(other)) return false;
+        const std::uint32_t mark = marks[other];
+        if (mark < kWall && mark != fit && !visit(other)) return false;
       }
     return true;
   }
@@ -180,12 +205,12 @@ struct BlockFloods::Field {
 std::size_t BlockFloods::flood(const WindowSeed& seed, std::size_t least) {
   std::vector<std::uint32_t> start;
   for (const std::uint32_t i : seed_samples(image_, use_, seed)) start.push_back(local(i));
-  Field field{nodes_, marked_, width_};
+  Field field{samples_, marks_, marked_, width_};
   const auto samples = stages::flood(field, noise_, reach_of(seed), std::move(start));
-  for (const std::uint32_t i : marked_) nodes_[i].mark = 0;
+  for (const std::uint32_t i : marked_) marks_[i] = 0;
   marked_.clear();
   if (samples.size() >= least)
-    for (const std::uint32_t i : samples) nodes_[i].covered = true;
+    for (const std::uint32_t i : samples) covered_[i] = 1;
   return samples.size();
 }
 

@@ -26,6 +26,15 @@ struct WindowSeed {
   std::uint64_t members = 0;  // of a sparse seed: its samples, a bit each, row by row
 };
 
+// What a flood asks of a sample.
+struct FloodSample {
+  FloodSample() = default;
+  explicit FloodSample(const Vec3& at) : point(at), range(at.norm()), inverse_range(1 / range) {}
+
+  Vec3 point = Vec3::Zero();
+  double range = 0, inverse_range = 0;
+};
+
 struct PlaneFlood {
   std::vector<std::uint32_t> samples;  // sorted
   RayPlane plane{Vec3::UnitX()};
@@ -55,19 +64,11 @@ class BlockFloods {
   BlockFloods(const RangeImage& image, const std::vector<std::uint8_t>& use, const RangeNoise& noise,
               const Tile& limits);
   // Within the limits: whether it is free, and no flood covered it.
-  bool is_open(std::uint32_t sample) const {
-    return nodes_[local(sample)].range > 0 && !nodes_[local(sample)].covered;
-  }
+  bool is_open(std::uint32_t sample) const;
   // Samples of the flood; it covers them when there are at least `least`.
   std::size_t flood(const WindowSeed& seed, std::size_t least);
 
  private:
-  struct Node {
-    float x = 0, y = 0, z = 0;
-    std::uint32_t mark = 0;
-    bool covered = false;
-    double range = 0;  // 0 = not free
-  };
   struct Field;
   std::uint32_t local(std::uint32_t sample) const;
 
@@ -76,8 +77,9 @@ class BlockFloods {
   RangeNoise noise_;
   Tile limits_;
   int width_;
-  std::vector<Node> nodes_;
-  std::vector<std::uint32_t> marked_;
+  std::vector<FloodSample> samples_;
+  std::vector<std::uint32_t> marks_, marked_;
+  std::vector<std::uint8_t> covered_;
 };
 
 }  // namespace hybrid::stages

@@ -22,8 +22,10 @@ void RayPlane::add(const Vec3& point) {
   const double weight = point.squaredNorm();
   const Vec3 turned = frame_ * point;
   samples_ += 1;
-  matrix_ += weight * turned * turned.transpose();
-  right_ += weight * turned;
+  const Vec3 weighted = weight * turned;
+  for (int col = 0; col < 3; ++col)  // LDLT reads the lower triangle
+    for (int row = col; row < 3; ++row) matrix_(row, col) += weighted[row] * turned[col];
+  right_ += weighted;
   constant_ += weight;
 }
 
@@ -37,6 +39,7 @@ bool RayPlane::solve() {
   m_ = frame_.transpose() * solver.solve(right_);
   squares_m2_ = std::max(0.0, constant_ - right_.dot(solver.solve(right_)));
   length_ = m_.norm();
+  inverse_length_ = 1 / length_;
   return m_.allFinite() && length_ > 0;
 }
 

@@ -30,6 +30,9 @@ class RayPlane {
     return {reached > 0 ? range_m * (reached - 1) / reached : std::numeric_limits<double>::quiet_NaN(),
             std::abs(reached) / (length_ * range_m)};
   }
+  // Measured over predicted range; 1 over the length of m.
+  double reached(const Vec3& point) const { return m_.dot(point); }
+  double inverse_length() const { return inverse_length_; }
   // Variance of that prediction, in units of the noise's variance.
   double prediction_variance(const Vec3& point) const {
     return point.squaredNorm() * point.dot(inverse_ * point);
@@ -46,7 +49,7 @@ class RayPlane {
   Vec3 right_ = Vec3::Zero();
   double constant_ = 0;
   Vec3 m_ = Vec3::Zero();
-  double length_ = 0;  // of m
+  double length_ = 0, inverse_length_ = 0;  // of m
   Mat3 inverse_ = Mat3::Zero();
   double squares_m2_ = 0;
 };
