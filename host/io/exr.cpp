@@ -44,6 +44,7 @@ void write_exr(const std::filesystem::path& file, int width, int height,
   Imf::Header header(width, height);
   for (const auto& [name, text] : attributes) header.insert("hybrid:" + name, Imf::StringAttribute(text));
   header.compression() = Imf::ZIP_COMPRESSION;
+  header.zipCompressionLevel() = 1;
   header.setTileDescription(Imf::TileDescription(kTile_px, kTile_px));
   Imf::FrameBuffer buffer;
   for (const ExrChannel& channel : channels) {
