@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <vector>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -24,8 +25,18 @@ double step_at(const std::vector<double>& angles, int i, double fallback) {
 }
 
 struct Areas {
+  Areas(const RangeImage& range_image, const PlaneSegmentation& planes)
+      : image(range_image), segmentation(planes), of_row(image.elevation_rad), of_col(image.azimuth_rad) {
+    for (int row = 0; row < image.rows; ++row)
+      of_row[static_cast<std::size_t>(row)] = std::cos(image.elevation_rad[static_cast<std::size_t>(row)]) *
+                                              step_at(image.elevation_rad, row, image.azimuth_step_rad());
+    for (int col = 0; col < image.cols; ++col)
+      of_col[static_cast<std::size_t>(col)] = step_at(image.azimuth_rad, col, image.elevation_step_rad());
+  }
+
   const RangeImage& image;
   const PlaneSegmentation& segmentation;
+  std::vector<double> of_row, of_col;  // their product: the node's solid angle
 
   // Area in m2 the node stands for; 0 for nodes that are no measured planar samples.
   double operator()(int row, int col) const {
@@ -36,9 +47,8 @@ struct Areas {
     const double range = p.norm();
     if (!(range > 0)) return 0;
     const double cosine = std::abs(segmentation.superclusters[label - 1].plane.normal.dot(p)) / range;
-    const double elevation = image.elevation_rad[static_cast<std::size_t>(row)];
-    return range * range * std::cos(elevation) * step_at(image.elevation_rad, row, image.azimuth_step_rad()) *
-           step_at(image.azimuth_rad, col, image.elevation_step_rad()) / std::max(cosine, kMinCosine);
+    return range * range * of_row[static_cast<std::size_t>(row)] * of_col[static_cast<std::size_t>(col)] /
+           std::max(cosine, kMinCosine);
   }
 };
 
@@ -83,7 +93,7 @@ PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmenta
   if (segmentation.sample_label.size() != image.count())
     fail(ErrorKind::failed, "choose_planar_samples: {} labels for {} nodes", segmentation.sample_label.size(),
          image.count());
-  const Areas area_of{image, segmentation};
+  const Areas area_of(image, segmentation);
   const auto rows = static_cast<std::size_t>(image.rows);
   std::vector<double> row_area(rows), before(rows);
   std::vector<std::size_t> row_count(rows);
