@@ -1,5 +1,3 @@
-#include <malloc.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -10,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/interrupt.hpp"
 #include "core/log.hpp"
+#include "core/memory_budget.hpp"
 #include "core/suggest.hpp"
 #include "device/device_list.hpp"
 
@@ -33,13 +32,6 @@ void explain_exit() {
       folder.c_str(),
       full ? ", whose disk is full: free space and run again, or set POCL_CACHE_DIR to another" : "");
   std::_Exit(hybrid::exit_code(full ? ErrorKind::temporary : ErrorKind::device));
-}
-
-// Stages allocate and free images by the hundred megabytes. Given back to the system each time, every page is
-// cleared again for the next one: an eighth of a large scan's CPU time.
-void keep_freed_memory() {
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 0x7fffffff);
 }
 
 // CLI11 would only say that a command is missing.
@@ -98,7 +90,7 @@ int run_and_report(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keep_freed_memory();
+  hybrid::keep_freed_memory(true);
   hybrid::install_interrupt_handlers();
   std::atexit(explain_exit);
   int code = run_and_report(argc, argv);

@@ -386,8 +386,8 @@ class Engine {
       all += bytes;
       if (bytes > unit_memory_) {
         slot.requeue = slot.requeue || (slot.killed_for.empty() && !slot.budget);  // more than was thought
-        end(slot, fmt::format("took more than {:.1f} GiB of memory (--unit-memory)",
-                              static_cast<double>(unit_memory_) / (1 << 30)));
+        end(slot, fmt::format("took more than {} MiB of memory, which is what {} leaves one unit; give more",
+                              unit_memory_ >> 20, options_.unit_memory_bytes ? "--unit-memory" : "--memory"));
       }
       if (slot.timer.seconds() > options_.unit_seconds)
         end(slot, fmt::format("took longer than {:.0f} s (--unit-time)", options_.unit_seconds));

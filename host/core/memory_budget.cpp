@@ -1,12 +1,15 @@
 #include "core/memory_budget.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
+#include <limits>
 #include <mutex>
 #include <thread>
 
@@ -27,6 +30,14 @@ constexpr double kFill_bytes_per_ms = 4e6;
 constexpr double kShortest_ms = 2, kLongest_ms = 50;
 
 }  // namespace
+
+bool keep_freed_memory(bool keep) {
+  static std::atomic<bool> kept = false;
+  mallopt(M_MMAP_THRESHOLD, keep ? 1 << 30 : 1 << 20);
+  mallopt(M_TRIM_THRESHOLD, keep ? std::numeric_limits<int>::max() : 1 << 20);
+  if (!keep) malloc_trim(0);
+  return kept.exchange(keep);
+}
 
 ResidentMemory resident_memory() {
   static const int statm = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
@@ -90,7 +101,8 @@ class MemoryBudget::Trimmer {
   std::thread thread_;
 };
 
-MemoryBudget::MemoryBudget(std::uint64_t bytes, const std::filesystem::path& folder) {
+MemoryBudget::MemoryBudget(std::uint64_t bytes, const std::filesystem::path& folder)
+    : kept_(keep_freed_memory(false)) {
   std::error_code code;
   std::filesystem::create_directories(folder, code);
   if (!paged_arrays::use_folder(folder)) {
@@ -102,6 +114,7 @@ MemoryBudget::MemoryBudget(std::uint64_t bytes, const std::filesystem::path& fol
 }
 
 MemoryBudget::~MemoryBudget() {
+  keep_freed_memory(kept_);
   paged_arrays::use_folder({});
 }
 
