@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stages/node_lookup.hpp"
-
 namespace hybrid::stages {
 namespace {
 
@@ -31,7 +29,7 @@ std::array<double, 2> extent(const Supercluster& plane, const Vec3& axis) {
 
 }  // namespace
 
-SampleLook::SampleLook(const RangeImage& image) : image_(image) {
+SampleLook::SampleLook(const RangeImage& image) : image_(image), lookup_(image) {
   std::vector<float> values;
   for (std::size_t i = 0; i < image.intensity.size(); i += 1 + image.intensity.size() / kManySamples)
     if (image.mask[i] == kMeasured && std::isfinite(image.intensity[i])) values.push_back(image.intensity[i]);
@@ -76,17 +74,18 @@ std::optional<Orthophoto> make_orthophoto(const RangeImage& image, const PlaneSe
   photo.picture =
       Image8(static_cast<int>(std::ceil(width / photo.pixel_m)) + 2 * kBorder + 1,
              static_cast<int>(std::ceil(height / photo.pixel_m)) + 2 * kBorder + 1, 3, kNothingThere);
-  const NodeLookup lookup(image);
-  for (int y = 0; y < photo.picture.height; ++y)
+  for (int y = 0; y < photo.picture.height; ++y) {
+    NodeWalk walk(look.lookup());
     for (int x = 0; x < photo.picture.width; ++x) {
       const Vec3 point = photo.origin + photo.pixel_m * (x * photo.right - y * photo.up);
-      const auto [row, col, within] = lookup.towards(point);
+      const auto [row, col, within] = walk.towards(point);
       if (!within) continue;
       const std::size_t node = image.index(row, col);
       if (segmentation.sample_label[node] != plane.id || image.mask[node] == kEmpty) continue;
       const auto colour = look(node, plane);
       std::copy(colour.begin(), colour.end(), photo.picture.at(x, y));
     }
+  }
   return photo;
 }
 

@@ -5,6 +5,7 @@
 #include "geometry/image.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
+#include "stages/node_lookup.hpp"
 
 namespace hybrid::stages {
 
@@ -22,9 +23,11 @@ class SampleLook {
  public:
   explicit SampleLook(const RangeImage& image);
   std::array<std::uint8_t, 3> operator()(std::size_t node, const Supercluster& plane) const;
+  const NodeLookup& lookup() const { return lookup_; }
 
  private:
   const RangeImage& image_;
+  NodeLookup lookup_;
   float darkest_ = 0, brightest_ = 1;
 };
 

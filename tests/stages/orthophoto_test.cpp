@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "stages/node_lookup.hpp"
 #include "stages/room_scan.hpp"
@@ -89,6 +90,39 @@ TEST(Orthophoto, of_nothing_is_nothing) {
   EXPECT_FALSE(wall.photo());
   wall.segmentation.superclusters[0].contours.clear();
   EXPECT_FALSE(wall.photo());
+}
+
+// Along lines that leave the image, jump, and pass behind the scanner, of images that turn either way.
+TEST(NodeWalk, says_what_the_lookup_says) {
+  for (const bool turned : {false, true})
+    for (const double columns_end : {1.0, 2 * std::numbers::pi}) {
+      RangeImage image = make_range_image(90, 180);
+      image.wraps = columns_end > 2;
+      for (int row = 0; row < image.rows; ++row)
+        image.elevation_rad[static_cast<std::size_t>(row)] = (turned ? -1 : 1) * (0.7 - 0.015 * row);
+      for (int col = 0; col < image.cols; ++col)
+        image.azimuth_rad[static_cast<std::size_t>(col)] =
+            (turned ? -1 : 1) * (columns_end * (col + 0.2 * std::sin(col)) / image.cols - 0.5);
+      const stages::NodeLookup lookup(image);
+      stages::NodeWalk walk(lookup);
+      int inside = 0, lines = 0;
+      for (const Vec3& from :
+           {Vec3(4, -3, -2), Vec3(4, 3, 1.9), Vec3(-2, 5, 0.3), Vec3(1, 0.01, 6), Vec3(3, -1, -0.2)})
+        for (const Vec3& step :
+             {Vec3(0.003, 0.011, 0.007), Vec3(-0.021, 0.002, 0.001), Vec3(-0.4, 0.2, 0.1)}) {
+          ++lines;
+          for (int k = 0; k < 900; ++k) {
+            const Vec3 point = from + k * step;
+            const auto expected = lookup.towards(point), found = walk.towards(point);
+            ASSERT_EQ(found.row, expected.row) << point.transpose();
+            ASSERT_EQ(found.col, expected.col) << point.transpose();
+            ASSERT_EQ(found.within, expected.within) << point.transpose();
+            inside += found.within;
+          }
+        }
+      EXPECT_GT(inside, 900 * lines / 20);
+      EXPECT_LT(inside, 900 * lines);
+    }
 }
 
 TEST(NodeLookup, knows_the_borders_of_the_grid) {
