@@ -4,8 +4,9 @@
 
 namespace hybrid {
 
-// Asks the system for large pages for this memory, where it gives them on request: touching ordinary ones for
-// the first time costs more than filling them. Changes nothing else.
+// Asks the system for large pages for this memory, where it gives them on request, and for all of them at
+// once, on all threads: touching ordinary ones one by one for the first time costs more than filling them.
+// Changes nothing else.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 // values.assign(count, value) on such pages.

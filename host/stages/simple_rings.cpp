@@ -202,7 +202,8 @@ PlaneCoordinates::PlaneCoordinates(const Plane& plane) : origin_(plane.offset_m 
 
 RingVertex PlaneCoordinates::vertex(const Vec3& point) const {
   const Vec3 arm = point - origin_;
-  return {std::llround(arm.dot(axis_x_) * kNanometres), std::llround(arm.dot(axis_y_) * kNanometres), point};
+  const auto nearest = [](double nm) { return static_cast<std::int64_t>(nm + std::copysign(0.5, nm)); };
+  return {nearest(arm.dot(axis_x_) * kNanometres), nearest(arm.dot(axis_y_) * kNanometres), point};
 }
 
 double signed_area2(const FlatRing& ring) {
