@@ -97,11 +97,13 @@ Vec3 centre_of(const ScanEvidence& scan) {
   return area > 0 ? Vec3(centre / area) : centre;
 }
 
-// The pose of least squares over the faces, each at its own offset from its plane.
+// The pose of least squares over the faces, each at its own offset from its plane; `start` where they leave
+// it open.
 Pose solve_jointly(const PlaneSegmentation& segmentation, const ScanEvidence& scan, const ModelShapes& model,
-                   Pose pose, const FaceOffsetOptions& options) {
+                   const Pose& start, Pose pose, const FaceOffsetOptions& options) {
   const Vec3 centre = centre_of(scan);
   const double radius = pose.scale * std::max(scan.reach_m, 1e-6);
+  bool returned = false;
   for (int k = 0; k < kMaxIterations; ++k) {
     const auto pairs = find_tile_pairs(scan, model, pose, options.reach_m);
     const FaceMap faces = find_faces(segmentation, scan, pairs);
@@ -113,8 +115,11 @@ Pose solve_jointly(const PlaneSegmentation& segmentation, const ScanEvidence& sc
         if (const double factor = share * taper(on.offset_m(), 3 * spread, 6 * spread); factor > 0)
           add_tile(scan.tiles[t], pairs[t], pose, pivot, factor, sums);
     if (!(sums.weight > 0)) break;
-    const StepSize step = apply_plane_step(sums, pivot, radius, false, pose);
+    StepSize step = apply_plane_step(sums, pivot, radius, false, pose);
+    if (step.angle_rad >= kSettledAngleRad || step.distance_m >= kSettledDistanceM) continue;
+    if (!returned) step = return_along_open(sums, centre, radius, start, pose);
     if (step.angle_rad < kSettledAngleRad && step.distance_m < kSettledDistanceM) break;
+    returned = true;
   }
   return pose;
 }
@@ -183,7 +188,8 @@ Pose solve_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidenc
                         const ProxyModel& model, const Pose& start, const FaceOffsetOptions& options) {
   const ModelShapes& shapes = model.shapes();
   if (!shapes.has_large_faces()) return start;
-  return solve_jointly(segmentation, scan, shapes, fit_tiles(scan, shapes, start).world_from_scan, options);
+  return solve_jointly(segmentation, scan, shapes, start, fit_tiles(scan, shapes, start).world_from_scan,
+                       options);
 }
 
 FaceOffsets measure_face_offsets(const PlaneSegmentation& segmentation, const ScanEvidence& scan,

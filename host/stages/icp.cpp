@@ -74,6 +74,14 @@ bool plane_step(IcpPairs& pairs, const Cutoff& cutoff, bool free_scale, Registra
          step.relative_scale * radius < kSettledDistanceM;
 }
 
+// Back to the start along what the pairs leave open; returns whether it was there already.
+bool kept_start(IcpPairs& pairs, const Cutoff& cutoff, const Pose& start, Registration& result) {
+  const double radius = result.world_from_scan.scale * pairs.radius_m();
+  const StepSize back = return_along_open(pairs.plane_sums(cutoff.metres()), pairs.centre_in_scan(), radius,
+                                          start, result.world_from_scan);
+  return back.angle_rad < kSettledAngleRad && back.distance_m < kSettledDistanceM;
+}
+
 // The paper's step; returns whether the mean squared distance changed by less than tau since the last one.
 bool point_step(IcpPairs& pairs, const Cutoff& cutoff, const IcpOptions& options, Registration& result) {
   const PointSums sums = pairs.point_sums(cutoff.metres());
@@ -165,6 +173,7 @@ Registration register_to_model(device::Queue& queue, const PlanarSamples& sample
   Cutoff cutoff(options);
   Registration result;
   result.world_from_scan = start;
+  bool returned = false;
   while (!result.converged && result.iterations < options.max_iterations) {
     pairs.find(result.world_from_scan);
     if (!cutoff.update(plane ? pairs.heights() : pairs.distances(), pairs.areas())) {
@@ -174,6 +183,10 @@ Registration register_to_model(device::Queue& queue, const PlanarSamples& sample
     const bool still = plane ? plane_step(pairs, cutoff, options.free_scale, result)
                              : point_step(pairs, cutoff, options, result);
     result.converged = still && cutoff.settled();
+    if (result.converged && plane && !returned) {
+      result.converged = kept_start(pairs, cutoff, start, result);
+      returned = true;
+    }
     ++result.iterations;
   }
   describe(pairs, samples, options, cutoff, result);

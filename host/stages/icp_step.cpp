@@ -64,6 +64,18 @@ std::vector<Vec3> open_directions(const Mat3& matrix) {
   return found;
 }
 
+// A rotation vector about `pivot`, a translation and a change of scale.
+StepSize move(const Vec3& pivot, const Vec3& rotation, const Vec3& translation, double relative_scale,
+              Pose& pose) {
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  if (rotation.norm() > 0) turn = Eigen::AngleAxisd(rotation.norm(), rotation.normalized());
+  const double factor = std::exp(relative_scale);
+  pose.translation = pivot + factor * (turn * (pose.translation - pivot)) + translation;
+  pose.rotation = (turn * pose.rotation).normalized();
+  pose.scale *= factor;
+  return {rotation.norm(), translation.norm(), std::abs(relative_scale)};
+}
+
 std::string text(const Vec3& v) {
   const Vec3 shown = (v.array().abs() < 0.005).select(0.0, v);  // no "-0.00"
   return fmt::format("({:.2f}, {:.2f}, {:.2f})", shown.x(), shown.y(), shown.z());
@@ -78,16 +90,26 @@ StepSize apply_plane_step(const PlaneSums& sums, const Vec3& pivot, double radiu
   VectorX step = -(unit.asDiagonal() * inverse_of(normalised(sums, unit), 0) * right);
   const double angle = step.head<3>().norm();
   if (angle > kMaxRotationRad) step *= kMaxRotationRad / angle;
-  const Vec3 rotation = step.head<3>(), translation = step.segment<3>(3);
-  const double relative_scale = free_scale ? step(6) : 0;
+  return move(pivot, step.head<3>(), step.segment<3>(3), free_scale ? step(6) : 0, pose);
+}
 
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-  if (rotation.norm() > 0) turn = Eigen::AngleAxisd(rotation.norm(), rotation.normalized());
-  const double factor = std::exp(relative_scale);
-  pose.translation = pivot + factor * (turn * (pose.translation - pivot)) + translation;
-  pose.rotation = (turn * pose.rotation).normalized();
-  pose.scale *= factor;
-  return {rotation.norm(), translation.norm(), std::abs(relative_scale)};
+StepSize return_along_open(const PlaneSums& sums, const Vec3& centre_in_scan, double radius_m,
+                           const Pose& start, Pose& pose) {
+  const VectorX unit = units(radius_m, false);
+  const Solver solver(normalised(sums, unit));
+  const Vec3 pivot = pose * centre_in_scan;
+  const Eigen::AngleAxisd turned(pose.rotation * start.rotation.conjugate());
+  VectorX moved(6);
+  moved << turned.angle() * turned.axis(), pivot - start * centre_in_scan;
+  moved = moved.cwiseQuotient(unit);
+  VectorX back = VectorX::Zero(6);
+  for (Eigen::Index k = 0; k < 6; ++k)
+    if (solver.eigenvalues()(k) < kDeterminedShare) {
+      const VectorX direction = solver.eigenvectors().col(k);
+      back -= direction.dot(moved) * direction;
+    }
+  back = back.cwiseProduct(unit);
+  return move(pivot, back.head<3>(), back.tail<3>(), 0, pose);
 }
 
 double least_share(const PlaneSums& sums, double radius_m) {

@@ -23,6 +23,11 @@ struct StepSize {
 StepSize apply_plane_step(const PlaneSums& sums, const Vec3& pivot, double radius_m, bool free_scale,
                           Pose& world_from_scan);
 
+// Takes the pose back to where `start` has it along the directions that these pairs leave open: pairs that
+// moved it there and that the robust weights have dropped since do not count. `centre_in_scan` is the pivot.
+StepSize return_along_open(const PlaneSums& sums, const Vec3& centre_in_scan, double radius_m,
+                           const Pose& start, Pose& world_from_scan);
+
 // Least resistance of the pairs along any direction of movement, as a share of what they would resist facing
 // it all (kDeterminedShare has the scale). Needs pairs.
 double least_share(const PlaneSums& sums, double radius_m);

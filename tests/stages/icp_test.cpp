@@ -9,6 +9,7 @@
 #include "cases/recess_room.hpp"
 #include "core/error.hpp"
 #include "device.hpp"
+#include "stages/icp_step.hpp"
 #include "stages/landmarks.hpp"
 
 namespace hybrid::stages {
@@ -190,6 +191,27 @@ TEST(Icp, names_the_direction_of_a_corridor) {
   const auto found =
       register_to_model(queue(), samples_of(scan), scan.proxy, disturbed(scan.world_from_scan, 0.1, 3, 2));
   EXPECT_EQ(found.degenerate, std::vector<std::string>{"free to slide along (1.00, 0.00, 0.00)"});
+}
+
+// Planes that face y and z; what moved the pose along x is no longer among the pairs.
+TEST(Icp, goes_back_to_the_start_along_what_the_last_pairs_leave_open) {
+  const double radius = 3;
+  PlaneSums sums;
+  sums.weight = 1;
+  sums.matrix.diagonal() << radius * radius, radius * radius, radius * radius, 0, 0.5, 0.5, 0;
+  const Vec3 centre(1, 2, 3);
+  Pose start, pose;
+  start.rotation = Eigen::AngleAxisd(0.7, Vec3::UnitZ());
+  start.translation = Vec3(10, -4, 2);
+  pose.rotation = Eigen::AngleAxisd(0.01, Vec3::UnitZ()) * start.rotation;
+  pose.translation = start.translation + Vec3(0.1, 0.2, -0.3);
+  const Pose before = pose;
+  const StepSize back = return_along_open(sums, centre, radius, start, pose);
+  const Vec3 moved = pose * centre - before * centre, gone = before * centre - start * centre;
+  EXPECT_NEAR(moved.x(), -gone.x(), 1e-12);
+  EXPECT_NEAR(moved.tail<2>().norm(), 0, 1e-12);
+  EXPECT_NEAR(pose.rotation.angularDistance(before.rotation), 0, 1e-9);
+  EXPECT_NEAR(back.distance_m, std::abs(gone.x()), 1e-12);
 }
 
 TEST(Icp, recovers_a_free_scale) {
