@@ -137,11 +137,34 @@ OpeningScore score_openings(const std::vector<TrueOpening>& truth, const EditedM
     score.wrongly_open_m2 = area_where(proxy, [&](const Vec3& point, const Vec3& normal) {
       return !closed(true_faces, point, normal) && !closed(edited, point, normal);
     });
-  if (result.reported)
-    score.wrongly_reported_m2 = area_where(*result.reported, [&](const Vec3& point, const Vec3& normal) {
+  if (result.reported) {
+    const auto outside = [&](const Vec3& point, const Vec3& normal) {
       return !closed(true_faces, point, normal);
-    });
+    };
+    score.wrongly_reported_m2 = area_where(*result.reported, outside);
+    score.false_openings = static_cast<int>(
+        std::count_if(result.reported->begin(), result.reported->end(), [&](const Ring& ring) {
+          const Vec3 normal = plane_of_ring(ring).normal;
+          return share_where(points_inside(ring), [&](const Vec3& p) { return outside(p, normal); }) > 0.5;
+        }));
+  }
   return score;
+}
+
+std::optional<double> OpeningScore::One::border_bound_m() const {
+  if (!spacing_m) return std::nullopt;
+  return std::max(0.03, 2 * *spacing_m);
+}
+
+OpeningTally tally(const OpeningScore& score) {
+  OpeningTally tally;
+  for (const auto& one : score.openings) {
+    if (one.rays.value_or(0) < kCountedRays) continue;
+    ++tally.openings;
+    tally.found += one.reported_share.value_or(0) >= 0.5;
+    tally.within_bound += one.border_m && *one.border_m <= *one.border_bound_m();
+  }
+  return tally;
 }
 
 }  // namespace score

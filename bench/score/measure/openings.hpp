@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,11 +23,24 @@ struct OpeningScore {
     // From places on its border to the nearest reported ring's, of 100 the farthest but five; where it is
     // reported by half.
     std::optional<double> border_m;
+
+    // What the border may be off: 3 cm, or two spacings of the scan that sees it best.
+    std::optional<double> border_bound_m() const;
   };
   std::vector<One> openings;
   std::optional<double> wrongly_open_m2;      // closed in the scene's own proxy, outside every true opening
   std::optional<double> wrongly_reported_m2;  // reported outside every true opening
+  std::optional<int> false_openings;          // reported rings most of whose area is
 };
+inline constexpr std::int64_t kCountedRays = 500;
+
+// Of the openings that at least kCountedRays lines of sight cross: those reported by half, and those whose
+// border is also within its bound.
+struct OpeningTally {
+  int openings = 0, found = 0, within_bound = 0;
+};
+OpeningTally tally(const OpeningScore& score);
+
 inline constexpr double kOpeningStepM = 0.02;
 inline constexpr double kFaceReachM = 0.15;
 

@@ -89,8 +89,15 @@ Json openings_json(const OpeningScore& score) {
                     {"reported_share", or_null(one.reported_share)},
                     {"rays", one.rays ? Json(*one.rays) : Json()},
                     {"spacing_m", or_null(one.spacing_m)},
-                    {"border_m", or_null(one.border_m)}});
+                    {"border_m", or_null(one.border_m)},
+                    {"border_bound_m", or_null(one.border_bound_m())}});
+  const OpeningTally counted = tally(score);
   return {{"openings", list},
+          {"of_500_rays",
+           {{"openings", counted.openings},
+            {"found", counted.found},
+            {"border_within_bound", counted.within_bound}}},
+          {"false_openings", score.false_openings ? Json(*score.false_openings) : Json()},
           {"wrongly_open_m2", or_null(score.wrongly_open_m2)},
           {"wrongly_reported_m2", or_null(score.wrongly_reported_m2)}};
 }

@@ -116,16 +116,20 @@ std::string views_table(const std::vector<ViewScore>& views) {
 
 std::string openings_table(const OpeningScore& score) {
   std::vector<Row> rows = {
-      {"opening", "face", "m2", "left open", "reported", "rays", "spacing", "border off"}};
+      {"opening", "face", "m2", "left open", "reported", "rays", "spacing", "border off", "of at most"}};
   const auto mm = [](const std::optional<double>& m) {
     return m ? fmt::format("{:.0f} mm", 1000 * *m) : "-";
   };
   for (const auto& one : score.openings)
     rows.push_back({one.name, one.face, fmt::format("{:.2f}", one.area_m2), percent(one.open_share),
                     percent(one.reported_share), one.rays ? fmt::format("{}", *one.rays) : "-",
-                    mm(one.spacing_m), mm(one.border_m)});
+                    mm(one.spacing_m), mm(one.border_m), mm(one.border_bound_m())});
   rows.push_back({"elsewhere, m2", "", "", square_metres(score.wrongly_open_m2),
                   square_metres(score.wrongly_reported_m2)});
+  const OpeningTally counted = tally(score);
+  rows.push_back({fmt::format("of {} rays and more: {}", kCountedRays, counted.openings), "", "", "",
+                  fmt::format("{} found", counted.found), "", "",
+                  fmt::format("{} within", counted.within_bound)});
   return aligned("openings", rows);
 }
 
