@@ -22,6 +22,7 @@ struct Plan {
   double vault_springing;                                 // z where the nave's ceiling starts
   bool vaulted;                                           // barrel vault; else a timber ceiling of two slopes
   double eaves, ridge;                                    // z of the roof
+  double upper_step = 0.27;                               // z of its top, before the portal and in its foot
   double portal_half, portal_springing, portal_depth[2];  // depth: of the outer and the inner order
   double rose_z, rose_radius;
   double lancet_x;

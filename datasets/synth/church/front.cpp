@@ -37,7 +37,8 @@ struct Front {
 
   void open(const std::string& name, const Outline& mouth, double depth) {
     Opening opening{name, "front", depth, {}};
-    for (const Vec2& p : mouth.points) opening.ring.push_back(frame.at(p));
+    for (const Vec2& p : mouth.points)  // the upper step fills the portal's foot
+      opening.ring.push_back(frame.at({p.x(), std::max(p.y(), plan.upper_step)}));
     world.openings.push_back(opening);
   }
 

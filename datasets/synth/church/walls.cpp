@@ -129,6 +129,11 @@ struct Walls {
     Opening opening{"east-window", "inner-end", 0.36, {}};
     for (const Vec2& p : window.points) opening.ring.push_back(frame.at(p));
     world.openings.push_back(opening);
+    // Straight through the wall.
+    Opening outside{"east-window-outside", "back", plan.wall - 0.49, {}};
+    for (const Vec2& p : window.points) outside.ring.push_back(frame.at(p, -plan.wall));
+    std::reverse(outside.ring.begin(), outside.ring.end());
+    world.openings.push_back(outside);
   }
 
   void roof() {
@@ -169,7 +174,7 @@ struct Walls {
         rectangle(-plan.half_width - 0.02, door, plan.half_width + 0.02, plan.wall + plan.length + 0.02);
     add_slab(world.mesh, nave);
     const double half = plan.portal_half;
-    add_box(world.mesh, "step-upper", Material::dressed_stone, {0, door / 2 - 0.3, 0.12},
+    add_box(world.mesh, "step-upper", Material::dressed_stone, {0, door / 2 - 0.3, plan.upper_step - 0.15},
             {2 * half + 0.5, door + 0.7, 0.3}, 0);
     add_box(world.mesh, "step-lower", Material::dressed_stone, {0, -0.5, 0.06}, {2 * half + 1.3, 1.1, 0.16},
             0);
