@@ -159,8 +159,9 @@ std::vector<EvidenceMark> classify(const FaceSamples& samples, const FaceEvidenc
     const double depth = -side * height;
     const Vec2f foot(s.u, s.v), from = samples.scanner_foot[s.scan].cast<float>();
     EvidenceMark mark{foot, static_cast<float>(depth), CellEvidence::none};
+    const bool crosses = s.area_m2 > 0 && !s.parallel;  // a reveal's edge, a door's open leaf
     if (std::abs(height) <= tolerance)
-      mark.kind = CellEvidence::closed;
+      mark.kind = crosses ? CellEvidence::none : CellEvidence::closed;
     else if (depth < 0)
       mark.kind = -depth <= kAttached_m && side > 0 ? CellEvidence::attached : CellEvidence::none;
     else {

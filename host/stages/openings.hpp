@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,7 @@ struct Opening {
   double on_outline = 0;     // share of its border that is the face's own outline
   double confidence = 0;     // lower bound (95 %) of the share of rays that pass, times border_seen
   double depth_m = 0;        // median of how far behind the face the rays return
+  std::optional<std::size_t> carried_from{};  // the face of the wall's other side that its border was seen on
   std::string kind;  // "open" | "glass" (some return from one pane) | "recess" (nearly all from one plane)
   bool cut = false;
   std::string why_not;  // not cut

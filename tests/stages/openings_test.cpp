@@ -21,8 +21,15 @@ struct Scene {
 
 // How far behind the wall (along y) a ray through its point (x, z) ends; infinite: no return.
 using Depth = std::function<double(double x, double z)>;
+// The supercluster that such a ray's sample belongs to: 1 the wall, 2 to 4 reveals of the window's left, its
+// sill and its lintel, 5 a splayed left one.
+using Label = std::function<std::uint32_t(double x, double z, double behind)>;
 
-Scene scan(const Depth& depth) {
+std::uint32_t parallel_where_near(double, double, double behind) {
+  return std::abs(behind) < 0.45 ? 1 : 0;  // walls, panes
+}
+
+Scene scan(const Depth& depth, const Label& label = parallel_where_near) {
   Scene scene;
   const int rows = 560, cols = 800;
   scene.image = make_range_image(rows, cols);
@@ -34,7 +41,12 @@ Scene scan(const Depth& depth) {
   Supercluster wall;
   wall.id = 1;
   wall.plane = {-Vec3::UnitY(), -5};
-  scene.segmentation.superclusters = {wall};
+  scene.segmentation.superclusters.assign(5, wall);
+  auto& planes = scene.segmentation.superclusters;
+  planes[1].plane = {Vec3::UnitX(), -1};
+  planes[2].plane = {Vec3::UnitZ(), -0.7};
+  planes[3].plane = {-Vec3::UnitZ(), -0.7};
+  planes[4].plane = {Vec3(1, -0.5, 0).normalized(), -3};
   unsigned noise = 1;
   for (int row = 0; row < rows; ++row)
     for (int col = 0; col < cols; ++col) {
@@ -52,7 +64,7 @@ Scene scan(const Depth& depth) {
       scene.image.z[i] = static_cast<float>(range * ray.z());
       scene.image.range_m[i] = static_cast<float>(range);
       scene.image.mask[i] = kMeasured;
-      if (std::abs(behind) < 0.45) scene.segmentation.sample_label[i] = 1;  // walls, panes: parallel
+      scene.segmentation.sample_label[i] = label(at.x(), at.z(), behind);
     }
   return scene;
 }
@@ -73,6 +85,25 @@ Openings find(const Scene& scene, const std::string& mode = "cut") {
   options.openings = mode;
   return find_openings(wall_model(), {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}},
                        options);
+}
+
+// Of places every centimetre along a true border, how far the farthest lies from the ring.
+double border_off_m(const Ring2& truth, const Ring2& ring) {
+  double worst = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Vec2 arm = truth[(i + 1) % truth.size()] - truth[i];
+    for (double t = 0; t < 1; t += 0.01 / arm.norm())
+      worst = std::max(worst, distance_to_border(ring, truth[i] + t * arm));
+  }
+  return worst;
+}
+
+// A pointed window: arcs of 1 m about the opposite springing points.
+Ring2 pointed_window() {
+  Ring2 ring = {{1, 0.6}, {2, 0.6}};
+  for (int k = 0; k <= 30; ++k) ring.push_back({1 + std::cos(k * M_PI / 90), 1.6 + std::sin(k * M_PI / 90)});
+  for (int k = 29; k >= 0; --k) ring.push_back({2 - std::cos(k * M_PI / 90), 1.6 + std::sin(k * M_PI / 90)});
+  return ring;
 }
 
 double farthest_corner_mm(const Ring2& ring) {
@@ -114,6 +145,85 @@ TEST(Openings, panes_that_let_some_rays_through_are_glass_and_a_niche_is_a_reces
   const auto niche = find(scan([](double x, double z) { return in_window(x, z) ? 0.3 : 0.0; }));
   ASSERT_EQ(niche.openings.size(), 1u);
   EXPECT_EQ(niche.openings[0].kind, "recess");
+}
+
+// The bound of hybrid-score: 3 cm, or two spacings.
+TEST(Openings,
+     borders_of_arches_and_circles_are_within_two_spacings_though_glass_swallows_rays_and_things_hide_them) {
+  const double bound = 2 * 5 * kStep;
+  const Ring2 pointed = pointed_window();
+  int turn = 0;
+  const auto arch = find(scan([&](double x, double z) {
+    if (x > 1.8 && x < 2.3 && z > 0.9 && z < 1.4) return -0.5;  // something before the right jamb
+    if (!inside(pointed, {x, z})) return 0.0;
+    return ++turn % 5 == 0 ? 3.0 : static_cast<double>(INFINITY);
+  }));
+  ASSERT_EQ(arch.openings.size(), 1u);
+  EXPECT_LT(border_off_m(pointed, arch.openings[0].ring), bound);
+  EXPECT_LT(border_off_m(arch.openings[0].ring, pointed), bound);
+  Ring2 round;
+  for (int k = 0; k < 120; ++k)
+    round.push_back(Vec2(2, 1.5) + 0.8 * Vec2(std::cos(k * M_PI / 60), std::sin(k * M_PI / 60)));
+  const auto rose = find(scan([&](double x, double z) {
+    if (x > 1.4 && x < 1.8 && z < 0.95) return -0.5;
+    if (!inside(round, {x, z})) return 0.0;
+    return ++turn % 5 == 0 ? 3.0 : static_cast<double>(INFINITY);
+  }));
+  ASSERT_EQ(rose.openings.size(), 1u);
+  EXPECT_LT(border_off_m(round, rose.openings[0].ring), bound);
+  EXPECT_LT(border_off_m(rose.openings[0].ring, round), bound);
+}
+
+TEST(Openings, what_no_builder_draws_keeps_its_own_border) {
+  const Ring2 step = {{1, 0.5}, {3, 0.5}, {3, 1.2}, {2, 1.2}, {2, 2.2}, {1, 2.2}};
+  const auto found = find(scan([&](double x, double z) { return inside(step, {x, z}) ? 3.0 : 0.0; }));
+  ASSERT_EQ(found.openings.size(), 1u);
+  EXPECT_LT(border_off_m(step, found.openings[0].ring), 2 * 5 * kStep);
+}
+
+TEST(Openings, an_open_leaf_does_not_end_the_opening_that_it_stands_in) {
+  const auto leaf = [](double x, double z) { return in_window(x, z) && x > 1.15 && x < 1.2; };
+  const auto found = find(scan(
+      [&](double x, double z) {
+        if (leaf(x, z)) return 8 * (x - 1.175);
+        return in_window(x, z) ? 3.0 : 0.0;
+      },
+      [&](double x, double z, double behind) {
+        return leaf(x, z) ? 2u : parallel_where_near(x, z, behind);
+      }));
+  ASSERT_EQ(found.openings.size(), 1u);
+  EXPECT_LT(farthest_corner_mm(found.openings[0].ring), 10);
+}
+
+// A wall of 50 cm whose other side nobody scanned.
+TEST(Openings, an_opening_is_carried_through_a_wall_with_straight_reveals_only) {
+  PolygonModel model = wall_model();
+  model.vertices.insert(model.vertices.end(), {{4, 0.5, 0}, {0, 0.5, 0}, {0, 0.5, 3}, {4, 0.5, 3}});
+  model.faces.push_back({"outside", {4, 5, 6, 7}, {}});
+  const auto left = [](double x) { return 5 / (2 - x) - 5; };
+  const auto level = [](double z) { return 3.5 / std::abs(1.5 - z) - 5; };
+  const auto depth = [&](double x, double z) {
+    return in_window(x, z) ? std::min({left(x), level(z), 3.0}) : 0.0;
+  };
+  for (const bool straight : {true, false}) {
+    const Scene scene = scan(depth, [&](double x, double z, double behind) -> std::uint32_t {
+      if (!in_window(x, z)) return 1;
+      if (behind >= 0.5) return 0;
+      if (!straight) return 5;
+      return left(x) < level(z) ? 2 : z < 1.5 ? 3 : 4;
+    });
+    OpeningOptions options;
+    options.openings = "cut";
+    const auto found =
+        find_openings(model, {{&scene.image, &scene.segmentation, nullptr, scene.pose, 0.001, {}}}, options);
+    ASSERT_EQ(found.openings.size(), straight ? 2u : 1u);
+    if (!straight) continue;
+    const Opening& outside = found.openings[1];
+    EXPECT_EQ(outside.carried_from, 0u);
+    EXPECT_TRUE(outside.cut) << outside.why_not;
+    EXPECT_LT(border_off_m({{2, 0.8}, {3, 0.8}, {3, 2.2}, {2, 2.2}}, outside.ring),
+              0.02);  // seen from behind
+  }
 }
 
 TEST(Openings, nothing_is_found_in_a_closed_wall) {
