@@ -81,8 +81,8 @@ struct Openings {
 // METHOD 9: hole polygons from lines of sight. For every face, samples are taken from all scans: on its
 // surface (closed), before it, and behind it, which says that the line of sight passed. The surface's median
 // offset is subtracted first. A grid of about the sample spacing collects them; each place belongs to the
-// nearer kind of evidence, so that borders run half-way between. A border becomes the circle, or the jambs and
-// sill under lintel or arch, that fits the samples around it (opening_shape.hpp); where none does it is
+// nearer kind of evidence, so that borders run half-way between. A border becomes the circle, or the jambs
+// and sill under lintel or arch, that fits the samples around it (opening_shape.hpp); where none does it is
 // straightened, edges near the axes of the face made parallel to them, and placed where they part the samples
 // best (opening_border.hpp). Faces that no scan sees get the openings of their wall's other side
 // (opening_carry.hpp). Same result for any number of threads.
