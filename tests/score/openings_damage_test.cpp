@@ -34,7 +34,7 @@ TEST_F(PerfectRoom, an_opening_that_is_not_reported_is_counted) {
 TEST_F(PerfectRoom, an_opening_reported_beside_its_place_is_found_and_off_its_border) {
   Results results = perfect();
   auto& ring = results.reported[0];
-  const auto aside = 0.2 * (ring[1] - ring[0]).normalized();
+  const score::Vec3 aside = 0.2 * (ring[1] - ring[0]).normalized();
   for (auto& p : ring) p += aside;
   const auto marks = marks_of(results)["openings"];
   ASSERT_GE(marks["openings"][0]["rays"], 500);
