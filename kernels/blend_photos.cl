@@ -33,10 +33,9 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
   const uint packet_x = get_global_id(0), packet_y = get_global_id(1);
   const uint2 corner = packet_pixel(packet_x, packet_y, 0u, params.rows);
   if (corner.x >= params.cols || corner.y >= params.rows) return;
+  const PacketPlace place = packet_place(corner, params.cols, params.rows);
   const uint count = params.cols * params.rows;
-  uint index[VW];
-  packet_indices(packet_x, packet_y, params.cols, params.rows, index);
-  const PacketSurface points = load_surface(surface, count, index);
+  const PacketSurface points = load_surface(surface, count, &place);
   floatv column, row;
   intv asked = packet_project(&params.camera, points.x, points.y, points.z, &column, &row);
   const float3 centre = vload3(0, params.camera.centre);
@@ -44,25 +43,22 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
   asked &= MASK(sight.facing > 0.0f);
   if (!ANY(asked)) return;
 
+  Bilinear around;
+  bilinear_at(&params.camera, column, row, asked, &around);
+  const uint photo_pixels = params.camera.width * params.camera.height;
+  fetch_light(&around, params.mix, photo_pixels, photo, low);
   const ShadowTolerance tolerance = {params.tolerance_m, params.face_tolerance_m};
+  intv visible =
+      packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked);
+  if (!ANY(visible)) return;
+  visible &= is_photograph(&params.camera, &around, photo);
+  const uintv so_far = load_packet_uint(seen, &place, 0u);
+  store_packet_uint(so_far + PICK(visible, (uintv)(1u), (uintv)(0u)), &place, seen);
+
   const PacketSight from_eye = packet_sight(&points, vload3(0, params.eye));
   const floatv weight = packet_feather(&params.camera, params.feather_px, column, row) /
                         (packet_angle(&sight, &from_eye) + params.pixel_rad);
-  int visible[VW];
-  float columns[VW], rows[VW], weights[VW];
-  STORE_LANES(
-      packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked),
-      visible);
-  STORE_LANES(column, columns);
-  STORE_LANES(row, rows);
-  STORE_LANES(weight, weights);
-  for (uint lane = 0u; lane < VW; ++lane) {
-    if (!visible[lane]) continue;
-    Bilinear around;
-    bilinear_at(&params.camera, columns[lane], rows[lane], &around);
-    if (!is_photograph(&params.camera, &around, photo)) continue;
-    seen[index[lane]] += 1u;
-    add_light(&around, params.mix, params.photograph, params.camera.width * params.camera.height,
-              weights[lane], photo, low, linear, count, index[lane], sums, best);
-  }
+  const PacketSums to = {place, count, visible};
+  add_light(&to, &around, params.mix, params.photograph, photo_pixels, weight, photo, low, linear, sums,
+            best);
 }

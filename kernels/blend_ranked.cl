@@ -21,20 +21,27 @@
 #include "lib/photo_packet.h"
 #include "shared/params_rank_photos.h"
 
-// Weight of the photograph before feathering at point i of `count`; 0 where it has none.
-static inline float ranked_weight(const BlendRankedParams* params, uint count, uint i,
-                                  global const float* penalty, global const int* ranked) {
-  uint rank = params->kept, last = params->kept - 1u;
-  for (uint r = 0u; r < params->kept; ++r)
-    if (ranked[r * count + i] == params->photograph) rank = r;
-  if (rank == params->kept) return 0.0f;
-  while (ranked[last * count + i] < 0) --last;
-  const float worst = penalty[last * count + i];
-  const float fade = last == params->kept - 1u ? worst : 1.01f * worst;
-  const float least = penalty[i];
-  if (!(least < fade)) return rank == 0u ? 1.0f : 0.0f;
-  const float value = penalty[rank * count + i];
-  return max(0.0f, 1.0f - value / fade) / (value + params->pixel_rad);
+// Weights of the photograph before feathering; 0 where a point has it not.
+static inline floatv ranked_weight(const BlendRankedParams* params, uint count, const PacketPlace* place,
+                                   global const float* penalty, global const int* ranked) {
+  const floatv none = (floatv)(0.0f), one = (floatv)(1.0f);
+  const floatv least = load_packet_float(penalty, place, 0.0f);
+  floatv worst = least, value = none, alone = none;
+  intv here = (intv)(0), full = (intv)(0);
+  for (uint rank = 0u; rank < params->kept; ++rank) {
+    const intv photo = load_packet_int(ranked + rank * count, place, -1);
+    const floatv its = load_packet_float(penalty + rank * count, place, 0.0f);
+    const intv same = MASK(photo == params->photograph);
+    here |= same;
+    value = PICK(same, its, value);
+    if (rank == 0u) alone = PICK(same, one, none);
+    full = MASK(photo >= 0);
+    worst = PICK(full, its, worst);
+  }
+  if (!ANY(here)) return none;
+  const floatv fade = PICK(full, worst, 1.01f * worst);
+  const floatv weight = max(none, 1.0f - value / fade) / (value + params->pixel_rad);
+  return PICK(here, PICK(MASK(least < fade), weight, alone), none);
 }
 
 kernel void blend_ranked(const BlendRankedParams params, global const float* restrict surface,
@@ -45,30 +52,18 @@ kernel void blend_ranked(const BlendRankedParams params, global const float* res
   const uint packet_x = get_global_id(0), packet_y = get_global_id(1);
   const uint2 corner = packet_pixel(packet_x, packet_y, 0u, params.rows);
   if (corner.x >= params.cols || corner.y >= params.rows) return;
+  const PacketPlace place = packet_place(corner, params.cols, params.rows);
   const uint count = params.cols * params.rows;
-  uint index[VW];
-  packet_indices(packet_x, packet_y, params.cols, params.rows, index);
-  float weights[VW], columns[VW], rows[VW], feathers[VW];
-  uint any = 0u;
-  for (uint lane = 0u; lane < VW; ++lane) {
-    weights[lane] =
-        index[lane] == BVH_EMPTY ? 0.0f : ranked_weight(&params, count, index[lane], penalty, ranked);
-    any |= weights[lane] > 0.0f;
-  }
-  if (!any) return;
-  const floatv x = surface_plane(surface, SURFACE_X, count, index);
-  const floatv y = surface_plane(surface, SURFACE_Y, count, index);
-  const floatv z = surface_plane(surface, SURFACE_Z, count, index);
+  const floatv weight = ranked_weight(&params, count, &place, penalty, ranked);
+  const PacketSums to = {place, count, MASK(weight > 0.0f)};
+  if (!ANY(to.seen)) return;
   floatv column, row;
-  packet_project(&params.camera, x, y, z, &column, &row);
-  STORE_LANES(column, columns);
-  STORE_LANES(row, rows);
-  STORE_LANES(packet_feather(&params.camera, params.feather_px, column, row), feathers);
-  for (uint lane = 0u; lane < VW; ++lane) {
-    if (!(weights[lane] > 0.0f)) continue;
-    Bilinear around;
-    bilinear_at(&params.camera, columns[lane], rows[lane], &around);
-    add_light(&around, params.mix, params.photograph, params.camera.width * params.camera.height,
-              feathers[lane] * weights[lane], photo, low, linear, count, index[lane], sums, best);
-  }
+  packet_project(&params.camera, surface_plane(surface, SURFACE_X, count, &place),
+                 surface_plane(surface, SURFACE_Y, count, &place),
+                 surface_plane(surface, SURFACE_Z, count, &place), &column, &row);
+  Bilinear around;
+  bilinear_at(&params.camera, column, row, to.seen, &around);
+  add_light(&to, &around, params.mix, params.photograph, params.camera.width * params.camera.height,
+            packet_feather(&params.camera, params.feather_px, column, row) * weight, photo, low, linear, sums,
+            best);
 }

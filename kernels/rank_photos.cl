@@ -37,18 +37,21 @@ static inline floatv photo_penalty(const RankPhotosParams* params, const PacketS
          params->field_of_view_cost * border;
 }
 
-// Inserts a photograph into the ranks of point i of `count`.
-static inline void insert_photo(float value, int index, uint kept, uint count, uint i, global float* penalty,
-                                global int* photo) {
+// Inserts a photograph into the ranks of the points that see it.
+static inline void insert_photo(floatv value, int photograph, intv visible, uint kept, uint count,
+                                const PacketPlace* place, global float* penalty, global int* ranked) {
+  intv index = (intv)(photograph);
   for (uint rank = 0u; rank < kept; ++rank) {
-    const uint at = rank * count + i;
-    const float other = penalty[at];
-    if (!(value < other)) continue;
-    const int other_index = photo[at];
-    penalty[at] = value;
-    photo[at] = index;
-    value = other;
-    index = other_index;
+    global float* values = penalty + rank * count;
+    global int* photos = ranked + rank * count;
+    const floatv other = load_packet_float(values, place, 0.0f);
+    const intv better = visible & MASK(value < other);
+    if (!ANY(better)) continue;
+    const intv other_index = load_packet_int(photos, place, -1);
+    store_packet_float(PICK(better, value, other), place, values);
+    store_packet_int(PICK(better, index, other_index), place, photos);
+    value = PICK(better, other, value);
+    index = PICK(better, other_index, index);
   }
 }
 
@@ -60,10 +63,9 @@ kernel void rank_photos(const RankPhotosParams params, global const BvhNode* res
   const uint packet_x = get_global_id(0), packet_y = get_global_id(1);
   const uint2 corner = packet_pixel(packet_x, packet_y, 0u, params.rows);
   if (corner.x >= params.cols || corner.y >= params.rows) return;
+  const PacketPlace place = packet_place(corner, params.cols, params.rows);
   const uint count = params.cols * params.rows;
-  uint index[VW];
-  packet_indices(packet_x, packet_y, params.cols, params.rows, index);
-  const PacketSurface points = load_surface(surface, count, index);
+  const PacketSurface points = load_surface(surface, count, &place);
   floatv column, row;
   intv asked = packet_project(&params.camera, points.x, points.y, points.z, &column, &row);
   const float3 centre = vload3(0, params.camera.centre);
@@ -72,20 +74,16 @@ kernel void rank_photos(const RankPhotosParams params, global const BvhNode* res
   if (!ANY(asked)) return;
 
   const ShadowTolerance tolerance = {params.tolerance_m, params.face_tolerance_m};
-  int visible[VW];
-  float penalties[VW], columns[VW], rows[VW];
-  STORE_LANES(
-      packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked),
-      visible);
-  STORE_LANES(photo_penalty(&params, &points, &sight, column, row), penalties);
-  STORE_LANES(column, columns);
-  STORE_LANES(row, rows);
-  for (uint lane = 0u; lane < VW; ++lane) {
-    if (!visible[lane]) continue;
+  intv visible =
+      packet_unhidden(&points, &sight, centre, tolerance, nodes, triangles, spheres, params.root, asked);
+  if (!ANY(visible)) return;
+  if (params.camera.flags & CAMERA_HAS_MASK) {
     Bilinear around;
-    bilinear_at(&params.camera, columns[lane], rows[lane], &around);
-    if (!is_photograph(&params.camera, &around, photo)) continue;
-    seen[index[lane]] += 1u;
-    insert_photo(penalties[lane], params.photograph, params.kept, count, index[lane], penalty, ranked);
+    bilinear_at(&params.camera, column, row, visible, &around);
+    visible &= is_photograph(&params.camera, &around, photo);
   }
+  const uintv so_far = load_packet_uint(seen, &place, 0u);
+  store_packet_uint(so_far + PICK(visible, (uintv)(1u), (uintv)(0u)), &place, seen);
+  insert_photo(photo_penalty(&params, &points, &sight, column, row), params.photograph, visible, params.kept,
+               count, &place, penalty, ranked);
 }

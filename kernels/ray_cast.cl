@@ -153,8 +153,9 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
   see_spheres(&hit, &rays, params.tolerance_m, spheres, sphere_surfaces, &seen);
 
   const uint count = params.cols * params.rows;
-  store_packet(seen.t, corner, params.cols, params.rows, distance);
-  store_packet_ids(seen.id, corner, params.cols, params.rows, id);
+  const PacketPlace place = packet_place(corner, params.cols, params.rows);
+  store_packet_float(seen.t, &place, distance);
+  store_packet_uint(seen.id, &place, id);
   if (!params.want_surface) return;
   const floatv reach = PICK(MASK(seen.id != 0u), seen.t, (floatv)(NAN));
   const floatv planes[SURFACE_PLANES] = {rays.origin.x + reach * x,
@@ -165,5 +166,5 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
                                          seen.normal_z,
                                          seen.radius};
   for (uint plane = 0u; plane < SURFACE_PLANES; ++plane)
-    store_packet(planes[plane], corner, params.cols, params.rows, surface + plane * count);
+    store_packet_float(planes[plane], &place, surface + plane * count);
 }

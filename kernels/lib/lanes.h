@@ -75,15 +75,62 @@ static inline floatv load_lanes(global const float* values, uint first, uint cou
 DEFINE_STORE(store_lanes, floatv, float)
 DEFINE_STORE(store_indices, uintv, uint)
 
-// Any bit that one of 16 numbers has.
+// Any bit that one of 8 or 16 numbers has.
+static inline uint bits_of_8(int8 value) {
+#ifdef REDUCE_BITS
+  return (uint)REDUCE_BITS(value);
+#else
+  const int4 by4 = value.lo | value.hi;
+  const int2 by2 = by4.lo | by4.hi;
+  return (uint)(by2.x | by2.y);
+#endif
+}
 static inline uint bits_of(int16 value) {
 #ifdef REDUCE_BITS
   return (uint)REDUCE_BITS(value);
 #else
-  const int8 by8 = value.lo | value.hi;
-  const int4 by4 = by8.lo | by8.hi;
-  const int2 by2 = by4.lo | by4.hi;
-  return (uint)(by2.x | by2.y);
+  return bits_of_8(value.lo | value.hi);
+#endif
+}
+
+// values[at] for every lane.
+static inline floatv lanes_at(global const float* values, uintv at) {
+#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+  return __builtin_ia32_gathersiv16sf((float16)(0.0f), values, as_int16(at), (ushort)0xffff, 4);
+#else
+  uint index[VW];
+  float lane[VW];
+  STORE_LANES(at, index);
+  for (uint k = 0; k < VW; ++k) lane[k] = values[index[k]];
+  return LOAD_LANES(lane);
+#endif
+}
+static inline uintv words_at(global const uint* values, uintv at) {
+#if VW == 1
+  return values[at];
+#else
+  return LANES_JOIN(as_uint, VW)(lanes_at((global const float*)values, at));
+#endif
+}
+
+// The floats of halves, the lower 16 bits of each lane.
+static inline floatv halves_of(uintv bits) {
+  ushort lane[VW];
+#if VW == 1
+  lane[0] = (ushort)bits;
+  return vload_half(0, (const half*)lane);
+#else
+  STORE_LANES(LANES_JOIN(convert_ushort, VW)(bits & 0xffffu), lane);
+  return LANES_JOIN(vload_half, VW)(0, (const half*)lane);
+#endif
+}
+
+// Towards 0, of what fits an int.
+static inline uintv whole_of(floatv value) {
+#if VW == 1
+  return (uint)(int)value;
+#else
+  return LANES_JOIN(as_uint, VW)(LANES_JOIN(convert_int, VW)(value));
 #endif
 }
 

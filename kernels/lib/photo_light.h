@@ -1,27 +1,33 @@
-// A photograph's light at a position, and what is summed of it per surface point.
+// A photograph's light at the positions of a packet, and what is summed of it per surface point.
 #ifndef HYBRID_LIB_PHOTO_LIGHT_H
 #define HYBRID_LIB_PHOTO_LIGHT_H
+#include "lib/packet.h"
 #include "shared/params_blend_photos.h"
 
-// The four pixels around a position and their shares; the image goes on beyond its border, and a full
+// The four pixels around each position and their shares; the image goes on beyond its border, and a full
 // panorama on its other side.
 typedef struct Bilinear {
-  uint pixel[4];
-  float share[4];
+  uintv pixel[4];
+  floatv share[4];
 } Bilinear;
 
-// Through a pointer: oclgrind's compiler stumbles over structs returned through two inlined functions.
-static inline void bilinear_at(const CameraRecord* camera, float column, float row, Bilinear* at) {
+// Of the lanes `seen`; the others get the first pixel. Through a pointer: oclgrind's compiler stumbles over
+// structs returned through two inlined functions.
+static inline void bilinear_at(const CameraRecord* camera, floatv column, floatv row, intv seen,
+                               Bilinear* at) {
   const uint wraps = camera->flags & CAMERA_WRAPS;
-  float x = column - 0.5f;
-  if (wraps && x < 0.0f) x += (float)camera->width;
+  const float width = (float)camera->width;
+  floatv x = PICK(seen, column, (floatv)(0.5f)) - 0.5f;
+  if (wraps) x = PICK(MASK(x < 0.0f), x + width, x);
   // A full turn reaches up to the width, beyond the last pixel's centre.
-  x = clamp(x, 0.0f, wraps ? nextafter((float)camera->width, 0.0f) : (float)(camera->width - 1u));
-  const float y = clamp(row - 0.5f, 0.0f, (float)(camera->height - 1u));
-  const uint x0 = (uint)x, y0 = (uint)y;
-  const uint x1 = x0 + 1u < camera->width ? x0 + 1u : wraps ? 0u : x0;
-  const uint y1 = min(y0 + 1u, camera->height - 1u);
-  const float right = x - (float)x0, below = y - (float)y0;
+  x = min(max(x, (floatv)(0.0f)), (floatv)(wraps ? nextafter(width, 0.0f) : (float)(camera->width - 1u)));
+  const floatv y = min(max(PICK(seen, row, (floatv)(0.5f)) - 0.5f, (floatv)(0.0f)),
+                       (floatv)((float)(camera->height - 1u)));
+  const uintv x0 = whole_of(x), y0 = whole_of(y);
+  const uintv beyond = wraps ? (uintv)(0u) : (uintv)(camera->width - 1u);
+  const uintv x1 = PICK(MASK(x0 + 1u < camera->width), x0 + 1u, beyond);
+  const uintv y1 = min(y0 + 1u, (uintv)(camera->height - 1u));
+  const floatv right = x - floor(x), below = y - floor(y);
   at->pixel[0] = y0 * camera->width + x0;
   at->pixel[1] = y0 * camera->width + x1;
   at->pixel[2] = y1 * camera->width + x0;
@@ -32,32 +38,69 @@ static inline void bilinear_at(const CameraRecord* camera, float column, float r
   at->share[3] = right * below;
 }
 
-// Is the position one of the photograph's own, none of whose pixels the mask takes out?
-static inline int is_photograph(const CameraRecord* camera, const Bilinear* at, global const uchar* photo) {
-  if (!(camera->flags & CAMERA_HAS_MASK)) return 1;
-  int whole = 1;
-  for (int k = 0; k < 4; ++k) whole &= at->share[k] == 0.0f || photo[4u * at->pixel[k] + 3u] != 0;
+// Asks for the memory around the positions, so that it comes while shadow rays are on their way: waiting for
+// it was a third of all time.
+static inline void fetch_light(const Bilinear* at, BlendMode mix, uint photo_pixels,
+                               global const uchar* photo, global const half* low) {
+#if defined(__has_builtin) && !defined(NO_REDUCTIONS)
+#if __has_builtin(__builtin_prefetch)
+  uint upper[VW], lower[VW];
+  STORE_LANES(at->pixel[0], upper);
+  STORE_LANES(at->pixel[2], lower);
+  for (uint lane = 0u; lane < VW; ++lane) {
+    __builtin_prefetch(photo + (size_t)4 * upper[lane]);
+    __builtin_prefetch(photo + (size_t)4 * lower[lane]);
+  }
+  for (uint band = 0u; mix.mode == BLEND_BANDS && band + 1u < mix.bands; ++band)
+    for (uint lane = 0u; lane < VW; ++lane) {
+      __builtin_prefetch(low + (size_t)4 * ((size_t)band * photo_pixels + upper[lane]));
+      __builtin_prefetch(low + (size_t)4 * ((size_t)band * photo_pixels + lower[lane]));
+    }
+#endif
+#endif
+}
+
+// Which positions are the photograph's own, none of whose pixels the mask takes out?
+static inline intv is_photograph(const CameraRecord* camera, const Bilinear* at, global const uchar* photo) {
+  intv whole = MASK((uintv)(0u) == 0u);
+  if (!(camera->flags & CAMERA_HAS_MASK)) return whole;
+  for (int k = 0; k < 4; ++k)
+    whole &=
+        MASK(at->share[k] == 0.0f) | MASK((words_at((global const uint*)photo, at->pixel[k]) >> 24) != 0u);
   return whole;
 }
 
-static inline float3 light_at(const Bilinear* at, global const uchar* photo, global const float* linear) {
-  float3 light = (float3)(0.0f);
+typedef struct PacketLight {
+  floatv r, g, b;
+} PacketLight;
+
+static inline PacketLight light_at(const Bilinear* at, global const uchar* photo,
+                                   global const float* linear) {
+  PacketLight light = {(floatv)(0.0f), (floatv)(0.0f), (floatv)(0.0f)};
   for (int k = 0; k < 4; ++k) {
-    const uchar4 bytes = vload4(at->pixel[k], photo);
-    light += at->share[k] * (float3)(linear[bytes.x], linear[256u + bytes.y], linear[512u + bytes.z]);
+    const uintv bytes = words_at((global const uint*)photo, at->pixel[k]);
+    light.r += at->share[k] * lanes_at(linear, bytes & 255u);
+    light.g += at->share[k] * lanes_at(linear + 256, (bytes >> 8) & 255u);
+    light.b += at->share[k] * lanes_at(linear + 512, (bytes >> 16) & 255u);
   }
   return light;
 }
 
-static inline float3 low_at(const Bilinear* at, global const half* low) {
-  float3 light = (float3)(0.0f);
-  for (int k = 0; k < 4; ++k) light += at->share[k] * vload_half4(at->pixel[k], low).xyz;
+static inline PacketLight low_at(const Bilinear* at, global const half* low) {
+  PacketLight light = {(floatv)(0.0f), (floatv)(0.0f), (floatv)(0.0f)};
+  for (int k = 0; k < 4; ++k) {
+    const uintv first = words_at((global const uint*)low, 2u * at->pixel[k]);
+    const uintv second = words_at((global const uint*)low, 2u * at->pixel[k] + 1u);
+    light.r += at->share[k] * halves_of(first);
+    light.g += at->share[k] * halves_of(first >> 16);
+    light.b += at->share[k] * halves_of(second);
+  }
   return light;
 }
 
 // x^n, 0 <= x <= 1, by squaring: the same bits everywhere.
-static inline float whole_power(float x, uint n) {
-  float power = 1.0f;
+static inline floatv whole_power(floatv x, uint n) {
+  floatv power = (floatv)(1.0f);
   for (; n != 0u; n >>= 1) {
     if (n & 1u) power *= x;
     x *= x;
@@ -65,56 +108,76 @@ static inline float whole_power(float x, uint n) {
   return power;
 }
 
+// The sums of a packet's points: planes of `count` floats.
+typedef struct PacketSums {
+  PacketPlace place;
+  uint count;
+  intv seen;  // the lanes that something is added to
+} PacketSums;
+
+static inline void add_to_plane(const PacketSums* to, floatv kept, floatv added, global float* plane) {
+  const floatv before = load_packet_float(plane, &to->place, 0.0f);
+  store_packet_float(PICK(to->seen, kept * before + added, before), &to->place, plane);
+}
+
 // Adds a band to those of heavier and lighter photographs, each by (weight / heaviest)^power: the heaviest
 // rules, and hands over without a seam where another one becomes it. The sums are relative to the heaviest so
-// far, so that no power leaves the range of floats. `at`: the band's red of the point.
-static inline void add_band(float3 band, float weight, float heaviest, uint power, uint count,
-                            global float* at) {
-  const float kept = weight > heaviest ? whole_power(heaviest / weight, power) : 1.0f;
-  const float added = weight > heaviest ? 1.0f : whole_power(weight / heaviest, power);
-  at[0] = kept * at[0] + added * band.x;
-  at[count] = kept * at[count] + added * band.y;
-  at[2u * count] = kept * at[2u * count] + added * band.z;
-  at[3u * count] = kept * at[3u * count] + added;
+// far, so that no power leaves the range of floats. `at`: the band's red.
+static inline void add_band(const PacketSums* to, PacketLight band, floatv weight, floatv heaviest,
+                            uint power, global float* at) {
+  const intv heavier = MASK(weight > heaviest);
+  const floatv part = whole_power(PICK(heavier, heaviest, weight) / PICK(heavier, weight, heaviest), power);
+  const floatv one = (floatv)(1.0f), kept = PICK(heavier, part, one), added = PICK(heavier, one, part);
+  add_to_plane(to, kept, added * band.r, at);
+  add_to_plane(to, kept, added * band.g, at + to->count);
+  add_to_plane(to, kept, added * band.b, at + 2u * to->count);
+  add_to_plane(to, kept, added, at + 3u * to->count);
 }
 
 // Splits the light into bands, adds all but the lowest, and returns that. `low` holds an image per Gaussian,
 // the narrowest first: what a Gaussian takes away is a band (Burt and Adelson 1983).
-static inline float3 add_bands(const Bilinear* around, BlendMode mix, uint photo_pixels, float3 light,
-                               float weight, global const half* low, uint count, uint i, global float* sums) {
-  const float heaviest = sums[BLEND_BEST_WEIGHT * count + i];
+static inline PacketLight add_bands(const PacketSums* to, const Bilinear* around, BlendMode mix,
+                                    uint photo_pixels, PacketLight light, floatv weight, floatv heaviest,
+                                    global const half* low, global float* sums) {
   for (uint band = 0u; band + 1u < mix.bands; ++band) {
-    const float3 smooth = low_at(around, low + (size_t)4 * band * photo_pixels);
+    const PacketLight smooth = low_at(around, low + (size_t)4 * band * photo_pixels);
+    const PacketLight rest = {light.r - smooth.r, light.g - smooth.g, light.b - smooth.b};
     const uint plane = band == 0u ? BLEND_BEST_R : BLEND_PLANES + BLEND_BAND_PLANES * (band - 1u);
-    add_band(light - smooth, weight, heaviest, mix.power[band], count, sums + (size_t)plane * count + i);
+    add_band(to, rest, weight, heaviest, mix.power[band], sums + (size_t)plane * to->count);
     light = smooth;
   }
   return light;
 }
 
-// Adds the light that photograph number `photograph`, of `photo_pixels` pixels, has at a position to point i
-// of `count`.
-static inline void add_light(const Bilinear* around, BlendMode mix, int photograph, uint photo_pixels,
-                             float weight, global const uchar* photo, global const half* low,
-                             global const float* linear, uint count, uint i, global float* sums,
+// Adds the light that photograph number `photograph`, of `photo_pixels` pixels, has at the positions.
+static inline void add_light(const PacketSums* to, const Bilinear* around, BlendMode mix, int photograph,
+                             uint photo_pixels, floatv weight, global const uchar* photo,
+                             global const half* low, global const float* linear, global float* sums,
                              global int* best) {
-  const float3 light = light_at(around, photo, linear);
-  const float3 smooth = mix.mode == BLEND_BANDS
-                            ? add_bands(around, mix, photo_pixels, light, weight, low, count, i, sums)
-                            : light;
-  sums[BLEND_SUM_R * count + i] += weight * smooth.x;
-  sums[BLEND_SUM_G * count + i] += weight * smooth.y;
-  sums[BLEND_SUM_B * count + i] += weight * smooth.z;
-  sums[BLEND_SUM_WEIGHT * count + i] += weight;
-  if (!(weight > sums[BLEND_BEST_WEIGHT * count + i])) return;
+  const size_t count = to->count;
+  const floatv one = (floatv)(1.0f),
+               heaviest = load_packet_float(sums + BLEND_BEST_WEIGHT * count, &to->place, 1.0f);
+  const PacketLight light = light_at(around, photo, linear);
+  const PacketLight smooth =
+      mix.mode == BLEND_BANDS ? add_bands(to, around, mix, photo_pixels, light, weight, heaviest, low, sums)
+                              : light;
+  add_to_plane(to, one, weight * smooth.r, sums + BLEND_SUM_R * count);
+  add_to_plane(to, one, weight * smooth.g, sums + BLEND_SUM_G * count);
+  add_to_plane(to, one, weight * smooth.b, sums + BLEND_SUM_B * count);
+  add_to_plane(to, one, weight, sums + BLEND_SUM_WEIGHT * count);
+  PacketSums heavier = *to;
+  heavier.seen = to->seen & MASK(weight > heaviest);
+  if (!ANY(heavier.seen)) return;
+  const floatv none = (floatv)(0.0f);
   if (mix.mode != BLEND_BANDS) {
-    sums[BLEND_BEST_R * count + i] = light.x;
-    sums[BLEND_BEST_G * count + i] = light.y;
-    sums[BLEND_BEST_B * count + i] = light.z;
-    sums[BLEND_BEST_SHARE * count + i] = 1.0f;
+    add_to_plane(&heavier, none, light.r, sums + BLEND_BEST_R * count);
+    add_to_plane(&heavier, none, light.g, sums + BLEND_BEST_G * count);
+    add_to_plane(&heavier, none, light.b, sums + BLEND_BEST_B * count);
+    add_to_plane(&heavier, none, one, sums + BLEND_BEST_SHARE * count);
   }
-  sums[BLEND_BEST_WEIGHT * count + i] = weight;
-  best[i] = photograph;
+  add_to_plane(&heavier, none, weight, sums + BLEND_BEST_WEIGHT * count);
+  const intv before = load_packet_int(best, &to->place, -1);
+  store_packet_int(PICK(heavier.seen, (intv)(photograph), before), &to->place, best);
 }
 
 #endif

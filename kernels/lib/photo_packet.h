@@ -11,29 +11,19 @@ typedef struct PacketSurface {
   floatv x, y, z, normal_x, normal_y, normal_z, radius;
 } PacketSurface;
 
-// Index of every lane's point in images of cols x rows; BVH_EMPTY outside.
-static inline void packet_indices(uint packet_x, uint packet_y, uint cols, uint rows, uint* index) {
-  for (uint lane = 0u; lane < VW; ++lane) {
-    const uint2 at = packet_pixel(packet_x, packet_y, lane, rows);
-    index[lane] = at.x < cols && at.y < rows ? at.y * cols + at.x : BVH_EMPTY;
-  }
+static inline floatv surface_plane(global const float* surface, uint plane, uint count,
+                                   const PacketPlace* at) {
+  return load_packet_float(surface + plane * count, at, NAN);
 }
 
-static inline floatv surface_plane(global const float* surface, uint plane, uint count, const uint* index) {
-  float lanes[VW];
-  for (uint lane = 0u; lane < VW; ++lane)
-    lanes[lane] = index[lane] == BVH_EMPTY ? NAN : surface[plane * count + index[lane]];
-  return LOAD_LANES(lanes);
-}
-
-static inline PacketSurface load_surface(global const float* surface, uint count, const uint* index) {
-  PacketSurface points = {surface_plane(surface, SURFACE_X, count, index),
-                          surface_plane(surface, SURFACE_Y, count, index),
-                          surface_plane(surface, SURFACE_Z, count, index),
-                          surface_plane(surface, SURFACE_NORMAL_X, count, index),
-                          surface_plane(surface, SURFACE_NORMAL_Y, count, index),
-                          surface_plane(surface, SURFACE_NORMAL_Z, count, index),
-                          surface_plane(surface, SURFACE_RADIUS, count, index)};
+static inline PacketSurface load_surface(global const float* surface, uint count, const PacketPlace* at) {
+  PacketSurface points = {surface_plane(surface, SURFACE_X, count, at),
+                          surface_plane(surface, SURFACE_Y, count, at),
+                          surface_plane(surface, SURFACE_Z, count, at),
+                          surface_plane(surface, SURFACE_NORMAL_X, count, at),
+                          surface_plane(surface, SURFACE_NORMAL_Y, count, at),
+                          surface_plane(surface, SURFACE_NORMAL_Z, count, at),
+                          surface_plane(surface, SURFACE_RADIUS, count, at)};
   return points;
 }
 
