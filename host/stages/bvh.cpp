@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -16,7 +18,7 @@ constexpr std::size_t kBins = 16;
 constexpr std::size_t kBlock =
     16384;  // primitives binned as one unit, fixed so that nothing depends on threads
 constexpr std::size_t kParallelFrom = 8192;  // smaller subtrees stay on one thread
-constexpr std::size_t kLargestLeaf = 8;
+constexpr std::size_t kLargestLeaf = BVH_LARGEST_LEAF;
 constexpr int kDepthOfMedians =
     32;  // deeper nodes split at the median, so that the traversal's stack suffices
 constexpr std::uint32_t kSphereBit = 0x80000000u;
@@ -269,7 +271,10 @@ Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<Sp
 DeviceBvh upload_bvh(device::Queue& queue, const Bvh& bvh, const std::vector<SphereSurface>& surfaces) {
   std::vector<SphereSurface> ordered(bvh.spheres.size());
   for (std::size_t i = 0; i < ordered.size(); ++i) ordered[i] = surfaces[bvh.sphere_source[i]];
-  return {queue.array(bvh.nodes), queue.array(bvh.triangles), queue.array(bvh.spheres), queue.array(ordered),
+  // The last leaf's spheres are read as those of a full one.
+  auto spheres = queue.array<SphereRecord>(bvh.spheres.size() + kLargestLeaf - 1);
+  queue.write(spheres, std::span<const SphereRecord>(bvh.spheres));
+  return {queue.array(bvh.nodes), queue.array(bvh.triangles), std::move(spheres), queue.array(ordered),
           bvh.root};
 }
 

@@ -25,7 +25,7 @@ Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<Sp
 struct DeviceBvh {
   device::Array<BvhNode> nodes;
   device::Array<TriangleRecord> triangles;
-  device::Array<SphereRecord> spheres;
+  device::Array<SphereRecord> spheres;  // and BVH_LARGEST_LEAF - 1 of no meaning
   device::Array<SphereSurface> surfaces;
   std::uint32_t root = BVH_EMPTY;
 };

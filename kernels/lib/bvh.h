@@ -14,28 +14,20 @@ typedef struct PacketRays {
   floatv inverse_x, inverse_y, inverse_z;  // finite: tiny components count as 1e-18
   // What the inverses of the lanes in use lie between, apart for those above and below 0; 0: there are none.
   float3 least_above, most_above, least_below, most_below;
-  int apart;  // so far from each other that a box among them may be missed by all
+  float spread;  // of the directions: their largest difference along an axis
+  int apart;     // so far from each other that a box among them may be missed by all
 } PacketRays;
 
 // Packets whose directions differ by more test each box with each ray, too. 4 x 4 pixels of a view 300 pixels
 // wide are this far apart; larger values make rays of wide lists slower, smaller ones small pictures.
 #define BVH_APART 0.05f
+// Shadow rays that differ by more go one by one: 4 x 4 points that do not lie on one surface.
+#define BVH_APART_SHADOWS 0.01f
 
 // A direction's component, moved away from 0 so that its inverse times any distance stays finite.
 static inline floatv bvh_inverse(floatv d) {
   const floatv tiny = PICK(MASK(d < 0.0f), (floatv)(-1e-18f), (floatv)(1e-18f));
   return 1.0f / PICK(MASK(fabs(d) < 1e-18f), tiny, d);
-}
-
-// The inverses above 0 lie between *least and *most; the same, of the negated inverses, gives those below.
-static inline void bvh_between(floatv inverse, intv used, float* least, float* most) {
-  const intv counts = used & MASK(inverse > 0.0f);
-  *most = MOST_LANE(PICK(counts, inverse, (floatv)(0.0f)));
-  *least = *most > 0.0f ? LEAST_LANE(PICK(counts, inverse, (floatv)(INFINITY))) : 0.0f;
-}
-
-static inline float bvh_spread(floatv d, intv used) {
-  return MOST_LANE(PICK(used, d, (floatv)(-2.0f))) - LEAST_LANE(PICK(used, d, (floatv)(2.0f)));
 }
 
 // Rays of the lanes `used`, of which there is at least one.
@@ -44,16 +36,20 @@ static inline PacketRays bvh_rays(float3 origin, floatv x, floatv y, floatv z, i
   rays.origin = origin;
   rays.x = x, rays.y = y, rays.z = z;
   rays.inverse_x = bvh_inverse(x), rays.inverse_y = bvh_inverse(y), rays.inverse_z = bvh_inverse(z);
-  float least[6], most[6];
-  bvh_between(rays.inverse_x, used, least, most);
-  bvh_between(rays.inverse_y, used, least + 1, most + 1);
-  bvh_between(rays.inverse_z, used, least + 2, most + 2);
-  bvh_between(-rays.inverse_x, used, least + 3, most + 3);
-  bvh_between(-rays.inverse_y, used, least + 4, most + 4);
-  bvh_between(-rays.inverse_z, used, least + 5, most + 5);
-  rays.least_above = vload3(0, least), rays.most_above = vload3(0, most);
-  rays.least_below = -vload3(1, least), rays.most_below = -vload3(1, most);
-  rays.apart = VW > 1 && max(max(bvh_spread(x, used), bvh_spread(y, used)), bvh_spread(z, used)) > BVH_APART;
+  const floatv above = (floatv)(2.0f), below = (floatv)(-2.0f);
+  const float3 low = (float3)(LEAST_LANE(PICK(used, x, above)), LEAST_LANE(PICK(used, y, above)),
+                              LEAST_LANE(PICK(used, z, above)));
+  const float3 high = (float3)(MOST_LANE(PICK(used, x, below)), MOST_LANE(PICK(used, y, below)),
+                               MOST_LANE(PICK(used, z, below)));
+  // The inverse falls from -0 to -inf and from inf to 0, so it is least above 0 where the direction is
+  // highest.
+  const float3 none = (float3)(0.0f), tiny = (float3)(1e-18f), huge = (float3)(2e18f);
+  rays.least_above = select(none, 1.0f / max(high, tiny), high >= 0.0f);
+  rays.most_above = select(none, select(huge, 1.0f / max(low, tiny), low > 0.0f), high >= 0.0f);
+  rays.least_below = select(none, 1.0f / min(low, -tiny), low < 0.0f);
+  rays.most_below = select(none, select(-huge, 1.0f / min(high, -tiny), high < 0.0f), low < 0.0f);
+  rays.spread = max(max(high.x - low.x, high.y - low.y), high.z - low.z);
+  rays.apart = VW > 1 && rays.spread > BVH_APART;
   return rays;
 }
 
@@ -137,6 +133,10 @@ static inline floatv bvh_patch(const PacketRays* rays, global const SphereRecord
   return PICK(on & MASK(entry > 0.0f), t, (floatv)(-1.0f));
 }
 
+static inline uint bvh_count(uint leaf) {
+  return ((leaf >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
+}
+
 typedef struct PacketHit {
   floatv t_triangle, t_sphere;  // the limit where there is none
   uintv triangle, sphere;       // index in its array, BVH_EMPTY = none
@@ -159,7 +159,7 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
   for (;;) {
     if (next & BVH_LEAF) {
       const uint first = next & BVH_FIRST_MASK;
-      const uint end = first + ((next >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
+      const uint end = first + bvh_count(next);
       if (next & BVH_SPHERES) {
         for (uint i = first; i < end; ++i) {
           const floatv t = bvh_patch(rays, spheres + i, surfaces[i].normal);
@@ -204,6 +204,94 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
   }
 }
 
+// Does one ray enter one of a leaf's spheres nearer than `far` less two of its radii? As bvh_sphere, to the
+// bit; eight at once, whatever follows those of the leaf.
+static inline int bvh_meets_spheres(float3 origin, float3 ray, global const SphereRecord* first, uint leaf,
+                                    float far) {
+  const float16 a = vload16(0, (global const float*)first), b = vload16(1, (global const float*)first);
+  const float8 to_x = (float8)(a.s048c, b.s048c) - origin.x, to_y = (float8)(a.s159d, b.s159d) - origin.y,
+               to_z = (float8)(a.s26ae, b.s26ae) - origin.z, radius = (float8)(a.s37bf, b.s37bf);
+  const float8 along = to_x * ray.x + to_y * ray.y + to_z * ray.z;
+  const float8 x = to_x - along * ray.x, y = to_y - along * ray.y, z = to_z - along * ray.z;
+  const float8 inside2 = radius * radius - (x * x + y * y + z * z);
+  const float8 t = along - sqrt(max(inside2, (float8)(0.0f)));
+  const int8 hit = (inside2 > 0.0f) & (t > 0.0f) & (t < far - 2.0f * radius);
+  const int8 own = (int8)(0, 1, 2, 3, 4, 5, 6, 7) < (int)bvh_count(leaf);
+  return bits_of_8(hit & own) != 0u;
+}
+
+// Which of a node's boxes one ray enters before `bound`, one bit each.
+static inline uint bvh_entered(float3 origin, float3 inverse, global const BvhNode* node, float bound) {
+  const int3 back = inverse < 0.0f;
+  float16 near = (float16)(0.0f), far = (float16)(bound);
+  float16 first, last;
+#define BVH_SLAB(axis)                                                                                 \
+  first = (vload16(0, back.axis ? node->high_##axis : node->low_##axis) - origin.axis) * inverse.axis; \
+  last = (vload16(0, back.axis ? node->low_##axis : node->high_##axis) - origin.axis) * inverse.axis;  \
+  near = max(near, first);                                                                             \
+  far = min(far, last * 1.0000005f);
+  BVH_SLAB(x)
+  BVH_SLAB(y)
+  BVH_SLAB(z)
+#undef BVH_SLAB
+  const int16 bit = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+  return bits_of((near <= far) & bit);
+}
+
+// bvh_occluded one ray after the other: what rays that have little in common share is not worth its upkeep.
+// Triangles, which are large, are still tested against all of them.
+static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNode* nodes,
+                                      global const TriangleRecord* triangles,
+                                      global const SphereRecord* spheres, uint root, floatv far_triangle,
+                                      floatv far_sphere, intv asked) {
+  uint stack[BVH_STACK];
+  float x[VW], y[VW], z[VW], inverse_x[VW], inverse_y[VW], inverse_z[VW], far[VW], bound[VW];
+  int open[VW], hidden[VW];
+  STORE_LANES(rays->x, x);
+  STORE_LANES(rays->y, y);
+  STORE_LANES(rays->z, z);
+  STORE_LANES(rays->inverse_x, inverse_x);
+  STORE_LANES(rays->inverse_y, inverse_y);
+  STORE_LANES(rays->inverse_z, inverse_z);
+  STORE_LANES(far_sphere, far);
+  STORE_LANES(max(far_triangle, far_sphere), bound);
+  STORE_LANES(asked, open);
+  STORE_LANES((intv)(0), hidden);
+  intv blocked = (intv)(0);
+  uint last = 0u;  // spheres that hid the ray before
+  for (uint lane = 0u; lane < VW; ++lane) {
+    if (!open[lane]) continue;
+    const float3 ray = (float3)(x[lane], y[lane], z[lane]);
+    const float3 inverse = (float3)(inverse_x[lane], inverse_y[lane], inverse_z[lane]);
+    int meets = last != 0u &&
+                bvh_meets_spheres(rays->origin, ray, spheres + (last & BVH_FIRST_MASK), last, far[lane]);
+    uint top = 0u;
+    stack[top++] = root;
+    while (!meets && top != 0u) {
+      const uint next = stack[--top];
+      if (!(next & BVH_LEAF)) {
+        global const BvhNode* node = nodes + next;
+        uint among = bvh_entered(rays->origin, inverse, node, bound[lane]);
+        for (; among != 0u; among &= among - 1u) stack[top++] = node->child[31u - clz(among & (0u - among))];
+      } else if (next & BVH_SPHERES) {
+        meets = bvh_meets_spheres(rays->origin, ray, spheres + (next & BVH_FIRST_MASK), next, far[lane]);
+        if (meets) last = next;
+      } else {
+        const uint first = next & BVH_FIRST_MASK;
+        const uint end = first + bvh_count(next);
+        for (uint i = first; i < end; ++i) {
+          const floatv t = bvh_triangle(rays, triangles + i);
+          blocked |= asked & MASK(t > 0.0f) & MASK(t < far_triangle);
+        }
+        STORE_LANES(asked & ~blocked, open);
+        meets = !open[lane];
+      }
+    }
+    hidden[lane] = -meets;
+  }
+  return blocked | LOAD_LANES(hidden);
+}
+
 // Which of the `asked` rays meet a triangle nearer than far_triangle or a sphere nearer than far_sphere less
 // two of the sphere's own radii: spheres bulge out of the surface they stand for, and large ones must not
 // shade small neighbours.
@@ -215,13 +303,15 @@ static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* no
   uint top = 0u, next = root;
   intv blocked = (intv)(0);
   if (root == BVH_EMPTY) return blocked;
+  if (VW > 1 && rays->spread > BVH_APART_SHADOWS)
+    return bvh_occluded_apart(rays, nodes, triangles, spheres, root, far_triangle, far_sphere, asked);
   const floatv far = max(far_triangle, far_sphere);
   floatv bound = PICK(asked, far, (floatv)(-1.0f));
   float farthest = MOST_LANE(bound);
   for (;;) {
     if (next & BVH_LEAF) {
       const uint first = next & BVH_FIRST_MASK;
-      const uint end = first + ((next >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
+      const uint end = first + bvh_count(next);
       if (next & BVH_SPHERES) {
         for (uint i = first; i < end; ++i) {
           const floatv t = bvh_sphere(rays, spheres + i);

@@ -13,6 +13,9 @@
 #define BVH_COUNT_MASK 15u
 #define BVH_FIRST_MASK 0x03ffffffu
 #define BVH_EMPTY 0xffffffffu
+// Primitives of a leaf at most. Spheres are read that many at a time: behind the last one there is memory for
+// what a full leaf would hold.
+#define BVH_LARGEST_LEAF 8
 // Children of a node: their boxes are tested at once, in one vector, whatever VW is.
 #define BVH_WIDTH 16
 // Entries of the traversal's stack: wide nodes leave BVH_WIDTH - 1 pending each, those below BVH_WIDE_LEVELS
