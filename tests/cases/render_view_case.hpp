@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "cases/blend_photos_case.hpp"
@@ -97,9 +98,12 @@ struct FurnishedRoom {
 
   stages::SurfaceTile cast(device::Queue& queue, const stages::DeviceBvh& geometry) const {
     stages::SurfaceTile tile(queue, static_cast<std::size_t>(kWidth) * kHeight);
+    cast(queue, geometry, tile);
+    return tile;
+  }
+  void cast(device::Queue& queue, const stages::DeviceBvh& geometry, stages::SurfaceTile& tile) const {
     stages::cast_tile(queue, geometry, view, {0, 0, kHeight, kWidth}, {0.5f, 0.5f}, 0.02, tile);
     queue.finish();
-    return tile;
   }
 };
 
@@ -164,11 +168,20 @@ struct BlendViewCase {
     device::Array<std::uint32_t> seen;
     device::Array<std::int32_t> best;
   };
-  static void run(device::Queue& queue, const Input& input) { blend(queue, input); }
-  // What run() leaves on the device.
-  static Arrays blend(device::Queue& queue, const Input& input) {
+  static void run(device::Queue& queue, const Input& input) {
     Arrays at(queue, input);
+    blend(queue, input, at);
+  }
+  // Sets sums, seen and best back to their start.
+  static void clear(device::Queue& queue, Arrays& at) {
+    queue.write(at.sums, std::span<const float>(std::vector<float>(at.sums.count(), 0.0f)));
+    queue.write(at.seen, std::span<const std::uint32_t>(std::vector<std::uint32_t>(at.seen.count(), 0)));
+    queue.write(at.best, std::span<const std::int32_t>(std::vector<std::int32_t>(at.best.count(), -1)));
+  }
+  // All photographs, onto `at`.
+  static void blend(device::Queue& queue, const Input& input, const Arrays& at) {
     const int width = queue.vector_width();
+    const auto grid = stages::packet_grid(width, at.tile.cols, at.tile.rows);
     for (std::size_t i = 0; i < input.cameras.size(); ++i) {
       BlendPhotosParams params{};
       params.camera = input.cameras[i];
@@ -182,13 +195,10 @@ struct BlendViewCase {
       params.tolerance_m = 0.02f;
       params.face_tolerance_m = 0.001f;
       params.root = at.bvh.root;
-      queue.launch(kName, queue.kernel(kName, {{"VW", width}}),
-                   stages::packet_grid(width, at.tile.cols, at.tile.rows), params, at.bvh.nodes,
-                   at.bvh.triangles, at.bvh.spheres, at.tile.surface, at.pixels, at.low, at.linear, at.sums,
-                   at.seen, at.best);
+      queue.launch(kName, queue.kernel(kName, {{"VW", width}}), grid, params, at.bvh.nodes, at.bvh.triangles,
+                   at.bvh.spheres, at.tile.surface, at.pixels, at.low, at.linear, at.sums, at.seen, at.best);
     }
     queue.finish();
-    return at;
   }
   static double items(const Input&) { return 1.0 * FurnishedRoom::kWidth * FurnishedRoom::kHeight; }
   static double bytes(const Input& input) { return 8 * 124.0 * items(input); }
@@ -213,12 +223,27 @@ struct UlrViewCase {
   static constexpr std::uint32_t kKept = 5;
   using Input = BlendViewCase::Input;
   static Input make(std::size_t size, std::uint32_t seed) { return BlendViewCase::make(size, seed); }
+  struct Arrays : BlendViewCase::Arrays {
+    Arrays(device::Queue& queue, const Input& input)
+        : BlendViewCase::Arrays(queue, input),
+          penalty(queue.array(std::vector<float>(kKept * tile.count(), INFINITY))),
+          ranked(queue.array(std::vector<std::int32_t>(kKept * tile.count(), -1))) {}
+    device::Array<float> penalty;
+    device::Array<std::int32_t> ranked;
+  };
   static void run(device::Queue& queue, const Input& input) {
-    const BlendViewCase::Arrays at(queue, input);
+    const Arrays at(queue, input);
+    rank(queue, input, at);
+    if (kBlending) blend(queue, input, at);
+  }
+  static void clear(device::Queue& queue, Arrays& at) {
+    BlendViewCase::clear(queue, at);
+    queue.write(at.penalty, std::span<const float>(std::vector<float>(at.penalty.count(), INFINITY)));
+    queue.write(at.ranked, std::span<const std::int32_t>(std::vector<std::int32_t>(at.ranked.count(), -1)));
+  }
+  static void rank(device::Queue& queue, const Input& input, const Arrays& at) {
     const int width = queue.vector_width();
     const auto grid = stages::packet_grid(width, at.tile.cols, at.tile.rows);
-    const auto penalty = queue.array(std::vector<float>(kKept * at.tile.count(), INFINITY));
-    const auto ranked = queue.array(std::vector<std::int32_t>(kKept * at.tile.count(), -1));
     for (std::size_t i = 0; i < input.cameras.size(); ++i) {
       RankPhotosParams params{};
       params.camera = input.cameras[i];
@@ -235,20 +260,26 @@ struct UlrViewCase {
       params.resolution_cost = 0.05f;
       params.field_of_view_cost = 0.1f;
       queue.launch("rank_photos", queue.kernel("rank_photos", {{"VW", width}}), grid, params, at.bvh.nodes,
-                   at.bvh.triangles, at.bvh.spheres, at.tile.surface, at.pixels, penalty, ranked, at.seen);
+                   at.bvh.triangles, at.bvh.spheres, at.tile.surface, at.pixels, at.penalty, at.ranked,
+                   at.seen);
     }
-    for (std::size_t i = 0; kBlending && i < input.cameras.size(); ++i) {
+    queue.finish();
+  }
+  static void blend(device::Queue& queue, const Input& input, const Arrays& at) {
+    const int width = queue.vector_width();
+    const auto grid = stages::packet_grid(width, at.tile.cols, at.tile.rows);
+    for (std::size_t i = 0; i < input.cameras.size(); ++i) {
       BlendRankedParams params{};
       params.camera = input.cameras[i];
       params.cols = at.tile.cols;
       params.rows = at.tile.rows;
-      params.mix = {BLEND_BANDS, 2, {8}};
+      params.mix = input.mix;
       params.photograph = static_cast<int>(i);
       params.kept = kKept;
       params.feather_px = 32;
       params.pixel_rad = 0.001f;
       queue.launch("blend_ranked", queue.kernel("blend_ranked", {{"VW", width}}), grid, params,
-                   at.tile.surface, penalty, ranked, at.pixels, at.low, at.linear, at.sums, at.best);
+                   at.tile.surface, at.penalty, at.ranked, at.pixels, at.low, at.linear, at.sums, at.best);
     }
     queue.finish();
   }

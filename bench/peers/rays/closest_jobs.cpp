@@ -97,7 +97,7 @@ void mesh_jobs(device::Queue& queue, std::size_t count, const RayOptions& option
               },
               {}},
              {"Embree point query", "Embree " RTC_VERSION_STRING, "callback per triangle; distance written",
-              false, [&] { return wall_seconds([&] { scene.closest(queries, radius, theirs); }); },
+              false, [&] { return spent_on([&] { scene.closest(queries, radius, theirs); }); },
               [&] { return apart(ours, theirs); }}},
             rows);
   }
@@ -106,6 +106,7 @@ void mesh_jobs(device::Queue& queue, std::size_t count, const RayOptions& option
 }  // namespace
 
 void closest_jobs(device::Queue& queue, const RayOptions& options, nlohmann::ordered_json& rows) {
+  if (std::string("queries").find(options.only) == std::string::npos) return;
   const std::size_t count = options.quick ? 100'000 : 1'000'000;
   auto input = ClosestPointCase::make(count, 1);
   input.normal_deg = 180;  // peers know no normals
@@ -132,12 +133,12 @@ void closest_jobs(device::Queue& queue, const RayOptions& options, nlohmann::ord
          },
          {}},
         {"Embree point query", "Embree " RTC_VERSION_STRING, "callback per triangle; distance written", false,
-         [&] { return wall_seconds([&] { scene.closest(queries, radius, theirs); }); },
+         [&] { return spent_on([&] { scene.closest(queries, radius, theirs); }); },
          [&] { return apart(ours, theirs); }}};
     if (std::isinf(radius))
       contenders.push_back({"nanoflann", "nanoflann", built, false,
                             [&] {
-                              return wall_seconds([&] {
+                              return spent_on([&] {
                                 theirs.resize(count);
 #pragma omp parallel for schedule(dynamic, 4096)
                                 for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(count); ++i) {

@@ -130,8 +130,6 @@ std::size_t EmbreeScene::shadow(const Surface& surface, const std::vector<Pinhol
 
 void EmbreeScene::blend(const Surface& surface, const Photographs& photographs, RayMode mode,
                         std::vector<float>& sums, std::vector<std::uint32_t>& seen) const {
-  sums.assign(8 * surface.count, 0);
-  seen.assign(surface.count, 0);
   const auto groups = static_cast<std::ptrdiff_t>((surface.count + 15) / 16);
 #pragma omp parallel for schedule(dynamic, 256)
   for (std::ptrdiff_t group = 0; group < groups; ++group) {

@@ -51,7 +51,7 @@ class EmbreeScene {
   };
   // Every photograph projected on every surface point that it sees: weights 1 / (angle + one pixel),
   // feathered at the border; low bands by weight, high bands by weight to the eighth. sums: 8 floats per
-  // pixel; seen: photographs.
+  // pixel; seen: photographs; both start at 0.
   void blend(const Surface& surface, const Photographs& photographs, RayMode mode, std::vector<float>& sums,
              std::vector<std::uint32_t>& seen) const;
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <ctime>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,11 +10,17 @@
 
 namespace hybrid::peers {
 
-// One program's way of doing a job; `run` returns seconds.
+// Of one run: the clock on the wall, and the processor time of all threads, which other programs disturb
+// less.
+struct Spent {
+  double wall_s = 0, cpu_s = 0;
+};
+
+// One program's way of doing a job.
 struct Contender {
   std::string program, package, settings;
   bool ours = false;
-  std::function<double()> run;
+  std::function<Spent()> run;
   std::function<std::string()> quality;  // after its last run; may be absent
 };
 
@@ -21,12 +28,13 @@ struct Contender {
 // hybrid-compare reads them.
 inline void measure(const std::string& job, const std::string& size, double items, int rounds,
                     const std::vector<Contender>& contenders, nlohmann::ordered_json& rows) {
-  std::vector<std::vector<double>> seconds(contenders.size());
+  std::vector<std::vector<double>> seconds(contenders.size()), cpu_seconds(contenders.size());
   std::vector<std::string> quality(contenders.size());
   for (int round = -1; round < rounds; ++round)
     for (std::size_t i = 0; i < contenders.size(); ++i) {
-      const double taken = contenders[i].run();
-      if (round >= 0) seconds[i].push_back(taken);
+      const Spent taken = contenders[i].run();
+      if (round >= 0) seconds[i].push_back(taken.wall_s);
+      if (round >= 0) cpu_seconds[i].push_back(taken.cpu_s);
       // Here, while the results in memory are this one's.
       if (round == rounds - 1 && contenders[i].quality) quality[i] = contenders[i].quality();
     }
@@ -40,28 +48,45 @@ inline void measure(const std::string& job, const std::string& size, double item
                     {"quality", quality[i]},
                     {"ours", one.ours},
                     {"items", items},
-                    {"seconds", seconds[i]}});
+                    {"seconds", seconds[i]},
+                    {"cpu_seconds", cpu_seconds[i]}});
   }
 }
 
-// Device seconds that a run adds to the launches of one kernel.
+inline double process_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 template <typename Body>
-double kernel_seconds(device::Queue& queue, const std::string& kernel, const Body& body) {
+Spent spent_on(const Body& body) {
+  const Stopwatch watch;
+  const double before = process_seconds();
+  body();
+  return {watch.seconds(), process_seconds() - before};
+}
+
+// Device seconds that a run adds to the launches of one kernel; of a run that copies, too.
+template <typename Body>
+Spent kernel_seconds(device::Queue& queue, const std::string& kernel, const Body& body) {
   const auto so_far = [&] {
     return queue.profile().count(kernel) ? queue.profile().at(kernel).seconds : 0.0;
   };
   const double before = so_far();
   body();
   queue.finish();
-  return so_far() - before;
+  return {so_far() - before, 0};
 }
 
-// Wall clock of a run.
+// Launches and their end, with the data on the device.
 template <typename Body>
-double wall_seconds(const Body& body) {
-  const Stopwatch watch;
-  body();
-  return watch.seconds();
+Spent spent_on_device(device::Queue& queue, const Body& body) {
+  queue.finish();
+  return spent_on([&] {
+    body();
+    queue.finish();
+  });
 }
 
 }  // namespace hybrid::peers

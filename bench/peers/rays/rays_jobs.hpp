@@ -6,6 +6,7 @@ namespace hybrid::peers {
 struct RayOptions {
   int rounds = 3;
   bool quick = false;
+  std::string only;  // jobs whose size contains this
 };
 
 // A 1080p view of a furnished room of 204 triangles, alone and with 500,000 splats: primary rays, shadow

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   app.add_option("--rounds", options.rounds, "counted runs")->check(CLI::Range(1, 100));
   app.add_option("--threads", threads, "0 = all cores")->check(CLI::NonNegativeNumber);
   app.add_flag("--quick", options.quick, "without splats, 100,000 queries");
+  app.add_option("--only", options.only, "jobs whose size contains this");
   CLI11_PARSE(app, argc, argv);
   return peers::report_of([&] {
     set_thread_count(threads);

@@ -76,31 +76,31 @@ void measure_room(device::Queue& queue, const RayOptions& options, std::size_t s
   const double pixels = BlendViewCase::items(input);
   const auto geometry = stages::upload_bvh(queue, room.bvh, room.surfaces);
 
-  std::vector<float> ours_distance;
+  auto tile = room.cast(queue, geometry);
   Surface single, packets;
+  const auto same = [&](const Surface& theirs) {
+    return same_distance(queue.read(tile.distance), theirs.distance);
+  };
   measure("primary rays", size, pixels, options.rounds,
           {{"hybrid ray_cast",
             "hybrid",
-            "kernel time; point, normal and id written",
+            "on the device; point, normal and id written",
             true,
-            [&] {
-              return kernel_seconds(queue, "ray_cast",
-                                    [&] { ours_distance = queue.read(room.cast(queue, geometry).distance); });
-            },
+            [&] { return spent_on_device(queue, [&] { room.cast(queue, geometry, tile); }); },
             {}},
            {"Embree, 1 ray", kEmbree, "coherent flag; point, normal and id written", false,
-            [&] { return wall_seconds([&] { scene.cast(view, RayMode::single, single); }); },
-            [&] { return same_distance(ours_distance, single.distance); }},
+            [&] { return spent_on([&] { scene.cast(view, RayMode::single, single); }); },
+            [&] { return same(single); }},
            {"Embree, packets of 16", kEmbree, "coherent flag; point, normal and id written", false,
-            [&] { return wall_seconds([&] { scene.cast(view, RayMode::packet16, packets); }); },
-            [&] { return same_distance(ours_distance, packets.distance); }}},
+            [&] { return spent_on([&] { scene.cast(view, RayMode::packet16, packets); }); },
+            [&] { return same(packets); }}},
           rows);
 
   EmbreeScene::Photographs photographs;
   for (const auto& camera : input.cameras) photographs.cameras.push_back(pinhole_of(camera));
   std::size_t free = 0;
   const auto shadows = [&](RayMode mode) {
-    return wall_seconds([&] { free = scene.shadow(packets, photographs.cameras, mode); });
+    return spent_on([&] { free = scene.shadow(packets, photographs.cameras, mode); });
   };
   const auto share = [&] {
     return fmt::format("{:.1f} % free", 100.0 * static_cast<double>(free) / (8 * pixels));
@@ -121,23 +121,22 @@ void measure_room(device::Queue& queue, const RayOptions& options, std::size_t s
   photographs.feather_px = 32;
   std::vector<float> sums;
   std::vector<std::uint32_t> seen;
-  std::vector<float> ours_sums;
-  std::vector<std::uint32_t> ours_seen;
-  {
-    const auto arrays = BlendViewCase::blend(queue, input);
-    ours_sums = queue.read(arrays.sums);
-    ours_seen = queue.read(arrays.seen);
-  }
+  BlendViewCase::Arrays at(queue, input);
   const auto blend = [&](RayMode mode) {
-    return wall_seconds([&] { scene.blend(packets, photographs, mode, sums, seen); });
+    sums.assign(8 * packets.count, 0);
+    seen.assign(packets.count, 0);
+    return spent_on([&] { scene.blend(packets, photographs, mode, sums, seen); });
   };
-  const auto quality = [&] { return same_blend(ours_sums, ours_seen, sums, seen); };
+  const auto quality = [&] { return same_blend(queue.read(at.sums), queue.read(at.seen), sums, seen); };
   measure("8 photographs of 12 MP with shadow rays", size, pixels, options.rounds,
           {{"hybrid blend_photos",
             "hybrid",
-            "kernel time, all 8; two bands",
+            "on the device, all 8; two bands",
             true,
-            [&] { return kernel_seconds(queue, "blend_photos", [&] { BlendViewCase::run(queue, input); }); },
+            [&] {
+              BlendViewCase::clear(queue, at);
+              return spent_on_device(queue, [&] { BlendViewCase::blend(queue, input, at); });
+            },
             {}},
            {"Embree, 1 ray", kEmbree, "two bands, same weights", false,
             [&] { return blend(RayMode::single); }, quality},
@@ -149,9 +148,12 @@ void measure_room(device::Queue& queue, const RayOptions& options, std::size_t s
 }  // namespace
 
 void room_jobs(device::Queue& queue, const RayOptions& options, nlohmann::ordered_json& rows) {
-  measure_room(queue, options, 0, "1080p, 204 triangles", rows);
-  measure_room(queue, options, testing::RayCastViewCase::kMeshes, "1080p, 95 k triangles", rows);
-  if (!options.quick) measure_room(queue, options, 500'000, "1080p, 204 triangles and 500 k splats", rows);
+  const auto measured = [&](std::size_t splats, const std::string& size) {
+    if (size.find(options.only) != std::string::npos) measure_room(queue, options, splats, size, rows);
+  };
+  measured(0, "1080p, 204 triangles");
+  measured(testing::RayCastViewCase::kMeshes, "1080p, 95 k triangles");
+  if (!options.quick) measured(500'000, "1080p, 204 triangles and 500 k splats");
 }
 
 }  // namespace hybrid::peers
