@@ -138,9 +138,12 @@ TEST(ArchiveDamage, limits_end_a_unit_and_not_the_run) {
   const fs::path store = scratch / "store";
   write_small_archive(scratch / "archive", 1);
   ASSERT_EQ(plan(scratch / "archive", store).exit_code, 0);
-  const auto memory = run_store(store, "--unit 0 --unit-memory 1M");
-  EXPECT_EQ(memory.exit_code, 1);
-  EXPECT_NE(memory.out.find("GiB of memory (--unit-memory)"), std::string::npos) << memory.out;
+  for (const std::string option : {"--memory", "--unit-memory"}) {  // the one to raise is named
+    const auto memory = run_store(store, "--unit 0 " + option + " 1M");
+    EXPECT_EQ(memory.exit_code, 1);
+    EXPECT_NE(memory.out.find("took more than 1 MiB of memory, which is what " + option), std::string::npos)
+        << memory.out;
+  }
   const auto time = run_store(store, "--unit 0 --unit-time 0.001");
   EXPECT_NE(time.out.find("took longer than 0 s (--unit-time)"), std::string::npos) << time.out;
   EXPECT_EQ(run_store(store).exit_code, 0);

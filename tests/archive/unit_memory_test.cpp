@@ -76,20 +76,4 @@ TEST(UnitMemory, paging_changes_no_byte) {
   EXPECT_NE(content_list(scratch / "paged").find("labels.exr"), std::string::npos);
 }
 
-// The machine is fine and the unit is fine: the person has to hear which option was too small.
-TEST(UnitMemory, too_little_for_any_unit_is_told_with_the_option_to_raise) {
-  const Scratch scratch;
-  write_room(scratch / "archive" / "room.pcd");
-  ASSERT_EQ(plan(scratch / "archive", scratch / "store").exit_code, 0);
-  for (const auto& [options, named] :
-       {std::pair{"--memory 48M", "54 MiB of memory, which is what --memory"},
-        std::pair{"--unit-memory 50M", "50 MiB of memory, which is what --unit-memory"}}) {
-    const auto told = run_store(scratch / "store", options);
-    EXPECT_EQ(told.exit_code, 1) << told.err;  // no unit was done
-    EXPECT_NE(told.err.find(named), std::string::npos) << told.err;
-  }
-  const auto enough = run_store(scratch / "store");
-  EXPECT_EQ(enough.exit_code, 0) << enough.err;
-}
-
 }  // namespace hybrid::e2e
