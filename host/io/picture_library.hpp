@@ -9,8 +9,8 @@
 namespace hybrid::io {
 
 // All that is done with OpenImageIO, in a library of our own (host/pictures) that is loaded when the first
-// picture is read or written: it brings 240 others with it, whose loading takes a process a quarter of a
-// second.
+// picture is read, or written as anything but PNG (io/png.cpp): it brings 240 others with it, whose loading
+// takes a process a quarter of a second.
 struct PictureLibrary {
   decltype(&io::read_photograph) read_photograph;
   decltype(&io::decode_photograph) decode_photograph;
