@@ -8,6 +8,7 @@
 //                       [--only-scan nave]          that scan alone, the same bytes
 //                       [--scans 6]                 three more: porch, corner, aisle
 //   hybrid-synth archive N --out DIR --seed 1        scene-0000 ...: small churches, seeds one apart
+//                       [--from 101]                those that an earlier, interrupted call has made stay
 //
 // DIR holds scene.toml (written last), proxy.obj, scans/, photographs/, cameras/ (COLMAP), detail.ply (the
 // true mesh), truth.json and truth/. The church's scans: `front` outside and `nave` as PLY without a grid,
@@ -76,7 +77,7 @@ struct Request {
   synth::Options options;
   std::string folder, preset, format, only_scan;
   std::optional<double> megapixels, photograph_variation;
-  int threads = 0, scenes = 0;
+  int threads = 0, scenes = 0, from = 0;
   bool json = false, quiet = false;
 };
 
@@ -168,9 +169,9 @@ void tell(const Request& r, const synth::Summary& summary) {
 
 void make_archive(Request& r) {
   const std::uint64_t first = r.options.seed;
-  synth::check_free_space(r.folder,
-                          r.scenes * synth::estimate_bytes(synth::build_church(r.options), r.options));
-  for (int i = 0; i < r.scenes; ++i) {
+  synth::check_free_space(r.folder, std::max(r.scenes - r.from, 0) *
+                                        synth::estimate_bytes(synth::build_church(r.options), r.options));
+  for (int i = r.from; i < r.scenes; ++i) {
     r.options.seed = first + static_cast<std::uint64_t>(i);
     synth::World world = synth::build_church(r.options);
     if (r.options.scan_format == synth::ScanFormat::e57) synth::remove_distortion(world);
@@ -202,6 +203,8 @@ int main(int argc, char** argv) {
   add_church_options(*church, of_church);
   add_only_scan(*church, of_church);
   archive->add_option("scenes", of_archive.scenes, "How many")->required()->check(CLI::Range(1, 100000));
+  archive->add_option("--from", of_archive.from, "Number of the first scene to make; those before it stay")
+      ->check(CLI::Range(0, 99999));
   add_common(*archive, of_archive, kChurchPresets, "tiny");
   add_church_options(*archive, of_archive);
 

@@ -8,7 +8,8 @@ namespace hybrid {
 
 // Whether what is freed stays with the process, for what it allocates next. Stages allocate and free images
 // by the hundred megabytes: given back to the system each time, every page is cleared again for the next one,
-// which was an eighth of a large scan's CPU time. Returns what was asked for before (at first false).
+// a twentieth of a large scan's CPU time (of 20 megapixels 5.2 s in the system, 3.3 kept, of 43 s in all).
+// Returns what was asked for before (at first false).
 bool keep_freed_memory(bool keep);
 
 // Keeps the memory of this process near `bytes` while it lives: arrays of 4 MiB and more that `new` makes (as

@@ -138,17 +138,24 @@ TEST_F(Church, erring_cameras_differ_from_the_truth) {
   EXPECT_EQ(truth_["camera_error_px"], 0.5);
 }
 
-TEST(Archive, holds_as_many_scenes_as_asked) {
+TEST(Archive, holds_as_many_scenes_as_asked_and_goes_on_where_it_was_interrupted) {
   const Scratch scratch;
-  const auto outcome =
-      run("hybrid-synth archive 2 --seed 7 --megapixels 0.05 --quiet --out " + (scratch / "a").string());
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto make = [&](const std::string& which) {
+    const auto outcome = run("hybrid-synth archive " + which + " --seed 7 --megapixels 0.05 --quiet --out " +
+                             (scratch / "a").string());
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  make("1");
+  const fs::path first = scratch / "a/scene-0000/proxy.obj";
+  const std::string proxy = io::read_text(first);
+  io::write_text(first, "as it was");
+  make("2 --from 1");
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(scratch / "a")) names.push_back(entry.path().filename());
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names, (std::vector<std::string>{"scene-0000", "scene-0001"}));
-  EXPECT_NE(io::read_text(scratch / "a/scene-0000/proxy.obj"),
-            io::read_text(scratch / "a/scene-0001/proxy.obj"));
+  EXPECT_EQ(io::read_text(first), "as it was");
+  EXPECT_NE(io::read_text(scratch / "a/scene-0001/proxy.obj"), proxy);
   EXPECT_NE(io::read_text(scratch / "a/scene-0001/scene.toml").find("seed 8"), std::string::npos);
 }
 
