@@ -12,8 +12,12 @@ namespace {
 
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
 constexpr double kBiweight = 3.5;      // standard deviations beyond which a sample has no say
+constexpr double kBorderBias = 0.15;   // of their noise, by which the samples at a plane's border err alike
+constexpr double kLongestStep = 2;
 constexpr std::size_t kStrideBeforeLast = 3;
 constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
+
+using Labels = std::vector<std::uint32_t>;
 
 // Sums over the measured samples of one band of rows, one entry per label that occurs there.
 template <typename Sum>
@@ -22,8 +26,8 @@ struct Band {
   std::vector<Sum> sums;
 };
 
-// Forms Sum::add(sample, plane) per band of `square` rows anchored at row 0 and label, of every `stride`th
-// sample, then merges the bands from top to bottom: the same bits for any number of threads.
+// Forms Sum::add(image, labels, sample, plane) per band of `square` rows anchored at row 0 and label, of
+// every `stride`th sample, then merges the bands from top to bottom: the same bits for any number of threads.
 template <typename Sum, typename Planes>
 std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
                               const Planes& planes, std::size_t stride = 1) {
@@ -43,13 +47,23 @@ std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::ve
         band.labels.push_back(label);
         band.sums.emplace_back();
       }
-      band.sums[static_cast<std::size_t>(slot[label])].add(image, i, planes[label - 1]);
+      band.sums[static_cast<std::size_t>(slot[label])].add(image, labels, i, planes[label - 1]);
     }
   });
   std::vector<Sum> total(planes.size());
   for (const auto& band : bands)
     for (std::size_t k = 0; k < band.sums.size(); ++k) total[band.labels[k] - 1].merge(band.sums[k]);
   return total;
+}
+
+// Whether another surface begins at the next node: which of the two a sample there belongs to depends on
+// where the planes were thought to be, so that it says little about where they are, and that with a bias.
+bool at_border(const RangeImage& image, const Labels& labels, std::size_t i) {
+  const auto cols = static_cast<std::size_t>(image.cols);
+  const auto differs = [&](std::size_t j) { return labels[j] != labels[i] && image.mask[j] != kEmpty; };
+  const std::size_t col = i % cols, first = i - col;
+  return (i >= cols && differs(i - cols)) || (i + cols < labels.size() && differs(i + cols)) ||
+         differs(col > 0 ? i - 1 : first + cols - 1) || differs(col + 1 < cols ? i + 1 : first);
 }
 
 double cosine(const Vec3& point, const Plane& plane) {
@@ -60,7 +74,7 @@ double cosine(const Vec3& point, const Plane& plane) {
 struct WeightedMoments {
   std::array<double, 10> sum{};
 
-  void add(const RangeImage& image, std::size_t i, const Plane& plane) {
+  void add(const RangeImage& image, const Labels&, std::size_t i, const Plane& plane) {
     const Vec3 point = image.point(i);
     const double along = plane.normal.dot(point);
     const double w = 1 / std::max(along * along / point.squaredNorm(), kWeightCosine * kWeightCosine);
@@ -88,14 +102,29 @@ struct WeightedMoments {
 // Normal equations of a correction to m = normal / offset that minimises the weighted squares of the
 // residuals along the rays, r (1 - m . p), in the plane's own axes.
 struct RayEquations {
-  std::array<double, 9> sum{};  // matrix xx xy xz yy yz zz, right side
+  struct Sums {
+    // Matrix xx xy xz yy yz zz, right side; weights, and derivatives of what each sample pulls with.
+    std::array<double, 11> of{};
+    std::int64_t samples = 0;
+
+    void add(const Sums& other, double weight) {
+      for (std::size_t k = 0; k < of.size(); ++k) of[k] += weight * other.of[k];
+      samples += other.samples;
+    }
+    // Weighted least squares goes but a part of the way, as the weights hold to the plane they were made for;
+    // Newton's step is longer by this, on the average.
+    double step() const {
+      return of[10] > of[9] / kLongestStep ? std::max(of[9] / of[10], 1.0) : kLongestStep;
+    }
+  };
+  Sums inner, border;
 
   struct Frame {
     Mat3 axes;  // rows: normal and two across
     Vec3 m;
     const RangeNoise* noise;  // null: not wanted
   };
-  void add(const RangeImage& image, std::size_t i, const Frame& frame) {
+  void add(const RangeImage& image, const Labels& labels, std::size_t i, const Frame& frame) {
     if (frame.noise == nullptr) return;
     const Vec3 point = image.point(i);
     const double range = point.norm(), reached = frame.m.dot(point);
@@ -103,15 +132,29 @@ struct RayEquations {
     const double sigma = frame.noise->at(range, std::abs(frame.axes.row(0).dot(point)) / range);
     const double u = residual / (kBiweight * sigma);
     if (!(std::abs(u) < 1)) return;
-    const double weight = (1 - u * u) * (1 - u * u) / (sigma * sigma);
+    const double within = 1 - u * u, weight = within * within / (sigma * sigma);
     const Vec3 slope = range * (frame.axes * point);
-    const double terms[9] = {slope.x() * slope.x(), slope.x() * slope.y(), slope.x() * slope.z(),
-                             slope.y() * slope.y(), slope.y() * slope.z(), slope.z() * slope.z(),
-                             slope.x() * residual,  slope.y() * residual,  slope.z() * residual};
-    for (std::size_t k = 0; k < 9; ++k) sum[k] += weight * terms[k];
+    const double terms[11] = {slope.x() * slope.x(),   slope.x() * slope.y(),
+                              slope.x() * slope.z(),   slope.y() * slope.y(),
+                              slope.y() * slope.z(),   slope.z() * slope.z(),
+                              slope.x() * residual,    slope.y() * residual,
+                              slope.z() * residual,    1,
+                              (1 - 5 * u * u) / within};
+    Sums& to = at_border(image, labels, i) ? border : inner;
+    for (std::size_t k = 0; k < to.of.size(); ++k) to.of[k] += weight * terms[k];
+    to.samples += 1;
   }
   void merge(const RayEquations& other) {
-    for (std::size_t k = 0; k < 9; ++k) sum[k] += other.sum[k];
+    inner.add(other.inner, 1);
+    border.add(other.border, 1);
+  }
+  // The border's samples err together, by kBorderBias of their noise: however many they are, no more is
+  // learned from them than from 1 / kBorderBias^2. One of `stride` was added.
+  Sums weighted(std::size_t stride) const {
+    const auto count = static_cast<double>(border.samples) * static_cast<double>(stride);
+    Sums all = inner;
+    all.add(border, 1 / (1 + count * kBorderBias * kBorderBias));
+    return all;
   }
 };
 
@@ -120,7 +163,7 @@ struct Measures {
   Vec3 first = Vec3::Zero();
   double squares = 0, area = 0;
 
-  void add(const RangeImage& image, std::size_t i, const Plane& plane) {
+  void add(const RangeImage& image, const Labels&, std::size_t i, const Plane& plane) {
     const Vec3 point = image.point(i);
     const double distance = plane.distance(point);
     samples += 1;
@@ -177,13 +220,15 @@ void polish_planes(const RangeImage& image, int square, const std::vector<std::u
     const std::size_t stride = round + 1 < rounds ? kStrideBeforeLast : 1;
     const auto sums = sum_by_label<RayEquations>(image, square, labels, frames, stride);
     for (std::size_t i = 0; i < planes.size(); ++i) {
-      const auto& s = sums[i].sum;
+      const auto sum = sums[i].weighted(stride);
+      const auto& s = sum.of;
       Mat3 matrix;
       matrix << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
       const Eigen::LDLT<Mat3> solver(matrix);
       const Vec3 pivots = solver.vectorD();
       if (!(pivots.minCoeff() > 1e-9 * pivots.maxCoeff())) continue;
-      const Vec3 m = frames[i].m + frames[i].axes.transpose() * solver.solve(Vec3(s[6], s[7], s[8]));
+      const Vec3 m =
+          frames[i].m + frames[i].axes.transpose() * (sum.step() * solver.solve(Vec3(s[6], s[7], s[8])));
       const double length = m.norm();
       if (!std::isfinite(length) || !(length > 0)) continue;
       const double side = planes[i].offset_m < 0 ? -1 : 1;
