@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "core/error.hpp"
 
@@ -61,6 +62,21 @@ FlatRing straightened(const FlatRing& ring, const std::vector<double>& tolerance
   return result;
 }
 
+// Where rings meet in a vertex all but the first go without it, as rounding may make them cross there.
+std::vector<FlatRing> parted(const std::vector<FlatRing>& rings) {
+  std::set<std::pair<std::int64_t, std::int64_t>> taken;
+  std::vector<FlatRing> result;
+  for (const FlatRing& ring : rings) {
+    FlatRing alone{{}, ring.outer};
+    for (const RingVertex& v : ring.vertices)
+      if (!taken.contains({v.x, v.y})) alone.vertices.push_back(v);
+    for (const RingVertex& v : alone.vertices) taken.insert({v.x, v.y});
+    if (alone.vertices.size() >= 3 && (signed_area2(alone) > 0) == (signed_area2(ring) > 0))
+      result.push_back(std::move(alone));
+  }
+  return result;
+}
+
 double spacing_nm(const RangeImage& image, const Plane& plane, const Vec3& point) {
   const double range = point.norm();
   const double cosine = std::max(std::abs(plane.normal.dot(point)) / range, 1 / kLongestStretch);
@@ -86,7 +102,9 @@ std::vector<FlatRing> flat_rings(const RangeImage& image, const Supercluster& su
     straight.push_back(same_side ? std::move(line) : ring);
     rings.push_back(std::move(ring));
   }
-  return are_simple(straight) ? straight : rings;
+  for (const auto* candidate : {&straight, &rings})
+    if (auto apart = parted(*candidate); are_simple(apart)) return apart;
+  return rings;
 }
 
 namespace {

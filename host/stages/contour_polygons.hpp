@@ -11,7 +11,8 @@
 namespace hybrid::stages {
 
 // The contours with fewer vertices: those within `straighten` sample spacings of the line through the ones
-// that stay are left out (Douglas and Peucker). As they are where that would make them cross.
+// that stay are left out (Douglas and Peucker), and of the smaller of two rings those that they share. As
+// they are where that would make them cross.
 std::vector<FlatRing> flat_rings(const RangeImage&, const Supercluster&, double straighten);
 
 // Which points lie inside an odd number of the rings; points on an edge fall to one side or the other. For
