@@ -36,14 +36,21 @@ void add_text_samples(InputFile& input, NumberRows& rows, std::uint64_t count, B
     if (damage && cursor.at_end()) break;
     const TextPlace line{cursor.offset(), cursor.line()};
     bool refused = false;
-    try {
-      read_line(cursor, values, done);
-    } catch (const Error& error) {
-      if (!damage || error.kind() != ErrorKind::input) throw;
-      damage->add(1, error.what());
+    const auto pass_damage = [&](std::string_view problem) {
+      damage->add(1, problem);
       cursor.move_to(line.offset, line.line);
       cursor.next_line();
       refused = true;
+    };
+    try {
+      // Of later damage only the number of lines is told: an error for each costs more than many lines.
+      if (!damage || damage->records() == 0)
+        read_line(cursor, values, done);
+      else if (cursor.try_numbers(values) != columns)
+        pass_damage("");
+    } catch (const Error& error) {
+      if (!damage || error.kind() != ErrorKind::input) throw;
+      pass_damage(error.what());
     }
     commas_seen |= cursor.commas_seen();
     if (refused)
