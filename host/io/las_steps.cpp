@@ -102,13 +102,7 @@ bool choose_decimals(const ScanStream& scan, LasSteps& steps) {
   }
 }
 
-}  // namespace
-
-std::int32_t LasSteps::whole(double value, int axis) const {
-  return static_cast<std::int32_t>(std::lround((value - offset[axis]) / scale[axis]));
-}
-
-LasSteps choose_las_steps(const ScanStream& scan) {
+LasSteps choose_steps(const ScanStream& scan) {
   LasSteps steps;
   const SampleFacts& facts = scan.facts();
   const auto& of_file = scan.head().steps;
@@ -126,6 +120,17 @@ LasSteps choose_las_steps(const ScanStream& scan) {
     steps.maximum[axis] = steps.back(facts.greatest_m[axis], axis);
   }
   return steps;
+}
+
+}  // namespace
+
+std::int32_t LasSteps::whole(double value, int axis) const {
+  return static_cast<std::int32_t>(std::lround((value - offset[axis]) / scale[axis]));
+}
+
+const LasSteps& ScanStream::las_steps() const {
+  if (!las_steps_) las_steps_ = std::make_shared<const LasSteps>(choose_steps(*this));
+  return *las_steps_;
 }
 
 }  // namespace hybrid::io

@@ -73,14 +73,18 @@ void for_blocks(const ScanStream& scan, Stretch stretch, const Body& body) {
   }
 }
 
-std::vector<Stretch> stretches_of_lines(const ScanStream& scan, const Lines& lines) {
+// By the bounds of parts of the scan, so that other samples are among them, too.
+std::vector<Stretch> stretches_of_lines(const ScanStream& scan, const Lines& lines, bool by_columns) {
   if (!scan.has_node()) return std::vector<Stretch>(lines.count(), {0, lines.nodes()});
   std::vector<Stretch> stretches(lines.count());
-  for_blocks(scan, {0, scan.count()}, [&](const SampleBlock& block) {
-    for (std::size_t i = 0; i < block.size(); ++i)
-      if (const std::uint32_t node = lines.node(block, i); node != Scan::kNoNode)
-        stretches[lines.line(node)].add({block.first + i, block.first + i + 1});
-  });
+  for (std::size_t part = 0; part < scan.facts().nodes.size(); ++part) {
+    const SampleFacts::NodeBounds& bounds = scan.facts().nodes[part];
+    const std::uint64_t first = part * SampleFacts::kPart,
+                        end = std::min<std::uint64_t>(first + SampleFacts::kPart, scan.count()),
+                        last_line = by_columns ? bounds.last_col : bounds.last_row;
+    for (std::uint64_t line = by_columns ? bounds.first_col : bounds.first_row; line <= last_line; ++line)
+      stretches[line].add({first, end});
+  }
   return stretches;
 }
 
@@ -89,8 +93,8 @@ struct Bands {
   std::vector<Stretch> stretches{};
 };
 
-Bands bands_of(const ScanStream& scan, const Lines& lines, std::uint64_t most) {
-  const std::vector<Stretch> of_lines = stretches_of_lines(scan, lines);
+Bands bands_of(const ScanStream& scan, const Lines& lines, bool by_columns, std::uint64_t most) {
+  const std::vector<Stretch> of_lines = stretches_of_lines(scan, lines, by_columns);
   Bands bands;
   for (const std::uint64_t nodes : {most / 8, most}) {
     bands.lines = std::clamp<std::uint64_t>(nodes / lines.length(), 1, lines.count());
@@ -111,7 +115,7 @@ void for_each_node_block(const ScanStream& scan, bool by_columns,
   const Lines lines(scan, by_columns);
   if (!scan.has_node() && scan.head().row_by_row != by_columns)
     return for_blocks(scan, {0, lines.nodes()}, body);
-  const Bands bands = bands_of(scan, lines, most);
+  const Bands bands = bands_of(scan, lines, by_columns, most);
   Band band;
   for (std::size_t b = 0; b < bands.stretches.size(); ++b) {
     const std::uint64_t from = b * bands.lines, end = std::min(from + bands.lines, lines.count());

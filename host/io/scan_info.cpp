@@ -1,24 +1,14 @@
 #include "io/scan_info.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/error.hpp"
 #include "io/read_scan.hpp"
+#include "io/stream_scan.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
 namespace {
-
-void add_return(ScanInfo& info, const Vec3& point) {
-  const double range = point.norm();
-  if (!std::isfinite(range) || range == 0) return;
-  const bool first = info.returns++ == 0;
-  info.min_m = first ? point : Vec3(info.min_m.cwiseMin(point));
-  info.max_m = first ? point : Vec3(info.max_m.cwiseMax(point));
-  info.min_range_m = first ? range : std::min(info.min_range_m, range);
-  info.max_range_m = first ? range : std::max(info.max_range_m, range);
-}
 
 ScanInfo describe_unread(const ScanEntry& entry, const std::string& format, const std::string& problem) {
   ScanInfo info;
@@ -33,21 +23,28 @@ ScanInfo describe_unread(const ScanEntry& entry, const std::string& format, cons
 
 }  // namespace
 
-ScanInfo describe(const Scan& scan, const std::string& format) {
+ScanInfo describe(const ScanStream& stream, const std::string& format) {
+  const Scan& scan = stream.head();
+  const SampleFacts& facts = stream.facts();
   ScanInfo info;
   info.format = format;
   info.name = scan.name;
-  info.points = scan.points.size();
+  info.points = stream.count();
   if (scan.organised()) {
     info.grid_rows = scan.grid_rows;
     info.grid_cols = scan.grid_cols;
   }
-  info.has_intensity = !scan.intensity.empty();
-  info.has_colour = !scan.rgb.empty();
+  info.has_intensity = stream.has_intensity();
+  info.has_colour = stream.has_colour();
   info.world_from_scan = scan.world_from_scan;
   info.crs = scan.crs;
   info.notes = scan.notes;
-  for (const auto& point : scan.points) add_return(info, scan.origin + Vec3(point[0], point[1], point[2]));
+  info.returns = facts.seen;
+  if (facts.seen == 0) return info;
+  info.min_m = facts.least_seen_m;
+  info.max_m = facts.greatest_seen_m;
+  info.min_range_m = facts.least_range_m;
+  info.max_range_m = facts.greatest_range_m;
   return info;
 }
 
@@ -55,12 +52,13 @@ std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file, const Re
   std::string format = file.extension().string();
   for (char& c : format)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  const auto entries = list_scans(file, options);
+  auto entries = list_scans(file, options);
   std::vector<ScanInfo> result;
   std::optional<Error> last;
-  for (const ScanEntry& entry : entries) {
+  for (ScanEntry& entry : entries) {
+    entry.kept_bytes = 0;
     try {
-      result.push_back(describe(read_scan(file, entry), format.substr(1)));
+      result.push_back(describe(*stream_scan(file, entry), format.substr(1)));
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;
       last = error;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/scan.hpp"
 #include "io/scan_entry.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -30,10 +30,10 @@ struct ScanInfo {
   std::vector<std::string> notes;
 };
 
-ScanInfo describe(const Scan& scan, const std::string& format);
+ScanInfo describe(const ScanStream& scan, const std::string& format);
 
-// Of every scan in a file, one in memory at a time. Throws as read_scan does; of several scans, only when
-// none can be read.
+// Of every scan in a file, in blocks where the format is streamed (stream_scan()). Throws as read_scan does;
+// of several scans, only when none can be read.
 std::vector<ScanInfo> read_scan_info(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace hybrid::io

@@ -14,7 +14,8 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::size_t kPart = 8192;  // samples that a thread takes
+constexpr std::size_t kPart = SampleFacts::kPart;  // samples that a thread takes
+static_assert(ScanStream::kBlock % kPart == 0);
 
 struct FreeState {
   void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
@@ -46,19 +47,44 @@ void add_intensity(SampleFacts& facts, float value) {
   facts.greatest_finite = std::max(facts.greatest_finite, value);
 }
 
+void add_seen(SampleFacts& facts, const Vec3& point) {
+  const double range = point.norm();
+  if (!std::isfinite(range) || range == 0) return;
+  ++facts.seen;
+  facts.least_seen_m = facts.least_seen_m.cwiseMin(point);
+  facts.greatest_seen_m = facts.greatest_seen_m.cwiseMax(point);
+  facts.least_range_m = std::min(facts.least_range_m, range);
+  facts.greatest_range_m = std::max(facts.greatest_range_m, range);
+}
+
+void add_nodes(SampleFacts& facts, const Scan& scan, std::span<const std::uint32_t> nodes) {
+  SampleFacts::NodeBounds& bounds = facts.nodes.emplace_back();
+  const auto cols = static_cast<std::uint32_t>(scan.grid_cols);
+  for (const std::uint32_t node : nodes) {
+    if (node == Scan::kNoNode) {
+      ++facts.beside;
+      continue;
+    }
+    const std::uint32_t row = node / cols, col = node % cols;
+    bounds = {std::min(bounds.first_row, row), std::max(bounds.last_row, row),
+              std::min(bounds.first_col, col), std::max(bounds.last_col, col)};
+  }
+}
+
 // Of samples [begin, end) of a block; whether their exact coordinates say more than the points.
 bool measure_part(const SampleBlock& block, std::size_t begin, std::size_t end, SampleFacts& facts) {
   bool more = false;
+  if (!block.node.empty()) add_nodes(facts, *block.scan, block.node.subspan(begin, end - begin));
   for (std::size_t i = begin; i < end; ++i) {
     const auto& point = block.points[i];
     facts.no_returns += !counts_as_return(point);
-    if (!block.node.empty()) facts.beside += block.node[i] == Scan::kNoNode;
     if (!block.intensity.empty()) add_intensity(facts, block.intensity[i]);
     if (!is_return(point)) continue;
     ++facts.returns;
     const Vec3 exact = block.exact_point(i);
     facts.least_m = facts.least_m.cwiseMin(exact);
     facts.greatest_m = facts.greatest_m.cwiseMax(exact);
+    add_seen(facts, exact);
     more |= block.scan->origin + Vec3(point[0], point[1], point[2]) != exact;
   }
   return more;
@@ -75,6 +101,12 @@ void add(SampleFacts& sum, const SampleFacts& part) {
   sum.whole &= part.whole;
   sum.least_m = sum.least_m.cwiseMin(part.least_m);
   sum.greatest_m = sum.greatest_m.cwiseMax(part.greatest_m);
+  sum.seen += part.seen;
+  sum.least_seen_m = sum.least_seen_m.cwiseMin(part.least_seen_m);
+  sum.greatest_seen_m = sum.greatest_seen_m.cwiseMax(part.greatest_seen_m);
+  sum.least_range_m = std::min(sum.least_range_m, part.least_range_m);
+  sum.greatest_range_m = std::max(sum.greatest_range_m, part.greatest_range_m);
+  sum.nodes.insert(sum.nodes.end(), part.nodes.begin(), part.nodes.end());
 }
 
 template <typename T>

@@ -51,9 +51,22 @@ struct SampleFacts {
   float least = INFINITY, greatest = -INFINITY, least_finite = INFINITY, greatest_finite = -INFINITY;
   bool whole = true;  // every intensity is a whole number
   Vec3 least_m = Vec3::Constant(INFINITY), greatest_m = Vec3::Constant(-INFINITY);  // of returns, absolute
+  // The same of returns that are not at the scan frame's origin, and their ranges from it.
+  std::uint64_t seen = 0;
+  Vec3 least_seen_m = least_m, greatest_seen_m = greatest_m;
+  double least_range_m = INFINITY, greatest_range_m = 0;
+  // Rows and columns of the nodes of samples 0 to kPart - 1, kPart to 2 kPart - 1 and so on, where samples
+  // have nodes: first > last where none of them has one.
+  static constexpr std::size_t kPart = 8192;
+  struct NodeBounds {
+    std::uint32_t first_row = ~0u, last_row = 0, first_col = ~0u, last_col = 0;
+  };
+  std::vector<NodeBounds> nodes{};
   // XXH3-128, the high half first, of the points, or of the exact ones where there are some.
   std::array<std::uint64_t, 2> hash{};
 };
+
+struct LasSteps;
 
 // A scan whose samples are read from its file in blocks, as often as they are asked for: the first ones stay
 // in memory, up to a number of bytes, which does not grow with the file. Or one in memory, in the same way.
@@ -81,6 +94,9 @@ class ScanStream {
   // where the call before ended.
   SampleBlock read(std::uint64_t first, std::size_t count) const;
 
+  // How a LAS file gives the coordinates (las_steps.hpp): found in passes over all samples, once.
+  const LasSteps& las_steps() const;
+
   // All of them in order: body(block), until one returns false.
   void for_each_block(const std::function<bool(const SampleBlock&)>& body) const;
 
@@ -100,6 +116,7 @@ class ScanStream {
   void reserve(std::size_t samples);
 
   SampleFacts facts_;
+  mutable std::shared_ptr<const LasSteps> las_steps_;
 };
 
 class ScanInMemory : public ScanStream {

@@ -111,7 +111,7 @@ WriteLosses losses_of(const ScanWriter& writer, const ScanStream& stream) {
   if (writer.whole_intensity && rounds(stream, map))
     losses.changed.emplace_back("intensity rounded to whole numbers");
   if (writer.las_steps)
-    if (const LasSteps steps = choose_las_steps(stream); steps.rounding_m > 0)
+    if (const LasSteps& steps = stream.las_steps(); steps.rounding_m > 0)
       losses.changed.push_back(fmt::format("coordinates rounded to steps of {:.6g} m, by up to {:.2g} m",
                                            steps.scale.maxCoeff(), steps.rounding_m));
   return losses;

@@ -91,7 +91,7 @@ std::string header(const Layout& layout, const LasSteps& steps, std::uint64_t po
 void write_las(const std::filesystem::path& file, const ScanSource& next) {
   const auto scan = next();
   if (!scan) return;
-  const LasSteps steps = choose_las_steps(*scan);
+  const LasSteps& steps = scan->las_steps();
   const Layout layout = choose_layout(*scan);
   const LasPointFormat& format = las_point_format(layout.format);
   const IntensityMap map = map_intensity(*scan, kLasIntensity);

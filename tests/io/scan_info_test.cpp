@@ -20,7 +20,7 @@ TEST(ScanInfo, OfAScan) {
   scan.intensity.resize(6);
   scan.world_from_scan = Pose{1, Eigen::Quaterniond::Identity(), {1, 2, 3}};
   scan.notes = {"odd"};
-  const io::ScanInfo info = io::describe(scan, "PTX");
+  const io::ScanInfo info = io::describe(io::ScanInMemory(scan), "PTX");
   EXPECT_EQ(info.format, "PTX");
   EXPECT_EQ(info.name, "west");
   EXPECT_EQ(info.points, 6u);
@@ -37,12 +37,13 @@ TEST(ScanInfo, OfAScan) {
   EXPECT_EQ(info.notes, scan.notes);
 
   scan.origin = {1000, 0, 0};
-  EXPECT_EQ(io::describe(scan, "PTX").returns, 5u);  // only NaN is a no-return when the origin is elsewhere
-  EXPECT_EQ(io::describe(scan, "PTX").max_m.x(), 1003);
+  EXPECT_EQ(io::describe(io::ScanInMemory(scan), "PTX").returns,
+            5u);  // only NaN is a no-return when the origin is elsewhere
+  EXPECT_EQ(io::describe(io::ScanInMemory(scan), "PTX").max_m.x(), 1003);
 }
 
 TEST(ScanInfo, NoReturnAtAll) {
-  const io::ScanInfo info = io::describe(Scan{}, "PLY");
+  const io::ScanInfo info = io::describe(io::ScanInMemory(Scan{}), "PLY");
   EXPECT_EQ(info.points, 0u);
   EXPECT_EQ(info.returns, 0u);
   EXPECT_EQ(info.max_m, Vec3(0, 0, 0));
