@@ -1,8 +1,10 @@
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/parallel.hpp"
 #include "io/scan_builder.hpp"
 #include "io/scan_entry.hpp"
 #include "io/scan_stream.hpp"
@@ -28,6 +30,54 @@ struct FirstReturns {
   }
 };
 
+// The same, and the largest colour of all samples, as ScanBuilder keeps it, which tells how colours that are
+// no bytes are meant.
+struct FirstPass : FirstReturns {
+  ColourKind colour = ColourKind::none;
+  float largest = 0;
+
+  bool done() const { return full() && colour <= ColourKind::byte; }
+  void add(const ScanSample& sample) {
+    FirstReturns::add(sample);
+    largest = std::max(largest, largest_of(sample));
+  }
+  template <typename Sample>
+  void add_parts(const std::vector<std::size_t>& counts, const Sample& sample) {
+    FirstReturns::add_parts(counts, sample);
+    if (colour <= ColourKind::byte) return;
+    std::vector<float> of_parts(counts.size());
+    parallel_for(counts.size(), [&](std::size_t part) {
+      for (std::size_t i = 0; i < counts[part]; ++i)
+        of_parts[part] = std::max(of_parts[part], largest_of(sample(part, i)));
+    });
+    for (const float value : of_parts) largest = std::max(largest, value);
+  }
+
+ private:
+  static float largest_of(const ScanSample& sample) {  // NaN is not
+    float result = 0;
+    for (const double value : sample.rgb) result = std::max(result, static_cast<float>(value));
+    return result;
+  }
+};
+
+// Passes samples on with their colours as bytes, as ScanBuilder scales them.
+struct ScaledColours {
+  ScanBuilder& builder;
+  double scale;
+
+  ScanSample scaled(ScanSample sample) const {
+    for (double& value : sample.rgb) value = scale * static_cast<double>(static_cast<float>(value));
+    return sample;
+  }
+  void add(const ScanSample& sample) { builder.add(scaled(sample)); }
+  void add_lost(std::uint64_t count) { builder.add_lost(count); }
+  template <typename Sample>
+  void add_parts(const std::vector<std::size_t>& counts, const Sample& sample) {
+    builder.add_parts(counts, [&](std::size_t part, std::size_t i) { return scaled(sample(part, i)); });
+  }
+};
+
 // A stream whose samples a ScanBuilder makes, block after block.
 class BuiltStream : public ScanStream {
  protected:
@@ -41,6 +91,20 @@ class BuiltStream : public ScanStream {
   void add_notes(const std::vector<std::string>& notes) {
     head_.notes.insert(head_.notes.end(), notes.begin(), notes.end());
   }
+  // What FirstPass found.
+  void take_first(const FirstPass& first) {
+    head_.origin = first.origin();
+    colour_ = first.colour != ColourKind::none;
+    if (first.colour > ColourKind::byte)
+      colour_scale_ = colour_scale(first.colour, static_cast<double>(first.largest));
+  }
+  // Calls add(builder) with one that takes the file's colours.
+  template <typename Add>
+  void with_colours(ScanBuilder& builder, const Add& add_to) const {
+    if (!colour_scale_) return add_to(builder);
+    ScaledColours scaled{builder, *colour_scale_};
+    add_to(scaled);
+  }
   // Adds samples [first, first + count), colours in bytes.
   virtual void add(std::uint64_t first, std::size_t count, ScanBuilder& builder) const = 0;
 
@@ -48,6 +112,7 @@ class BuiltStream : public ScanStream {
   SampleBlock load(std::uint64_t first, std::size_t count) const override;
 
   std::size_t kept_bytes_;
+  std::optional<double> colour_scale_;
   mutable std::optional<ScanBuilder> builder_;
 };
 

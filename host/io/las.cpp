@@ -202,24 +202,6 @@ class LasReader {
   std::vector<Part> parts_;
 };
 
-// Of all points, before they are samples: what they are kept relative to, how colours are meant.
-struct FirstPass : FirstReturns {
-  bool colour = false;
-  double largest = 0;  // of colours
-
-  template <typename Sample>
-  void add_parts(const std::vector<std::size_t>& counts, const Sample& sample) {
-    FirstReturns::add_parts(counts, sample);
-    if (!colour) return;
-    std::vector<double> of_parts(counts.size());
-    parallel_for(counts.size(), [&](std::size_t part) {
-      for (std::size_t i = 0; i < counts[part]; ++i)
-        of_parts[part] = std::max(of_parts[part], std::ranges::max(sample(part, i).rgb));
-    });
-    for (const double value : of_parts) largest = std::max(largest, value);
-  }
-};
-
 class LasStream : public BuiltStream {
  public:
   LasStream(const std::filesystem::path& file, const ScanEntry& entry)
@@ -227,12 +209,10 @@ class LasStream : public BuiltStream {
     const LasHeader& header = reader_.header();
     count_ = header.points;
     intensity_ = true;
-    colour_ = reader_.has_colour();
     FirstPass all;
-    all.colour = colour_;
+    all.colour = reader_.has_colour() ? ColourKind::word : ColourKind::none;
     reader_.add_points(0, count_, all);
-    head_.origin = all.origin();
-    colour_scale_ = colour_scale(ColourKind::word, all.largest);
+    take_first(all);
     head_.notes = header.notes;
     if (const auto note = check_las_rest(reader_.input(), header, false)) head_.notes.push_back(*note);
     add_notes(reader_.notes());
@@ -241,27 +221,11 @@ class LasStream : public BuiltStream {
   }
 
  private:
-  // Scales colours to bytes.
-  struct Scaled {
-    ScanBuilder& builder;
-    double scale;
-
-    template <typename Sample>
-    void add_parts(const std::vector<std::size_t>& counts, const Sample& sample) {
-      builder.add_parts(counts, [&](std::size_t part, std::size_t i) {
-        ScanSample scaled = sample(part, i);
-        for (double& value : scaled.rgb) value *= scale;
-        return scaled;
-      });
-    }
-  };
   void add(std::uint64_t first, std::size_t count, ScanBuilder& builder) const override {
-    Scaled scaled{builder, colour_scale_};
-    reader_.add_points(first, count, scaled);
+    with_colours(builder, [&](auto& to) { reader_.add_points(first, count, to); });
   }
 
   mutable LasReader reader_;
-  double colour_scale_ = 1;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "core/free_memory.hpp"
+#include "io/fixed_records.hpp"
 #include "io/input_file.hpp"
 #include "io/lzf.hpp"
 #include "io/pcd_header.hpp"
@@ -12,6 +13,7 @@
 #include "io/scan_builder.hpp"
 #include "io/text_cursor.hpp"
 #include "io/text_samples.hpp"
+#include "io/text_stream.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -72,62 +74,180 @@ ScanSample make_sample(const UsedFields& used, const Number& number, const Bits&
   return sample;
 }
 
+// Of a line's numbers.
+ScanSample sample_of_row(const UsedFields& used, const double* row) {
+  const auto number = [&](const PcdField& field) { return row[field.value_offset]; };
+  const auto bits = [&](const PcdField& field) {
+    if (is_real(field.type)) return std::bit_cast<std::uint32_t>(static_cast<float>(number(field)));
+    const bool fits = number(field) > -2147483649.0 && number(field) < 4294967296.0;
+    return fits ? static_cast<std::uint32_t>(static_cast<std::int64_t>(number(field))) : 0u;
+  };
+  return make_sample(used, number, bits);
+}
+
+// Of a field that lies in memory at(field).
+template <typename At>
+ScanSample sample_in_memory(const UsedFields& used, const At& at) {
+  const auto number = [&](const PcdField& field) { return load_scalar(at(field), field.type, false); };
+  const auto bits = [&](const PcdField& field) { return load_as<std::uint32_t>(at(field), false); };
+  return make_sample(used, number, bits);
+}
+
+// Of a binary point.
+struct FromRecord {
+  const UsedFields& used;
+
+  ScanSample operator()(const char* record) const {
+    return sample_in_memory(used, [&](const PcdField& field) { return record + field.byte_offset; });
+  }
+};
+
+// Where a PCD file's points lie, and what stands behind them.
+struct PcdFile {
+  PcdFile(const std::filesystem::path& file, bool for_salvage)
+      : input(file),
+        name(input.name()),
+        salvage(for_salvage),
+        header(read_pcd_header(input, salvage)),
+        data(header.data_offset),
+        data_bytes(input.size() - data) {
+    used = find_fields(name, header, unused);
+  }
+  PcdFile(const PcdFile&) = delete;
+  PcdFile& operator=(const PcdFile&) = delete;
+
+  std::vector<std::string> notes() const {
+    std::vector<std::string> found = header.notes;
+    if (!unused.empty()) found.push_back("fields not used: " + unused);
+    return found;
+  }
+
+  bool grid() const { return header.width > 1 && header.height > 1; }
+  // Single precision holds what was written in it.
+  bool rounds() const {
+    return header.data == PcdData::ascii ||
+           std::ranges::any_of(std::array{used.x, used.y, used.z},
+                               [](const PcdField* field) { return field->type != ScalarType::f32; });
+  }
+
+  // Where a byte of the data lies in the file.
+  std::string byte(std::uint64_t offset) const { return fmt::format("byte {}", data + offset); }
+
+  // Throws where the rest of the file cannot hold the points; in salvage there are no more of them.
+  void bound_points() {
+    // A value takes a digit and a separator; the last line may lack its end.
+    const bool ascii = header.data == PcdData::ascii;
+    const std::uint64_t least_bytes = ascii ? 2 * header.point_values : header.point_bytes,
+                        available = data_bytes + (ascii ? 1 : 0);
+    if (!salvage)
+      check_count_fits(name, ascii ? fmt::format("line {}", header.data_line) : byte(0), "points",
+                       header.points, least_bytes, available, true);
+    else
+      header.points = std::min(header.points, available / std::max<std::uint64_t>(least_bytes, 1));
+  }
+
+  void read_line(TextCursor& at, std::span<double> values, std::uint64_t done) const {
+    const std::uint64_t line = at.line();
+    if (at.at_end())
+      fail_input(
+          "{}: line {}: expected {} points, found {}; the file is cut short: copy or export it again, {}",
+          name, line, header.points, done, kSalvageRemedy);
+    const std::size_t found = at.read_numbers(values);
+    if (found != values.size())
+      fail_input(
+          "{}: line {}: expected {} values as FIELDS and COUNT say, found {}; correct or remove that line, "
+          "{}",
+          name, line, values.size(), found, kSalvageRemedy);
+  }
+
+  // What stands behind the last point, as a note or none. A further point means that the header is wrong; of
+  // text: `place` is behind the last point, and whether commas were seen.
+  std::vector<std::string> notes_of_rest(const TextPlace& place, bool commas) {
+    std::vector<std::string> found;
+    if (commas) found.emplace_back("values are separated by commas, which PCD does not provide for");
+    TextCursor cursor(input, place.offset, place.line);
+    cursor.skip_blank_lines();
+    if (cursor.at_end()) return found;
+    const std::uint64_t line = cursor.line(), rest = cursor.remaining();
+    if (!salvage && cursor.next_line_is_numbers(header.point_values))
+      fail_input(
+          "{}: line {}: expected the end of the file after {} points, found another point; correct WIDTH, "
+          "HEIGHT and POINTS in the header, {}",
+          name, line, header.points, kSalvageRemedy);
+    found.push_back(fmt::format("line {}: {} bytes after the last point are ignored", line, rest));
+    return found;
+  }
+
+  // PCL's writer fills the last page with zeros, which are worth no note.
+  std::vector<std::string> notes_of_rest(std::uint64_t used_bytes) {
+    const std::uint64_t rest = data_bytes - used_bytes;
+    if (rest > 0) check_not_sent_as_text(input, data);
+    if (input.only_zeros_from(data + used_bytes)) return {};
+    if (header.data == PcdData::binary && rest >= header.point_bytes && !salvage)
+      fail_input(
+          "{}: {}: expected the end of the file after {} points, found {} more bytes, room for {} points; "
+          "correct WIDTH, HEIGHT and POINTS in the header, {}",
+          name, byte(used_bytes), header.points, rest, rest / header.point_bytes, kSalvageRemedy);
+    return {fmt::format("{}: {} bytes after the last point are ignored", byte(used_bytes), rest)};
+  }
+
+  void set_grid_and_pose(Scan& scan) const {
+    if (grid()) {
+      scan.grid_rows = static_cast<int>(header.height);
+      scan.grid_cols = static_cast<int>(header.width);
+      scan.row_by_row = true;
+    }
+    const auto& v = header.viewpoint;
+    const Pose pose{1, Eigen::Quaterniond(v[3], v[4], v[5], v[6]).normalized(), {v[0], v[1], v[2]}};
+    if (pose.translation.isZero(0) && pose.rotation.vec().isZero(0)) return;
+    scan.world_from_scan = pose;
+    scan.notes.emplace_back(
+        "VIEWPOINT is taken as the scanner's pose, and the points as being in the scanner's frame");
+  }
+
+  InputFile input;
+  const std::string& name;
+  bool salvage;
+  PcdHeader header;
+  std::uint64_t data, data_bytes;  // where the data begins, and how much there is
+  UsedFields used;
+  std::string unused;
+};
+
 class PcdReader {
  public:
   PcdReader(const std::filesystem::path& file, const ReadOptions& options)
-      : input_(file),
-        file_(input_.name()),
-        salvage_(options.salvage),
+      : file_(file, options.salvage),
         exact_(options.exact),
-        damage_(file_),
-        header_(read_pcd_header(input_, options.salvage)),
-        announced_(header_.points),
-        data_(header_.data_offset),
-        data_bytes_(input_.size() - data_),
-        name_(file.stem().string()) {
-    used_ = find_fields(file_, header_, unused_);
-  }
+        damage_(file_.name),
+        announced_(file_.header.points),
+        name_(file.stem().string()) {}
 
   Scan read() {
-    Scan scan = header_.data == PcdData::ascii    ? read_ascii()
-                : header_.data == PcdData::binary ? read_binary()
-                                                  : read_compressed();
-    if (header_.width > 1 && header_.height > 1) {
-      scan.grid_rows = static_cast<int>(header_.height);
-      scan.grid_cols = static_cast<int>(header_.width);
-      scan.row_by_row = true;
-    }
-    set_pose(scan);
+    Scan scan = file_.header.data == PcdData::ascii    ? read_ascii()
+                : file_.header.data == PcdData::binary ? read_binary()
+                                                       : read_compressed();
+    file_.set_grid_and_pose(scan);
     return scan;
   }
 
  private:
   ScanBuilder builder() const {
-    // Single precision holds what was written in it.
-    const bool rounds = header_.data == PcdData::ascii ||
-                        std::ranges::any_of(std::array{used_.x, used_.y, used_.z}, [](const PcdField* field) {
-                          return field->type != ScalarType::f32;
-                        });
-    ScanBuilder result(file_, name_, header_.points,
-                       {.intensity = used_.intensity != nullptr,
-                        .colour = used_.colour(),
-                        .salvage = salvage_,
-                        .exact = exact_ && rounds});
-    for (const std::string& note : header_.notes) result.add_note(note);
-    if (!unused_.empty()) result.add_note("fields not used: " + unused_);
+    ScanBuilder result(file_.name, name_, file_.header.points,
+                       {.intensity = file_.used.intensity != nullptr,
+                        .colour = file_.used.colour(),
+                        .salvage = file_.salvage,
+                        .exact = exact_ && file_.rounds()});
+    add_notes(result, file_.notes());
     return result;
+  }
+
+  static void add_notes(ScanBuilder& result, const std::vector<std::string>& notes) {
+    for (const std::string& note : notes) result.add_note(note);
   }
 
   static std::string end_of_points(std::uint64_t offset) {
     return fmt::format("byte {}: the points that the header announces end", offset);
-  }
-
-  // In salvage: no more points than there is room for.
-  void bound_points(std::uint64_t least_bytes, std::uint64_t available, const std::string& place) {
-    if (!salvage_)
-      check_count_fits(file_, place, "points", header_.points, least_bytes, available, true);
-    else
-      header_.points = std::min(header_.points, available / std::max<std::uint64_t>(least_bytes, 1));
   }
 
   // In salvage: the rows of the grid that are there, the last one filled up with no-returns.
@@ -135,144 +255,95 @@ class PcdReader {
     const std::uint64_t found = result.size();
     if (found < announced_) {
       damage_.add(announced_ - found, problem);
-      const bool grid = header_.width > 1 && header_.height > 1;
-      const CroppedGrid cropped = grid ? cropped_grid(header_.width, found) : CroppedGrid{};
+      const CroppedGrid cropped = file_.grid() ? cropped_grid(file_.header.width, found) : CroppedGrid{};
       result.add_lost(cropped.nodes() - std::min(cropped.nodes(), found));
-      header_.width = cropped.fast;
-      header_.height = cropped.slow;
+      file_.header.width = cropped.fast;
+      file_.header.height = cropped.slow;
     }
     if (damage_.records() > 0) result.add_note(damage_.note(announced_));
   }
 
-  // Where a byte of the data lies in the file.
-  std::string byte(std::uint64_t offset) const { return fmt::format("byte {}", data_ + offset); }
-
   Scan read_ascii() {
-    // A value takes a digit and a separator; the last line may lack its end.
-    bound_points(2 * header_.point_values, data_bytes_ + 1, fmt::format("line {}", header_.data_line));
+    file_.bound_points();
     ScanBuilder result = builder();
-    const auto to_sample = [&](const double* row) {
-      const auto number = [&](const PcdField& field) { return row[field.value_offset]; };
-      const auto bits = [&](const PcdField& field) {
-        if (is_real(field.type)) return std::bit_cast<std::uint32_t>(static_cast<float>(number(field)));
-        const bool fits = number(field) > -2147483649.0 && number(field) < 4294967296.0;
-        return fits ? static_cast<std::uint32_t>(static_cast<std::int64_t>(number(field))) : 0u;
-      };
-      return make_sample(used_, number, bits);
-    };
-    const auto read_line = [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
-      const std::uint64_t line = at.line();
-      if (at.at_end())
-        fail_input(
-            "{}: line {}: expected {} points, found {}; the file is cut short: copy or export it again, {}",
-            file_, line, header_.points, done, kSalvageRemedy);
-      const std::size_t found = at.read_numbers(values);
-      if (found != values.size())
-        fail_input(
-            "{}: line {}: expected {} values as FIELDS and COUNT say, found {}; correct or remove that line, "
-            "{}",
-            file_, line, values.size(), found, kSalvageRemedy);
-    };
     bool commas = false;
-    TextPlace place{data_, header_.data_line};
-    if (header_.points > 0)
-      place = add_text_samples(input_, place, header_.points, header_.point_values, result, commas, to_sample,
-                               read_line, salvage_ ? &damage_ : nullptr);
+    TextPlace place{file_.data, file_.header.data_line};
+    if (file_.header.points > 0)
+      place = add_text_samples(
+          file_.input, place, file_.header.points, file_.header.point_values, result, commas,
+          [&](const double* row) { return sample_of_row(file_.used, row); },
+          [&](TextCursor& at, std::span<double> values, std::uint64_t done) {
+            file_.read_line(at, values, done);
+          },
+          file_.salvage ? &damage_ : nullptr);
     crop(result, end_of_points(place.offset));
-    if (commas) result.add_note("values are separated by commas, which PCD does not provide for");
-    TextCursor cursor(input_, place.offset, place.line);
-    note_rest(result, cursor);
+    add_notes(result, file_.notes_of_rest(place, commas));
     return result.finish();
   }
 
-  // A further point means that the header is wrong; anything else is told.
-  void note_rest(ScanBuilder& result, TextCursor& cursor) const {
-    cursor.skip_blank_lines();
-    if (cursor.at_end()) return;
-    const std::uint64_t line = cursor.line(), rest = cursor.remaining();
-    if (!salvage_ && cursor.next_line_is_numbers(header_.point_values))
-      fail_input(
-          "{}: line {}: expected the end of the file after {} points, found another point; correct WIDTH, "
-          "HEIGHT and POINTS in the header, {}",
-          file_, line, header_.points, kSalvageRemedy);
-    result.add_note(fmt::format("line {}: {} bytes after the last point are ignored", line, rest));
+  Scan read_binary() {
+    file_.bound_points();
+    ScanBuilder result = builder();
+    const std::uint64_t bytes = file_.header.points * file_.header.point_bytes;
+    FixedRecords(file_.input, file_.data, file_.header.point_bytes)
+        .add(0, file_.header.points, result, FromRecord{file_.used});
+    crop(result, end_of_points(file_.data + bytes));
+    add_notes(result, file_.notes_of_rest(bytes));
+    return result.finish();
   }
 
   // at(field, i): where the field of point i lies in memory.
   template <typename At>
   void add_records(ScanBuilder& result, const At& at) const {
-    std::uint64_t i = 0;
-    const auto number = [&](const PcdField& field) { return load_scalar(at(field, i), field.type, false); };
-    const auto bits = [&](const PcdField& field) { return load_as<std::uint32_t>(at(field, i), false); };
-    for (; i < header_.points; ++i) result.add(make_sample(used_, number, bits));
-  }
-
-  // PCL's writer fills the last page with zeros, which are worth no note.
-  void note_rest(ScanBuilder& result, std::uint64_t used_bytes) {
-    const std::uint64_t rest = data_bytes_ - used_bytes;
-    if (rest > 0) check_not_sent_as_text(input_, data_);
-    if (input_.only_zeros_from(data_ + used_bytes)) return;
-    if (header_.data == PcdData::binary && rest >= header_.point_bytes && !salvage_)
-      fail_input(
-          "{}: {}: expected the end of the file after {} points, found {} more bytes, room for {} points; "
-          "correct WIDTH, HEIGHT and POINTS in the header, {}",
-          file_, byte(used_bytes), header_.points, rest, rest / header_.point_bytes, kSalvageRemedy);
-    result.add_note(fmt::format("{}: {} bytes after the last point are ignored", byte(used_bytes), rest));
-  }
-
-  // Field by field through the file's window: a point may be longer than that.
-  Scan read_binary() {
-    bound_points(header_.point_bytes, data_bytes_, byte(0));
-    ScanBuilder result = builder();
-    add_records(result, [&](const PcdField& field, std::uint64_t i) {
-      return input_.at(data_ + i * header_.point_bytes + field.byte_offset, size_of(field.type));
-    });
-    crop(result, end_of_points(data_ + header_.points * header_.point_bytes));
-    note_rest(result, header_.points * header_.point_bytes);
-    return result.finish();
+    for (std::uint64_t i = 0; i < file_.header.points; ++i)
+      result.add(sample_in_memory(file_.used, [&](const PcdField& field) { return at(field, i); }));
   }
 
   Scan read_compressed() {
-    check_count_fits(file_, byte(0), "sizes", 2, 4, data_bytes_);
-    std::uint64_t compressed = load_as<std::uint32_t>(input_.at(data_, 4), false);
-    const std::uint64_t expanded = load_as<std::uint32_t>(input_.at(data_ + 4, 4), false);
-    if (salvage_) compressed = std::min(compressed, data_bytes_ - 8);
-    if (compressed > data_bytes_ - 8)
+    check_count_fits(file_.name, file_.byte(0), "sizes", 2, 4, file_.data_bytes);
+    std::uint64_t compressed = load_as<std::uint32_t>(file_.input.at(file_.data, 4), false);
+    const std::uint64_t expanded = load_as<std::uint32_t>(file_.input.at(file_.data + 4, 4), false);
+    if (file_.salvage) compressed = std::min(compressed, file_.data_bytes - 8);
+    if (compressed > file_.data_bytes - 8)
       fail_input(
           "{}: {}: expected {} compressed bytes, found {}; the file is cut short: copy or export it again, "
           "{}",
-          file_, byte(0), compressed, data_bytes_ - 8, kSalvageRemedy);
+          file_.name, file_.byte(0), compressed, file_.data_bytes - 8, kSalvageRemedy);
     // Of all counts the one that was written with the data tells where the fields lie.
-    if (salvage_ && expanded % header_.point_bytes == 0 && expanded / header_.point_bytes != header_.points) {
-      header_.points = expanded / header_.point_bytes;
-      header_.notes.push_back(
+    if (file_.salvage && expanded % file_.header.point_bytes == 0 &&
+        expanded / file_.header.point_bytes != file_.header.points) {
+      file_.header.points = expanded / file_.header.point_bytes;
+      file_.header.notes.push_back(
           fmt::format("{}: expected {} points, found an uncompressed size of {}: as many, "
                       "and as not organised",
-                      byte(4), announced_, header_.points));
-      header_.height = 1;
+                      file_.byte(4), announced_, file_.header.points));
+      file_.header.height = 1;
     }
-    if (header_.points > expanded / header_.point_bytes || header_.points * header_.point_bytes != expanded)
+    if (file_.header.points > expanded / file_.header.point_bytes ||
+        file_.header.points * file_.header.point_bytes != expanded)
       fail_input(
           "{}: {}: expected {} points of {} bytes, found an uncompressed size of {} bytes; the header is "
           "wrong, or the file damaged: export it again",
-          file_, byte(4), header_.points, header_.point_bytes, expanded);
-    if (!salvage_)
-      check_count_fits(file_, byte(4), "uncompressed bytes", expanded, 1, compressed * kLzfLargestExpansion);
+          file_.name, file_.byte(4), file_.header.points, file_.header.point_bytes, expanded);
+    if (!file_.salvage)
+      check_count_fits(file_.name, file_.byte(4), "uncompressed bytes", expanded, 1,
+                       compressed * kLzfLargestExpansion);
     std::vector<char> packed(compressed),
         records(std::min<std::uint64_t>(expanded, compressed * kLzfLargestExpansion));
-    input_.read(data_ + 8, packed);
+    file_.input.read(file_.data + 8, packed);
     std::size_t produced = 0;
     const std::string damage = decompress_lzf({packed.data(), packed.size()}, records, &produced);
-    if (!damage.empty() && !salvage_)
+    if (!damage.empty() && !file_.salvage)
       fail_input("{}: {}: expected LZF data, found {}; the file is damaged: copy or export it again, {}",
-                 file_, byte(8), damage, kSalvageRemedy);
+                 file_.name, file_.byte(8), damage, kSalvageRemedy);
     free_memory(packed);
-    if (produced < expanded) return salvage_fields(records, produced, byte(8) + ": " + damage, compressed);
+    if (produced < expanded)
+      return salvage_fields(records, produced, file_.byte(8) + ": " + damage, compressed);
     ScanBuilder result = builder();
     add_records(result, [&](const PcdField& field, std::uint64_t i) {
-      return records.data() + header_.points * field.byte_offset + i * size_of(field.type);
+      return records.data() + file_.header.points * field.byte_offset + i * size_of(field.type);
     });
-    note_rest(result, 8 + compressed);
+    add_notes(result, file_.notes_of_rest(8 + compressed));
     return result.finish();
   }
 
@@ -281,22 +352,23 @@ class PcdReader {
   Scan salvage_fields(std::vector<char>& records, std::size_t produced, const std::string& problem,
                       std::uint64_t compressed) {
     const auto held = [&](const PcdField& field) {
-      const std::uint64_t start = header_.points * field.byte_offset;
-      return produced < start ? 0 : std::min(header_.points, (produced - start) / size_of(field.type));
+      const std::uint64_t start = file_.header.points * field.byte_offset;
+      return produced < start ? 0 : std::min(file_.header.points, (produced - start) / size_of(field.type));
     };
-    const std::uint64_t stride = header_.points;
+    const std::uint64_t stride = file_.header.points;
     std::string cut;
-    for (const PcdField* field : {used_.intensity, used_.packed, used_.red, used_.green, used_.blue})
+    for (const PcdField* field :
+         {file_.used.intensity, file_.used.packed, file_.used.red, file_.used.green, file_.used.blue})
       if (field && held(*field) < stride) cut += " " + field->name;
-    const std::uint64_t points = std::min({held(*used_.x), held(*used_.y), held(*used_.z)});
+    const std::uint64_t points = std::min({held(*file_.used.x), held(*file_.used.y), held(*file_.used.z)});
     records.resize(produced + sizeof(double));
     std::fill(records.begin() + static_cast<std::ptrdiff_t>(produced), records.end(), '\0');
     if (points == 0)
       fail_input(
           "{}: {}: of {} uncompressed bytes {} can be read, too few for x, y and z of one point; copy or "
           "export the file again",
-          file_, problem, stride * header_.point_bytes, produced);
-    header_.points = points;
+          file_.name, problem, stride * file_.header.point_bytes, produced);
+    file_.header.points = points;
     ScanBuilder result = builder();
     add_records(result, [&](const PcdField& field, std::uint64_t i) {
       const std::uint64_t at = stride * field.byte_offset + i * size_of(field.type);
@@ -306,28 +378,64 @@ class PcdReader {
     crop(result, problem);
     if (points == stride) result.add_note(problem);
     if (!cut.empty()) result.add_note(fmt::format("cut off and 0 from some point on:{}", cut));
-    note_rest(result, 8 + compressed);
+    add_notes(result, file_.notes_of_rest(8 + compressed));
     return result.finish();
   }
 
-  void set_pose(Scan& scan) const {
-    const auto& v = header_.viewpoint;
-    const Pose pose{1, Eigen::Quaterniond(v[3], v[4], v[5], v[6]).normalized(), {v[0], v[1], v[2]}};
-    if (pose.translation.isZero(0) && pose.rotation.vec().isZero(0)) return;
-    scan.world_from_scan = pose;
-    scan.notes.emplace_back(
-        "VIEWPOINT is taken as the scanner's pose, and the points as being in the scanner's frame");
+  PcdFile file_;
+  bool exact_;
+  Damage damage_;
+  std::uint64_t announced_;  // points, by the header
+  std::string name_;
+};
+
+class PcdTextStream : public TextStream {
+ public:
+  PcdTextStream(const std::filesystem::path& file, const ScanEntry& entry, std::unique_ptr<PcdFile> opened)
+      : TextStream(file, entry), file_(std::move(opened)) {
+    add_notes(file_->notes());
+    const auto notes = take({.start = {file_->data, file_->header.data_line},
+                             .count = file_->header.points,
+                             .columns = file_->header.point_values,
+                             .intensity = file_->used.intensity != nullptr,
+                             .colour = file_->used.colour()});
+    add_notes(file_->notes_of_rest(after(), commas_seen()));
+    add_notes(notes);
+    file_->set_grid_and_pose(head_);
   }
 
-  InputFile input_;
-  const std::string& file_;
-  bool salvage_, exact_;
-  Damage damage_;
-  PcdHeader header_;
-  std::uint64_t announced_;          // points, by the header
-  std::uint64_t data_, data_bytes_;  // where the data begins, and how much there is
-  std::string name_, unused_;
-  UsedFields used_;
+ private:
+  ScanSample sample(const double* row) const override { return sample_of_row(file_->used, row); }
+  void read_line(TextCursor& cursor, std::span<double> values, std::uint64_t done) const override {
+    file_->read_line(cursor, values, done);
+  }
+
+  std::unique_ptr<PcdFile> file_;
+};
+
+class PcdRecordStream : public BuiltStream {
+ public:
+  PcdRecordStream(const ScanEntry& entry, std::unique_ptr<PcdFile> opened)
+      : BuiltStream(entry),
+        file_(std::move(opened)),
+        records_(file_->input, file_->data, file_->header.point_bytes) {
+    count_ = file_->header.points;
+    intensity_ = file_->used.intensity != nullptr;
+    exact_ = entry.exact && file_->rounds();
+    add_notes(file_->notes());
+    take_first(records_.first_pass(count_, file_->used.colour(), FromRecord{file_->used}));
+    add_notes(file_->notes_of_rest(count_ * file_->header.point_bytes));
+    add_notes(take(file_->name, false));
+    file_->set_grid_and_pose(head_);
+  }
+
+ private:
+  void add(std::uint64_t first, std::size_t count, ScanBuilder& builder) const override {
+    with_colours(builder, [&](auto& to) { records_.add(first, count, to, FromRecord{file_->used}); });
+  }
+
+  std::unique_ptr<PcdFile> file_;
+  mutable FixedRecords records_;
 };
 
 const char* name_of(PcdData data) {
@@ -338,6 +446,16 @@ const char* name_of(PcdData data) {
 
 Scan read_pcd(const std::filesystem::path& file, const ReadOptions& options) {
   return PcdReader(file, options).read();
+}
+
+std::unique_ptr<ScanStream> stream_pcd(const std::filesystem::path& file, const ScanEntry& entry) {
+  if (entry.salvage) return nullptr;
+  auto opened = std::make_unique<PcdFile>(file, false);
+  if (opened->header.data == PcdData::binary_compressed) return nullptr;
+  opened->bound_points();
+  if (opened->header.data == PcdData::ascii)
+    return std::make_unique<PcdTextStream>(file, entry, std::move(opened));
+  return std::make_unique<PcdRecordStream>(entry, std::move(opened));
 }
 
 std::vector<ScanEntry> list_pcd(const std::filesystem::path& file, const ReadOptions& options) {

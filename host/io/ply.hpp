@@ -1,10 +1,12 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "geometry/scan.hpp"
 #include "io/scan_entry.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -13,6 +15,8 @@ namespace hybrid::io {
 // reals); names in any case; the rest is listed in Scan::notes. Throws ErrorKind::input naming file, line or
 // byte.
 Scan read_ply(const std::filesystem::path& file, const ReadOptions& options = {});
+// The same in blocks; null in salvage and where vertices have lists.
+std::unique_ptr<ScanStream> stream_ply(const std::filesystem::path& file, const ScanEntry& entry);
 // Its one scan, by the header alone.
 std::vector<ScanEntry> list_ply(const std::filesystem::path& file);
 

@@ -194,9 +194,12 @@ class PtsStream : public TextStream {
  public:
   PtsStream(const std::filesystem::path& file, const ScanEntry& entry) : TextStream(file, entry) {
     TextCursor cursor(input(), entry.offset, entry.line);
-    const std::size_t columns = entry.samples == 0 ? 3 : check_columns(input().name(), io::read_line(cursor));
-    const auto notes =
-        take({.start = {entry.offset, entry.line}, .count = entry.samples, .columns = {columns}});
+    if (entry.samples > 0) columns_ = {check_columns(input().name(), io::read_line(cursor))};
+    const auto notes = take({.start = {entry.offset, entry.line},
+                             .count = entry.samples,
+                             .columns = columns_.count,
+                             .intensity = columns_.intensity(),
+                             .colour = columns_.colour() ? ColourKind::byte : ColourKind::none});
     if (commas_seen()) head_.notes.emplace_back(kCommas);
     add_notes(notes);
     const SampleFacts& all = facts();
@@ -205,9 +208,12 @@ class PtsStream : public TextStream {
   }
 
  private:
+  ScanSample sample(const double* row) const override { return columns_.sample(row); }
   void read_line(TextCursor& cursor, std::span<double> values, std::uint64_t done) const override {
     read_point(cursor, values, count(), done);
   }
+
+  TextColumns columns_;
 };
 
 // What the first of `lines` lines that is a point has.

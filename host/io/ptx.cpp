@@ -261,19 +261,24 @@ class PtxStream : public TextStream {
     header_ = read_checked_header(cursor);
     head_.grid_cols = static_cast<int>(header_.cols);
     head_.grid_rows = static_cast<int>(header_.rows);
+    columns_ = {count_columns(input(), cursor, header_)};
     add_notes(take({.start = {cursor.offset(), cursor.line()},
                     .count = point_count(header_),
-                    .columns = {count_columns(input(), cursor, header_)},
+                    .columns = columns_.count,
+                    .intensity = columns_.intensity(),
+                    .colour = columns_.colour() ? ColourKind::byte : ColourKind::none,
                     .zero_is_no_return = true}));
     if (facts().least >= 0 && facts().greatest <= 1) head_.intensity_limits = {0.0f, 1.0f};
     set_pose(head_, cursor.file(), header_, false);
   }
 
  private:
+  ScanSample sample(const double* row) const override { return columns_.sample(row); }
   void read_line(TextCursor& cursor, std::span<double> values, std::uint64_t done) const override {
     read_point(cursor, values, header_, done);
   }
   PtxHeader header_;
+  TextColumns columns_;
 };
 
 }  // namespace

@@ -86,10 +86,14 @@ Scan read_one(const std::filesystem::path& file, const ScanEntry& entry) {
 }
 
 constexpr ScanFormat kFormats[] = {
-    {".e57", list_e57, read_e57_entry, stream_e57}, {".pcd", list_pcd, read_one<read_pcd>},
-    {".ply", list_ply_entry, read_one<read_ply>},   {".ptx", list_ptx, read_ptx, stream_ptx},
-    {".pts", list_pts, read_pts, stream_pts},       {".las", list_las, read_las, stream_las},
-    {".exr", list_exr, read_exr, stream_exr},       {".hsf", list_sample_file, read_one<read_sample_file>},
+    {".e57", list_e57, read_e57_entry, stream_e57},
+    {".pcd", list_pcd, read_one<read_pcd>, stream_pcd},
+    {".ply", list_ply_entry, read_one<read_ply>, stream_ply},
+    {".ptx", list_ptx, read_ptx, stream_ptx},
+    {".pts", list_pts, read_pts, stream_pts},
+    {".las", list_las, read_las, stream_las},
+    {".exr", list_exr, read_exr, stream_exr},
+    {".hsf", list_sample_file, read_one<read_sample_file>, stream_sample_file},
 };
 
 // Formats that are known and not read, and what to do.

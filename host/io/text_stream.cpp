@@ -9,7 +9,7 @@ namespace hybrid::io {
 template <typename Builder>
 void TextStream::add_next(std::uint64_t count, Builder& builder) const {
   add_text_samples(
-      input_, *rows_, count, builder, commas_, [&](const double* row) { return lines_.columns.sample(row); },
+      input_, *rows_, count, builder, commas_, [&](const double* row) { return sample(row); },
       [&](TextCursor& cursor, std::span<double> values, std::uint64_t done) {
         read_line(cursor, values, next_ + done);
       });
@@ -19,21 +19,23 @@ void TextStream::add_next(std::uint64_t count, Builder& builder) const {
 void TextStream::seek(std::uint64_t first) const {
   const std::uint64_t place =
       places_.empty() ? 0 : std::min<std::uint64_t>(first / kBlock, places_.size() - 1);
-  rows_.emplace(input_, places_.empty() ? lines_.start : places_[place], input_.size(), lines_.columns.count);
+  rows_.emplace(input_, places_.empty() ? lines_.start : places_[place], input_.size(), lines_.columns);
   next_ = place * kBlock;
 }
 
 std::vector<std::string> TextStream::take(const Lines& lines) {
   lines_ = lines;
   count_ = lines.count;
-  intensity_ = lines.columns.intensity();
-  colour_ = lines.columns.colour();
-  FirstReturns returns{.zero_is_no_return = lines.zero_is_no_return};
-  for (seek(0); next_ < count_ && !returns.full();)
-    add_next(std::min<std::uint64_t>(kOriginSamples, count_ - next_), returns);
+  intensity_ = lines.intensity;
+  FirstPass first;
+  first.zero_is_no_return = lines.zero_is_no_return;
+  first.colour = lines.colour;
+  for (seek(0); next_ < count_ && !first.done();)
+    add_next(std::min<std::uint64_t>(kOriginSamples, count_ - next_), first);
   rows_.reset();
-  head_.origin = returns.origin();
+  take_first(first);
   auto notes = BuiltStream::take(input_.name(), lines.zero_is_no_return);
+  after_ = rows_ ? rows_->place() : lines.start;
   rows_.reset();
   return notes;
 }
@@ -45,7 +47,7 @@ void TextStream::add(std::uint64_t first, std::size_t count, ScanBuilder& builde
     builder.start_part();
   }
   if (first == places_.size() * kBlock) places_.push_back(rows_->place());
-  add_next(count, builder);
+  with_colours(builder, [&](auto& to) { add_next(count, to); });
 }
 
 }  // namespace hybrid::io

@@ -32,7 +32,9 @@ class TextStream : public BuiltStream {
   struct Lines {
     TextPlace start;
     std::uint64_t count = 0;
-    TextColumns columns;
+    std::size_t columns = 0;  // numbers on each
+    bool intensity = false;
+    ColourKind colour = ColourKind::none;
     bool zero_is_no_return = false;
   };
   TextStream(const std::filesystem::path& file, const ScanEntry& entry) : BuiltStream(entry), input_(file) {}
@@ -41,10 +43,13 @@ class TextStream : public BuiltStream {
   // Chooses the origin and measures all samples; to be called when the head has its grid. Throws for what is
   // no sample, as ScanBuilder does and read_line(). The notes of ScanBuilder.
   std::vector<std::string> take(const Lines& lines);
+  // Of a line's numbers.
+  virtual ScanSample sample(const double* row) const = 0;
   // The line at the cursor, which is no row of numbers that NumberRows reads: reads it or throws, the end of
   // the text too. `done`: samples before.
   virtual void read_line(TextCursor& cursor, std::span<double> values, std::uint64_t done) const = 0;
   bool commas_seen() const { return commas_; }
+  TextPlace after() const { return after_; }  // the last sample
 
  private:
   void add(std::uint64_t first, std::size_t count, ScanBuilder& builder) const override;
@@ -54,6 +59,7 @@ class TextStream : public BuiltStream {
 
   mutable InputFile input_;
   Lines lines_;
+  TextPlace after_;
   mutable std::optional<NumberRows> rows_;
   mutable std::uint64_t next_ = 0;         // the sample that rows_ gives next
   mutable std::vector<TextPlace> places_;  // of samples 0, kBlock, 2 kBlock ...

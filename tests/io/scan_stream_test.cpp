@@ -14,6 +14,8 @@
 #include "io/las_samples.hpp"
 #include "io/node_blocks.hpp"
 #include "io/read_scan.hpp"
+#include "io/samples/sample_file.hpp"
+#include "io/scan_samples.hpp"
 #include "io/stream_scan.hpp"
 #include "io/write_scan.hpp"
 
@@ -61,6 +63,11 @@ void expect_same_facts(const SampleFacts& a, const SampleFacts& b) {
   EXPECT_EQ(a.least_m, b.least_m);
   EXPECT_EQ(a.greatest_m, b.greatest_m);
   EXPECT_EQ(a.hash, b.hash);
+  EXPECT_EQ(a.seen, b.seen);
+  EXPECT_EQ(a.least_seen_m, b.least_seen_m);
+  EXPECT_EQ(a.greatest_seen_m, b.greatest_seen_m);
+  EXPECT_EQ(a.least_range_m, b.least_range_m);
+  EXPECT_EQ(a.greatest_range_m, b.greatest_range_m);
 }
 
 // Every scan of a file, streamed, against the same read at once; returns the last.
@@ -84,6 +91,7 @@ std::unique_ptr<ScanStream> expect_same(const fs::path& file, bool streams = tru
       EXPECT_EQ(a.notes, b.notes);
       EXPECT_EQ(a.steps.has_value(), b.steps.has_value());
       EXPECT_EQ(a.world_from_scan.has_value(), b.world_from_scan.has_value());
+      EXPECT_EQ(a.range_grid.has_value(), b.range_grid.has_value());
       expect_same_facts(whole.facts(), stream->facts());
       const Samples expected = samples_of(whole);
       EXPECT_TRUE(expected == samples_of(*stream));
@@ -165,13 +173,128 @@ TEST(ScanStream, LasIsTheSameInBlocks) {
   }
 }
 
+namespace {
+
+// Vertices of `count` rows of text_points(count, 7): x y z intensity red green blue.
+std::string ply_header(const std::string& format, std::size_t count, const std::string& coordinate,
+                       const std::string& colour) {
+  std::string text = fmt::format("ply\nformat {} 1.0\nelement vertex {}\n", format, count);
+  for (const char* name : {"x", "y", "z"}) text += fmt::format("property {} {}\n", coordinate, name);
+  text += "property float intensity\n";
+  for (const char* name : {"red", "green", "blue"}) text += fmt::format("property {} {}\n", colour, name);
+  return text + "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+// The same in binary: coordinates and colours as words.
+std::string word_records(std::size_t count, bool big_endian) {
+  std::mt19937 random(9);
+  std::string bytes;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (int k = 0; k < 3; ++k)
+      bytes += testing::raw(static_cast<double>(random() % 100'000) / 777 + 5000, big_endian);
+    bytes += testing::raw(static_cast<float>(random() % 100), big_endian);
+    for (int k = 0; k < 3; ++k) bytes += testing::raw(static_cast<std::uint16_t>(random()), big_endian);
+  }
+  return bytes;
+}
+
+std::string pcd_header(std::size_t width, std::size_t height, const std::string& data) {
+  return fmt::format(
+      "FIELDS x y z intensity red green blue\nSIZE 8 8 8 4 2 2 2\nTYPE F F F F U U U\nWIDTH {}\nHEIGHT {}\n"
+      "VIEWPOINT 1 2 3 0.5 0.5 0.5 0.5\nPOINTS {}\nDATA {}\n",
+      width, height, width * height, data);
+}
+
+// A sample file of `rows` x `cols` nodes with samples beside them.
+void write_samples(const fs::path& file, int rows, int cols) {
+  RangeImage image = make_range_image(rows, cols);
+  for (std::size_t i = 0; i < image.elevation_rad.size(); ++i)
+    image.elevation_rad[i] = 0.5 - 0.001 * static_cast<double>(i);
+  for (std::size_t i = 0; i < image.azimuth_rad.size(); ++i)
+    image.azimuth_rad[i] = 0.002 * static_cast<double>(i);
+  image.intensity.assign(image.count(), 0);
+  image.rgb.assign(image.count(), {});
+  std::mt19937 random(8);
+  for (std::size_t i = 0; i < image.count(); ++i) {
+    image.mask[i] = random() % 5 != 0;
+    image.x[i] = 2 + static_cast<float>(random() % 1000) / 512;
+    image.y[i] = image.z[i] = 0.5f;
+    image.intensity[i] = static_cast<float>(random() % 256) / 256;
+    image.rgb[i] = {static_cast<std::uint8_t>(random()), 2, 3};
+  }
+  const std::vector<std::uint32_t> label(image.count());
+  const std::vector<std::uint8_t> discarded(image.count());
+  const std::vector<Supercluster> planes;
+  SampleFileInput input{image, planes, label, discarded};
+  input.extra = {{1, 2, 3}, {4, 5, 6}};
+  input.extra_intensity = {0.5f, 0.25f};
+  input.extra_rgb = {{1, 2, 3}, {4, 5, 6}};
+  input.world_from_scan = Pose{1, Eigen::Quaterniond::Identity(), {1, 2, 3}};
+  write_sample_file(file, input);
+}
+
+}  // namespace
+
+TEST(ScanStream, PlyIsTheSameInBlocks) {
+  const TemporaryFolder folder;
+  constexpr std::size_t kCount = ScanStream::kBlock + 9000;
+  const std::string faces = "3 0 1 2\n4 0 1 2 3\n", rows = text_points(kCount, 7, 11);
+  for (const auto& [coordinate, colour] :
+       {std::pair{"float", "uchar"}, {"double", "ushort"}, {"double", "float"}})
+    expect_same(folder.write("a.ply", ply_header("ascii", kCount, coordinate, colour) + rows + faces));
+  expect_same(folder.write("rest.ply", ply_header("ascii", 3, "float", "uchar") +
+                                           "1,2,3,4,5,6,7\n\n1 2 3 4 5 6 nan\nnan 2 3 4 5 6 7\n" + faces +
+                                           "more\n"));
+  for (const bool big : {false, true}) {
+    const std::string header =
+        ply_header(big ? "binary_big_endian" : "binary_little_endian", kCount, "double", "ushort");
+    std::string bytes = word_records(kCount, big) + '\1' + testing::raw(7, big) + '\0';
+    expect_same(folder.write("words.ply", header + bytes));
+    expect_same(folder.write("rest.ply", header + bytes + "more"));
+  }
+  expect_same(folder.write("lists.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int odd\nproperty "
+                           "float x\nproperty float y\nproperty float z\nend_header\n2 8 9 1 2 3\n"),
+              false);
+  expect_same(folder.write("none.ply", ply_header("ascii", 0, "float", "uchar") + faces));
+}
+
+TEST(ScanStream, PcdIsTheSameInBlocks) {
+  const TemporaryFolder folder;
+  constexpr std::size_t kWidth = 600, kHeight = 250;
+  expect_same(
+      folder.write("a.pcd", pcd_header(kWidth, kHeight, "ascii") + text_points(kWidth * kHeight, 7, 12)));
+  expect_same(
+      folder.write("odd.pcd", pcd_header(2, 1, "ascii") + "1 2 3 4 5 6 7\n\n600000,2,3,4,5,6,7\nrest"));
+  const std::string binary = pcd_header(kWidth, kHeight, "binary") + word_records(kWidth * kHeight, false);
+  expect_same(folder.write("b.pcd", binary));
+  expect_same(folder.write("page.pcd", binary + std::string(40, '\0')));
+  expect_same(folder.write("rest.pcd", binary + "rest"));
+  expect_same(folder.write("packed.pcd", testing::sample_file("pcd", "binary")));
+  expect_same(folder.write("compressed.pcd", testing::sample_file("pcd", "binary_compressed")), false);
+}
+
+TEST(ScanStream, SamplesAreTheSameInBlocks) {
+  const TemporaryFolder folder;
+  for (const int rows : {1, 64, 230}) {  // of bands of 64 rows
+    write_samples(folder.path() / "a.hsf", rows, 1201);
+    expect_same(folder.path() / "a.hsf");
+  }
+}
+
 TEST(ScanStream, DamageIsTheSameErrorInBlocks) {
   const TemporaryFolder folder;
   for (const auto& [name, bytes] :
        {std::pair<std::string, std::string>{"word.ptx",
                                             ptx_header(2, 2) + "1 2 3 4\n1 2 x 4\n1 2 3 4\n1 2 3 4\n"},
         {"few.pts", "3\n10 20 30\n1 2\n10 20 30\n"},
-        {"absurd.pts", "3\n1 2 3\n1 2e13 3\n1 2 3\n"}}) {
+        {"absurd.pts", "3\n1 2 3\n1 2e13 3\n1 2 3\n"},
+        {"word.ply",
+         ply_header("ascii", 2, "float", "uchar") + "1 2 3 4 5 6 7\n1 2 x 4 5 6 7\n3 0 1 2\n3 0 1 2\n"},
+        {"face.ply", ply_header("ascii", 1, "float", "uchar") + "1 2 3 4 5 6 7\n9 0 1 2\n3 0 1 2\n"},
+        {"cut.ply", ply_header("binary_little_endian", 1000, "double", "ushort") + "few"},
+        {"more.pcd", pcd_header(2, 1, "ascii") + "1 2 3 4 5 6 7\n1 2 3 4 5 6 7\n1 2 3 4 5 6 7\n"},
+        {"cut.pcd", pcd_header(2000, 1, "binary") + "few"}}) {
     const fs::path file = folder.write(name, bytes);
     const ScanEntry entry = list_scans(file).at(0);
     EXPECT_EQ(error_of(ErrorKind::input, [&] { stream_scan(file, entry); }),
@@ -278,7 +401,14 @@ TEST(ScanStream, MemoryIsOfBlocks) {
   constexpr int kCols = 1100, kRows = 1000;
   const fs::path ptx = folder.write("a.ptx", ptx_header(kCols, kRows) + text_points(kCols * kRows, 4, 5));
   const fs::path e57 = e57_of(folder.path() / "a.e57", kRows, kCols, all_nodes(kRows, kCols, true));
-  for (const fs::path& file : {ptx, e57}) {
+  const std::string records = word_records(kCols * kRows, false);
+  const fs::path pcd = folder.write("a.pcd", pcd_header(kCols, kRows, "binary") + records);
+  const fs::path ply =
+      folder.write("a.ply", ply_header("binary_little_endian", kCols * kRows, "double", "ushort") + records +
+                                std::string(2, '\0'));
+  const fs::path samples = folder.path() / "a.hsf";
+  write_samples(samples, kRows, kCols);
+  for (const fs::path& file : {ptx, e57, pcd, ply, samples}) {
     auto entry = list_scans(file, {.exact = true}).at(0);
     entry.kept_bytes = 0;
     const testing::AllocationWatch watch;

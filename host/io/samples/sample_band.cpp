@@ -78,8 +78,8 @@ void take_node(const SampleHeader& header, const SampleFileInput& input, const P
 
 class BandDecoder {
  public:
-  BandDecoder(const SampleHeader& header, std::string_view bytes, std::string place, int rows)
-      : header_(header), place_(std::move(place)), code_(header.point, header.origin) {
+  BandDecoder(const SampleHeader& header, std::string_view bytes, std::string place, int rows, int scan_row)
+      : header_(header), place_(std::move(place)), code_(header.point, header.origin), scan_row_(scan_row) {
     ColumnReader reader(bytes, place_);
     columns_.state = reader.take(static_cast<std::size_t>(rows) * static_cast<std::size_t>(header.cols));
     const auto counted = [&](std::uint32_t state) {
@@ -112,8 +112,9 @@ class BandDecoder {
 
  private:
   void put_sample(std::uint32_t state, int row, int col, Before& before, Scan& scan) {
-    const std::size_t node = static_cast<std::size_t>(row) * static_cast<std::size_t>(header_.cols) +
-                             static_cast<std::size_t>(col);
+    const std::size_t node =
+        static_cast<std::size_t>(row - scan_row_) * static_cast<std::size_t>(header_.cols) +
+        static_cast<std::size_t>(col);
     std::uint32_t label = 0;
     if (state == kByPlane) {
       label = before.label + unfold(columns_.label[by_plane_]);
@@ -145,6 +146,7 @@ class BandDecoder {
   const SampleHeader& header_;
   std::string place_;
   PointCode code_;
+  int scan_row_;
   Columns columns_;
   std::size_t samples_ = 0, by_plane_ = 0, by_sample_ = 0, taken_ = 0;
 };
@@ -174,9 +176,9 @@ EncodedBand encode_band(const SampleHeader& header, const SampleFileInput& input
 }
 
 std::uint64_t decode_band(const SampleHeader& header, std::string_view bytes, const std::string& place,
-                          int first_row, Scan& scan) {
+                          int first_row, Scan& scan, int scan_row) {
   const int rows = rows_in_band(header, first_row);
-  BandDecoder decoder(header, bytes, place, rows);
+  BandDecoder decoder(header, bytes, place, rows, scan_row);
   for (int row = 0; row < rows; ++row) decoder.put_row(row, first_row + row, scan);
   return decoder.samples();
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "geometry/scan.hpp"
 #include "geometry/superclusters.hpp"
 #include "io/scan_entry.hpp"
+#include "io/scan_stream.hpp"
 
 namespace hybrid::io {
 
@@ -48,6 +50,8 @@ SampleFileSize write_sample_file(const std::filesystem::path& file, const Sample
 // The samples in the order of the grid's nodes, row by row, as read_exr_scan() gives those of a range.exr: no
 // sample is a no-return. Throws ErrorKind::input naming file and block: damaged, cut short, another version.
 Scan read_sample_file(const std::filesystem::path& file, const ReadOptions& options = {});
+// The same in blocks.
+std::unique_ptr<ScanStream> stream_sample_file(const std::filesystem::path& file, const ScanEntry& entry);
 std::vector<ScanEntry> list_sample_file(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace hybrid::io
