@@ -13,6 +13,9 @@ namespace hybrid::io {
 // MiB, of one record at least, for some per thread.
 class FixedRecords {
  public:
+  // Of longer ones a part would take more memory than the scan: read their fields one by one.
+  static constexpr std::uint64_t kLongest_bytes = 1 << 20;
+
   FixedRecords(const InputFile& input, std::uint64_t offset, std::uint64_t record_bytes)
       : input_(input), offset_(offset), record_bytes_(record_bytes) {}
 

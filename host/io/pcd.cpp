@@ -285,8 +285,14 @@ class PcdReader {
     file_.bound_points();
     ScanBuilder result = builder();
     const std::uint64_t bytes = file_.header.points * file_.header.point_bytes;
-    FixedRecords(file_.input, file_.data, file_.header.point_bytes)
-        .add(0, file_.header.points, result, FromRecord{file_.used});
+    if (file_.header.point_bytes > FixedRecords::kLongest_bytes)
+      add_records(result, [&](const PcdField& field, std::uint64_t i) {
+        return file_.input.at(file_.data + i * file_.header.point_bytes + field.byte_offset,
+                              size_of(field.type));
+      });
+    else
+      FixedRecords(file_.input, file_.data, file_.header.point_bytes)
+          .add(0, file_.header.points, result, FromRecord{file_.used});
     crop(result, end_of_points(file_.data + bytes));
     add_notes(result, file_.notes_of_rest(bytes));
     return result.finish();
@@ -294,7 +300,7 @@ class PcdReader {
 
   // at(field, i): where the field of point i lies in memory.
   template <typename At>
-  void add_records(ScanBuilder& result, const At& at) const {
+  void add_records(ScanBuilder& result, const At& at) {
     for (std::uint64_t i = 0; i < file_.header.points; ++i)
       result.add(sample_in_memory(file_.used, [&](const PcdField& field) { return at(field, i); }));
   }
@@ -452,6 +458,8 @@ std::unique_ptr<ScanStream> stream_pcd(const std::filesystem::path& file, const 
   if (entry.salvage) return nullptr;
   auto opened = std::make_unique<PcdFile>(file, false);
   if (opened->header.data == PcdData::binary_compressed) return nullptr;
+  if (opened->header.data == PcdData::binary && opened->header.point_bytes > FixedRecords::kLongest_bytes)
+    return nullptr;
   opened->bound_points();
   if (opened->header.data == PcdData::ascii)
     return std::make_unique<PcdTextStream>(file, entry, std::move(opened));
