@@ -1,66 +1,92 @@
 #include "stages/bvh.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "stages/bvh_clusters.hpp"
 #include "stages/bvh_collapse.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kBins = 16;
-constexpr std::size_t kBlock =
-    16384;  // primitives binned as one unit, fixed so that nothing depends on threads
-constexpr std::size_t kParallelFrom = 8192;  // smaller subtrees stay on one thread
+constexpr std::size_t kBins = 16, kFewBins = 8;  // the few: of what fits a cluster
+constexpr std::size_t kBlock = 16384;  // items binned as one unit, fixed so that nothing depends on threads
+constexpr std::size_t kParallelFrom = 256;  // smaller subtrees stay on one thread
 constexpr std::size_t kLargestLeaf = BVH_LARGEST_LEAF;
 constexpr int kDepthOfMedians =
     32;  // deeper nodes split at the median, so that the traversal's stack suffices
-constexpr std::uint32_t kSphereBit = 0x80000000u;
-static_assert((BVH_WIDTH - 1) * BVH_WIDE_LEVELS + kDepthOfMedians + BVH_COUNT_SHIFT + 1 < BVH_STACK);
+// What a node costs, in triangles and in spheres, of which shadow rays test eight at once.
+constexpr float kNodeInTriangles = 1, kNodeInSpheres = 2;
+constexpr int kClusterLevels = std::bit_width(kLargestCluster);
+static_assert((BVH_WIDTH - 1) * BVH_WIDE_LEVELS + kDepthOfMedians + BVH_COUNT_SHIFT + 1 + kClusterLevels <
+              BVH_STACK);
 
-using Box = BinaryBox;
+// x, y, z and a fourth lane that is finite and of no meaning.
+using Lanes = Eigen::Array4f;
 
-struct Primitive {
-  std::array<float, 3> low;
-  std::uint32_t id;  // index in its input; kSphereBit set for spheres
-  std::array<float, 3> high;
-  std::uint32_t pad = 0;
-
-  float centre2(std::size_t axis) const { return low[axis] + high[axis]; }  // twice the centre
-  bool sphere() const { return (id & kSphereBit) != 0; }
+struct Box {
+  Lanes low = Lanes::Constant(INFINITY), high = Lanes::Constant(-INFINITY);
+  void add(const Lanes& l, const Lanes& h) {
+    low = low.min(l);
+    high = high.max(h);
+  }
+  void add(const Box& box) { add(box.low, box.high); }
+  float area() const {
+    const Lanes e = high - low;
+    return e[0] < 0 ? 0 : e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
+  }
+  BinaryBox stored() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
 };
+
+// What the tree is built of: a triangle, a sphere, or a cluster of spheres. As lanes of floats `code` and
+// `weight` are finite and no denormals, which some processors are slow to add.
+struct alignas(16) Item {
+  static constexpr std::uint32_t kCluster = 0x80000000u, kNormal = 0x40000000u;
+  float low[3];
+  std::uint32_t code;  // index in its input, kNormal, kCluster for clusters
+  float high[3];
+  float weight;  // triangles or spheres in it
+
+  Lanes lower() const { return Eigen::Map<const Lanes, Eigen::Aligned16>(low); }
+  Lanes upper() const { return Eigen::Map<const Lanes, Eigen::Aligned16>(high); }
+  Lanes centre2() const { return lower() + upper(); }  // twice the centre
+  std::uint32_t index() const { return code & ~(kCluster | kNormal); }
+  bool cluster() const { return (code & kCluster) != 0; }
+};
+static_assert(sizeof(Item) == 32);
 
 struct Bin {
   Box box;
-  std::size_t count = 0;
+  float weight = 0;
 };
-using Bins = std::array<std::array<Bin, kBins>, 3>;
+template <std::size_t Count>
+using Bins = std::array<std::array<Bin, Count>, 3>;
 
 struct Split {
   std::size_t axis = 3;  // 3 = none
-  std::size_t bin = 0;   // first bin of the right side
+  int bin = 0;           // first bin of the right side
   float cost = INFINITY;
 };
 
-// Which bin a primitive falls into, per axis.
+// Which bin an item falls into, per axis.
 struct Binning {
-  std::array<float, 3> origin, scale;
-  explicit Binning(const Box& centres) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      origin[k] = centres.low[k];
-      const float extent = centres.high[k] - centres.low[k];
-      scale[k] = extent > 0 ? static_cast<float>(kBins) / extent : 0;
-    }
+  Lanes origin, scale = Lanes::Zero(), last;
+  Binning(const Box& centres, std::size_t bins) : origin(centres.low) {
+    const Lanes extent = centres.high - centres.low;
+    for (int k = 0; k < 3; ++k) scale[k] = extent[k] > 0 ? static_cast<float>(bins) / extent[k] : 0;
+    last = Lanes::Constant(static_cast<float>(bins - 1));
   }
-  std::size_t bin(const Primitive& p, std::size_t axis) const {
-    const float at = (p.centre2(axis) - origin[axis]) * scale[axis];
-    return std::min(static_cast<std::size_t>(std::max(at, 0.0f)), kBins - 1);
+  Eigen::Array4i bins(const Item& item) const {
+    return ((item.centre2() - origin) * scale).max(0.0f).min(last).cast<int>();
   }
 };
 
@@ -77,21 +103,65 @@ Part fold_blocks(std::size_t begin, std::size_t end, const Fold& fold, const Mer
   return parts[0];
 }
 
+// Boxes are grown by more than the rounding of a ray's box test, so that a flat one still lets rays in.
+void grow(Item& item) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float margin = 1e-6f * std::max(std::abs(item.low[k]), std::abs(item.high[k])) + 1e-7f;
+    item.low[k] -= margin;
+    item.high[k] += margin;
+  }
+}
+
+Item bound(const TriangleRecord& t, std::size_t index) {
+  Item item;
+  for (std::size_t k = 0; k < 3; ++k) {
+    item.low[k] = std::min({t.a[k], t.b[k], t.c[k]});
+    item.high[k] = std::max({t.a[k], t.b[k], t.c[k]});
+  }
+  item.code = Item::kNormal | static_cast<std::uint32_t>(index);
+  item.weight = 1;
+  grow(item);
+  return item;
+}
+
+Item bound(const SphereRecord& s, std::size_t index) {
+  Item item;
+  for (std::size_t k = 0; k < 3; ++k) {
+    item.low[k] = s.centre[k] - s.radius;
+    item.high[k] = s.centre[k] + s.radius;
+  }
+  item.code = Item::kNormal | static_cast<std::uint32_t>(index);
+  item.weight = 1;
+  grow(item);
+  return item;
+}
+
+// What all subtrees share.
+struct Work {
+  const std::vector<SphereRecord>& spheres;
+  SphereClusters clusters;
+  tbb::concurrent_vector<BinaryNode> nodes;
+};
+
 class Builder {
  public:
-  Builder(std::vector<Primitive>& primitives, tbb::concurrent_vector<BinaryNode>& nodes)
-      : primitives_(primitives), nodes_(nodes) {}
+  // Leaves of `items` are of `kind` (0 or BVH_SPHERES) and begin `first` places later in their order.
+  Builder(std::span<Item> items, std::uint32_t kind, std::size_t first, Work& work)
+      : items_(items),
+        kind_(kind),
+        node_cost_(kind == BVH_SPHERES ? kNodeInSpheres : kNodeInTriangles),
+        first_(first),
+        work_(work) {}
 
   // The subtree of [begin, end): its code and box.
   std::uint32_t build(std::size_t begin, std::size_t end, int depth, Box& box) {
+    if (end - begin == 1 && items_[begin].cluster()) return build_cluster(items_[begin].index(), depth, box);
     Box centres;
     measure(begin, end, box, centres);
     const std::size_t middle = split(begin, end, depth, box, centres);
-    if (middle == begin) {
-      const std::uint32_t kind = primitives_[begin].sphere() ? BVH_SPHERES : 0;
-      return BVH_LEAF | kind | static_cast<std::uint32_t>((end - begin - 1) << BVH_COUNT_SHIFT) |
-             static_cast<std::uint32_t>(begin);
-    }
+    if (middle == begin)
+      return BVH_LEAF | kind_ | static_cast<std::uint32_t>((end - begin - 1) << BVH_COUNT_SHIFT) |
+             static_cast<std::uint32_t>(first_ + begin);
     std::array<Box, 2> boxes;
     std::array<std::uint32_t, 2> children{};
     const auto side = [&](std::size_t i) {
@@ -104,10 +174,22 @@ class Builder {
       side(0);
       side(1);
     }
-    return static_cast<std::uint32_t>(nodes_.push_back({boxes, children}) - nodes_.begin());
+    return static_cast<std::uint32_t>(
+        work_.nodes.push_back({{boxes[0].stored(), boxes[1].stored()}, children}) - work_.nodes.begin());
   }
 
  private:
+  std::uint32_t build_cluster(std::uint32_t index, int depth, Box& box) {
+    const auto [begin, count] = work_.clusters.clusters[index];
+    std::array<Item, kLargestCluster> items;
+    std::uint32_t* const order = &work_.clusters.order[begin];
+    for (std::size_t i = 0; i < count; ++i) items[i] = bound(work_.spheres[order[i]], order[i]);
+    Builder builder({items.data(), count}, BVH_SPHERES, begin, work_);
+    const std::uint32_t code = builder.build(0, count, depth, box);
+    for (std::size_t i = 0; i < count; ++i) order[i] = items[i].index();
+    return code;
+  }
+
   void measure(std::size_t begin, std::size_t end, Box& box, Box& centres) const {
     struct Part {
       Box box, centres;
@@ -115,9 +197,8 @@ class Builder {
     const auto fold = [&](std::size_t from, std::size_t to) {
       Part part;
       for (std::size_t i = from; i < to; ++i) {
-        const Primitive& p = primitives_[i];
-        part.box.add(p.low, p.high);
-        const std::array<float, 3> centre{p.centre2(0), p.centre2(1), p.centre2(2)};
+        part.box.add(items_[i].lower(), items_[i].upper());
+        const Lanes centre = items_[i].centre2();
         part.centres.add(centre, centre);
       }
       return part;
@@ -133,114 +214,118 @@ class Builder {
   // Orders [begin, end) into two sides and returns where the second begins; `begin` for a leaf.
   std::size_t split(std::size_t begin, std::size_t end, int depth, const Box& box, const Box& centres) {
     const std::size_t count = end - begin;
-    const auto first = primitives_.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto last = primitives_.begin() + static_cast<std::ptrdiff_t>(end);
-    const auto position = [&](auto at) { return static_cast<std::size_t>(at - primitives_.begin()); };
+    const auto first = items_.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto last = items_.begin() + static_cast<std::ptrdiff_t>(end);
+    const auto position = [&](auto at) { return static_cast<std::size_t>(at - items_.begin()); };
     if (count == 1) return begin;
 
-    const Binning binning(centres);
-    const Split best = depth < kDepthOfMedians ? cheapest(begin, end, box, binning) : Split{};
-    if (count <= kLargestLeaf && !(best.cost < static_cast<float>(count))) {
-      const auto middle = std::partition(first, last, [](const Primitive& p) { return !p.sphere(); });
-      return middle == first || middle == last ? begin : position(middle);  // a leaf is of one kind
+    const bool few = count <= kLargestCluster;
+    const Binning binning(centres, few ? kFewBins : kBins);
+    Split best;
+    if (depth < kDepthOfMedians)
+      best = few ? cheapest<kFewBins>(begin, end, box, binning) : cheapest<kBins>(begin, end, box, binning);
+    const auto add_weight = [](float sum, const Item& item) { return sum + item.weight; };
+    if (count <= kLargestLeaf && !(best.cost < std::accumulate(first, last, 0.0f, add_weight))) {
+      const auto middle = std::partition(first, last, [](const Item& item) { return !item.cluster(); });
+      if (middle == last) return begin;
+      if (middle != first) return position(middle);
     }
     if (best.axis < 3)
-      return position(std::partition(
-          first, last, [&](const Primitive& p) { return binning.bin(p, best.axis) < best.bin; }));
+      return position(std::partition(first, last, [&](const Item& item) {
+        return binning.bins(item)[static_cast<int>(best.axis)] < best.bin;
+      }));
 
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k)
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
       if (centres.high[k] - centres.low[k] > centres.high[axis] - centres.low[axis]) axis = k;
     const auto middle = first + static_cast<std::ptrdiff_t>(count / 2);
-    std::nth_element(first, middle, last, [axis](const Primitive& a, const Primitive& b) {
-      return a.centre2(axis) != b.centre2(axis) ? a.centre2(axis) < b.centre2(axis) : a.id < b.id;
+    std::nth_element(first, middle, last, [axis](const Item& a, const Item& b) {
+      const float x = a.low[axis] + a.high[axis], y = b.low[axis] + b.high[axis];
+      return x != y ? x < y : a.code < b.code;
     });
     return position(middle);
   }
 
+  template <std::size_t Count>
   Split cheapest(std::size_t begin, std::size_t end, const Box& box, const Binning& binning) const {
     const auto fold = [&](std::size_t from, std::size_t to) {
-      Bins block;
-      for (std::size_t i = from; i < to; ++i)
+      Bins<Count> block;
+      for (std::size_t i = from; i < to; ++i) {
+        const Item& item = items_[i];
+        const Lanes low = item.lower(), high = item.upper();
+        const Eigen::Array4i at = binning.bins(item);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          Bin& bin = block[axis][binning.bin(primitives_[i], axis)];
-          bin.box.add(primitives_[i].low, primitives_[i].high);
-          ++bin.count;
+          Bin& bin = block[axis][static_cast<std::size_t>(at[static_cast<int>(axis)])];
+          bin.box.add(low, high);
+          bin.weight += item.weight;
         }
+      }
       return block;
     };
-    const Bins bins = fold_blocks<Bins>(begin, end, fold, [](Bins& sum, const Bins& part) {
+    const auto bins = fold_blocks<Bins<Count>>(begin, end, fold, [](auto& sum, const auto& part) {
       for (std::size_t axis = 0; axis < 3; ++axis)
-        for (std::size_t k = 0; k < kBins; ++k) {
+        for (std::size_t k = 0; k < Count; ++k) {
           sum[axis][k].box.add(part[axis][k].box);
-          sum[axis][k].count += part[axis][k].count;
+          sum[axis][k].weight += part[axis][k].weight;
         }
     });
 
     Split best;
+    const float area = std::max(box.area(), std::numeric_limits<float>::min());
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::array<float, kBins> right_cost{};
+      if (binning.scale[static_cast<int>(axis)] == 0) continue;
+      std::array<float, Count> right_cost{};
       Box right;
-      std::size_t right_count = 0;
-      for (std::size_t k = kBins - 1; k > 0; --k) {
+      float right_weight = 0;
+      for (std::size_t k = Count - 1; k > 0; --k) {
         right.add(bins[axis][k].box);
-        right_count += bins[axis][k].count;
-        right_cost[k] = right_count ? right.area() * static_cast<float>(right_count) : -1;
+        right_weight += bins[axis][k].weight;
+        right_cost[k] = right_weight > 0 ? right.area() * right_weight : -1;
       }
       Box left;
-      std::size_t left_count = 0;
-      for (std::size_t k = 1; k < kBins; ++k) {
+      float left_weight = 0;
+      for (std::size_t k = 1; k < Count; ++k) {
         left.add(bins[axis][k - 1].box);
-        left_count += bins[axis][k - 1].count;
-        if (left_count == 0 || right_cost[k] < 0) continue;
-        // One node costs as much as one primitive.
-        const float area = std::max(box.area(), std::numeric_limits<float>::min());
-        const float cost = 1 + (left.area() * static_cast<float>(left_count) + right_cost[k]) / area;
-        if (cost < best.cost) best = {axis, k, cost};
+        left_weight += bins[axis][k - 1].weight;
+        if (left_weight == 0 || right_cost[k] < 0) continue;
+        const float cost = node_cost_ + (left.area() * left_weight + right_cost[k]) / area;
+        if (cost < best.cost) best = {axis, static_cast<int>(k), cost};
       }
     }
     return best;
   }
 
-  std::vector<Primitive>& primitives_;
-  tbb::concurrent_vector<BinaryNode>& nodes_;
+  std::span<Item> items_;
+  std::uint32_t kind_;
+  float node_cost_;
+  std::size_t first_;
+  Work& work_;
 };
 
-// Boxes are grown by more than the rounding of a ray's box test, so that a flat one still lets rays in.
-void grow(Primitive& p) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float margin = 1e-6f * std::max(std::abs(p.low[k]), std::abs(p.high[k])) + 1e-7f;
-    p.low[k] -= margin;
-    p.high[k] += margin;
-  }
-}
-
-std::vector<Primitive> bound(const std::vector<TriangleRecord>& triangles,
-                             const std::vector<SphereRecord>& spheres) {
-  std::vector<Primitive> primitives(triangles.size() + spheres.size());
+// Triangles, then clusters.
+std::vector<Item> top_items(const std::vector<TriangleRecord>& triangles, const Work& work) {
+  const auto& clusters = work.clusters.clusters;
+  std::vector<Item> items(triangles.size() + clusters.size());
   parallel_for(
-      primitives.size(),
+      items.size(),
       [&](std::size_t i) {
-        Primitive& p = primitives[i];
         if (i < triangles.size()) {
-          const TriangleRecord& t = triangles[i];
-          for (std::size_t k = 0; k < 3; ++k) {
-            p.low[k] = std::min({t.a[k], t.b[k], t.c[k]});
-            p.high[k] = std::max({t.a[k], t.b[k], t.c[k]});
-          }
-          p.id = static_cast<std::uint32_t>(i);
-        } else {
-          const SphereRecord& s = spheres[i - triangles.size()];
-          for (std::size_t k = 0; k < 3; ++k) {
-            p.low[k] = s.centre[k] - s.radius;
-            p.high[k] = s.centre[k] + s.radius;
-          }
-          p.id = kSphereBit | static_cast<std::uint32_t>(i - triangles.size());
+          items[i] = bound(triangles[i], i);
+          return;
         }
-        grow(p);
+        const auto [begin, count] = clusters[i - triangles.size()];
+        Box box;
+        for (std::size_t k = begin; k < begin + count; ++k) {
+          const Item sphere = bound(work.spheres[work.clusters.order[k]], 0);
+          box.add(sphere.lower(), sphere.upper());
+        }
+        Item& item = items[i];
+        for (int k = 0; k < 3; ++k) item.low[k] = box.low[k], item.high[k] = box.high[k];
+        item.code = Item::kNormal | Item::kCluster | static_cast<std::uint32_t>(i - triangles.size());
+        item.weight = static_cast<float>(count);
       },
-      kBlock);
-  return primitives;
+      1024);
+  return items;
 }
 
 }  // namespace
@@ -253,19 +338,19 @@ BinaryTree build_binary_tree(const std::vector<TriangleRecord>& triangles,
                BVH_FIRST_MASK, count);
   BinaryTree tree;
   if (count == 0) return tree;
-  std::vector<Primitive> primitives = bound(triangles, spheres);
+  Work work{spheres, cluster_spheres(spheres), {}};
+  std::vector<Item> items = top_items(triangles, work);
   Box box;
-  tree.root = Builder(primitives, tree.nodes).build(0, count, 0, box);
-  tree.order.resize(count);
-  for (std::size_t i = 0; i < count; ++i) tree.order[i] = primitives[i].id & ~kSphereBit;
+  tree.root = Builder(items, 0, 0, work).build(0, items.size(), 0, box);
+  tree.nodes = std::move(work.nodes);
+  tree.sphere_order = std::move(work.clusters.order);
+  tree.triangle_order.resize(triangles.empty() ? 0 : items.size());
+  for (std::size_t i = 0; i < tree.triangle_order.size(); ++i) tree.triangle_order[i] = items[i].index();
   return tree;
 }
 
 Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres) {
-  const BinaryTree tree = build_binary_tree(triangles, spheres);
-  Bvh out;
-  if (tree.root != BVH_EMPTY) collapse(tree, triangles, spheres, out);
-  return out;
+  return collapse(build_binary_tree(triangles, spheres), triangles, spheres);
 }
 
 DeviceBvh upload_bvh(device::Queue& queue, const Bvh& bvh, const std::vector<SphereSurface>& surfaces) {

@@ -10,14 +10,15 @@ namespace hybrid::stages {
 // Bounding volume hierarchy over triangles and spheres, in the layout lib/bvh.h traverses. Metres, relative
 // to one local origin.
 struct Bvh {
-  std::vector<BvhNode> nodes;                // depth first; empty when the root is a leaf
+  std::vector<BvhNode> nodes;                // empty when the root is a leaf
   std::vector<TriangleRecord> triangles;     // in the order of the leaves
   std::vector<SphereRecord> spheres;         // in the order of the leaves
   std::vector<std::uint32_t> sphere_source;  // index in the input of each of `spheres`
   std::uint32_t root = BVH_EMPTY;
 };
 
-// Binned surface area heuristic (Wald 2007), in parallel; the same tree for any number of threads.
+// Binned surface area heuristic (Wald 2007) over triangles and clusters of spheres (bvh_clusters.hpp), then
+// within each cluster, in parallel; the same tree for any number of threads. Speed: bench/bvh/bvh_speed.cpp.
 // Coordinates must be finite, radii positive. Throws ErrorKind::input beyond 2^26 primitives.
 Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres);
 

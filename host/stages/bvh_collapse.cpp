@@ -1,21 +1,35 @@
 #include "stages/bvh_collapse.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/parallel.hpp"
 
 namespace hybrid::stages {
 namespace {
+
+// Wide nodes this far below the root are pulled together on all threads, each into a tree of its own.
+constexpr std::size_t kBranchLevel = 3;
+constexpr std::size_t kBlock = 16384;  // spheres copied as one unit
 
 struct Child {
   BinaryBox box;
   std::uint32_t code;
 };
 
+// A subtree left for later: where its code belongs, and the subtree.
+struct Branch {
+  std::size_t node, child;
+  std::uint32_t code;
+};
+
 class Collapse {
  public:
+  // `branches`: what lies at kBranchLevel; null: nothing is left for later.
   Collapse(const BinaryTree& tree, const std::vector<TriangleRecord>& triangles,
-           const std::vector<SphereRecord>& spheres, Bvh& out)
-      : tree_(tree), triangles_(triangles), spheres_(spheres), out_(out) {}
+           std::vector<Branch>* branches, Bvh& out)
+      : tree_(tree), triangles_(triangles), branches_(branches), out_(out) {}
 
   // The final code of the subtree of `code`, which lies `level` wide nodes below the root.
   std::uint32_t visit(std::uint32_t code, std::size_t level) {
@@ -27,7 +41,9 @@ class Collapse {
     out_.nodes.push_back(empty_node());
     for (std::size_t i = 0; i < children.size(); ++i) {
       const BinaryBox& box = children[i].box;
-      const std::uint32_t final_code = visit(children[i].code, level + 1);
+      const bool later = branches_ && level + 1 == kBranchLevel && !(children[i].code & BVH_LEAF);
+      if (later) branches_->push_back({index, i, children[i].code});
+      const std::uint32_t final_code = later ? BVH_EMPTY : visit(children[i].code, level + 1);
       BvhNode& node = out_.nodes[index];
       node.low_x[i] = box.low[0], node.low_y[i] = box.low[1], node.low_z[i] = box.low[2];
       node.high_x[i] = box.high[0], node.high_y[i] = box.high[1], node.high_z[i] = box.high[2];
@@ -73,48 +89,64 @@ class Collapse {
   }
 
   std::uint32_t leaf(std::uint32_t code) {
-    const std::size_t begin = code & BVH_FIRST_MASK;
+    if (code & BVH_SPHERES) return code;  // spheres lie in the order of their leaves already
+    const std::size_t begin = code & BVH_FIRST_MASK, first = out_.triangles.size();
     const std::size_t count = ((code >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1;
-    const bool sphere = (code & BVH_SPHERES) != 0;
-    const std::size_t first = sphere ? out_.spheres.size() : out_.triangles.size();
-    for (std::size_t i = begin; i < begin + count; ++i) {
-      const std::uint32_t index = tree_.order[i];
-      if (sphere) {
-        out_.spheres.push_back(spheres_[index]);
-        out_.sphere_source.push_back(index);
-      } else {
-        out_.triangles.push_back(triangles_[index]);
-      }
-    }
+    for (std::size_t i = begin; i < begin + count; ++i)
+      out_.triangles.push_back(triangles_[tree_.triangle_order[i]]);
     return (code & ~BVH_FIRST_MASK) | static_cast<std::uint32_t>(first);
   }
 
   const BinaryTree& tree_;
   const std::vector<TriangleRecord>& triangles_;
-  const std::vector<SphereRecord>& spheres_;
+  std::vector<Branch>* branches_;
   Bvh& out_;
 };
 
-}  // namespace
-
-void BinaryBox::add(const std::array<float, 3>& l, const std::array<float, 3>& h) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    low[k] = std::min(low[k], l[k]);
-    high[k] = std::max(high[k], h[k]);
+// Puts a branch behind what `out` holds. Returns the code of its root.
+std::uint32_t append_branch(const Bvh& branch, Bvh& out) {
+  const auto nodes = static_cast<std::uint32_t>(out.nodes.size()),
+             triangles = static_cast<std::uint32_t>(out.triangles.size());
+  for (BvhNode node : branch.nodes) {
+    for (std::uint32_t& child : node.child)
+      if (child != BVH_EMPTY && !(child & BVH_SPHERES && child & BVH_LEAF))
+        child += child & BVH_LEAF ? triangles : nodes;
+    out.nodes.push_back(node);
   }
+  out.triangles.insert(out.triangles.end(), branch.triangles.begin(), branch.triangles.end());
+  return nodes + branch.root;
 }
+
+}  // namespace
 
 float BinaryBox::area() const {
   const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
-  return x < 0 ? 0 : x * y + y * z + z * x;
+  return x * y + y * z + z * x;
 }
 
-void collapse(const BinaryTree& tree, const std::vector<TriangleRecord>& triangles,
-              const std::vector<SphereRecord>& spheres, Bvh& out) {
+Bvh collapse(BinaryTree tree, const std::vector<TriangleRecord>& triangles,
+             const std::vector<SphereRecord>& spheres) {
+  Bvh out;
+  if (tree.root == BVH_EMPTY) return out;
+  std::vector<Branch> branches;
+  out.root = Collapse(tree, triangles, &branches, out).visit(tree.root, 0);
+  std::vector<Bvh> parts(branches.size());
+  parallel_for(parts.size(), [&](std::size_t i) {
+    parts[i].root = Collapse(tree, triangles, nullptr, parts[i]).visit(branches[i].code, kBranchLevel);
+  });
+  tbb::concurrent_vector<BinaryNode>().swap(tree.nodes);  // of millions of spheres the most memory of all
+  const auto nodes = [](std::size_t sum, const Bvh& part) { return sum + part.nodes.size(); };
+  out.nodes.reserve(std::accumulate(parts.begin(), parts.end(), out.nodes.size(), nodes));
   out.triangles.reserve(triangles.size());
-  out.spheres.reserve(spheres.size());
-  out.sphere_source.reserve(spheres.size());
-  out.root = Collapse(tree, triangles, spheres, out).visit(tree.root, 0);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    out.nodes[branches[i].node].child[branches[i].child] = append_branch(parts[i], out);
+    parts[i] = {};
+  }
+  out.sphere_source = std::move(tree.sphere_order);
+  out.spheres.resize(out.sphere_source.size());
+  parallel_for(
+      out.spheres.size(), [&](std::size_t i) { out.spheres[i] = spheres[out.sphere_source[i]]; }, kBlock);
+  return out;
 }
 
 }  // namespace hybrid::stages

@@ -105,7 +105,7 @@ std::uint32_t flatten(const BinaryTree& tree, std::uint32_t code, ProxyTreePlan&
 
 ProxyTreePlan plan_proxy_tree(const BinaryTree& tree) {
   ProxyTreePlan plan;
-  plan.order = tree.order;
+  plan.order = tree.triangle_order;
   if (tree.root != BVH_EMPTY) plan.root = flatten(tree, tree.root, plan);
   return plan;
 }

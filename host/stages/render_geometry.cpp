@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/free_memory.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -127,7 +128,9 @@ DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, c
       surfaces.push_back(known ? SphereSurface{{n[0], n[1], n[2]}, id} : SphereSurface{{0, 0, 0}, id});
     }
   }
-  return upload_bvh(queue, build_bvh(triangles, spheres), surfaces);
+  const Bvh bvh = build_bvh(triangles, spheres);
+  free_memory(spheres);
+  return upload_bvh(queue, bvh, surfaces);
 }
 
 DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, const Vec3& origin,

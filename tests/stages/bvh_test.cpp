@@ -8,6 +8,7 @@
 
 #include "cases/ray_cast_case.hpp"
 #include "device.hpp"
+#include "stages/bvh_clusters.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -115,6 +116,45 @@ TEST(Bvh, survives_coincident_and_exponentially_spaced_primitives) {
     scene.spheres[i] = {{std::ldexp(1.0f, -static_cast<int>(i)), 0, 0},
                         std::ldexp(0.1f, -static_cast<int>(i))};
   expect_sound(build_bvh({}, scene.spheres), 0, 100);
+}
+
+// More in one place than a cluster of spheres holds, and clumps much smaller than a cell of the octree that
+// the clusters are cut from.
+TEST(Bvh, survives_clumps_of_spheres) {
+  RayScene scene = RayScene::make(0, 5000, 5);
+  for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
+    SphereRecord& sphere = scene.spheres[i];
+    if (i < 1000) sphere = {{1, 2, 3}, 0.1f};
+    const float shrink = i < 3000 ? 1e-5f : 1.0f;
+    for (float& x : sphere.centre) x = i < 3000 ? 1000 + shrink * x : x;
+  }
+  expect_sound(build_bvh({}, scene.spheres), 0, 5000);
+  for (auto& sphere : scene.spheres) sphere = scene.spheres[0];
+  expect_sound(build_bvh({}, scene.spheres), 0, 5000);
+}
+
+TEST(Bvh, clusters_are_small_boxes) {
+  const RayScene scene = RayScene::make(0, 40000, 3);
+  const auto made = stages::cluster_spheres(scene.spheres);
+  ASSERT_EQ(made.order.size(), scene.spheres.size());
+  std::size_t next = 0;
+  double sides = 0;
+  for (const auto& cluster : made.clusters) {
+    ASSERT_EQ(cluster.begin, next);
+    ASSERT_LE(cluster.count, stages::kLargestCluster);
+    next += cluster.count;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      float low = INFINITY, high = -INFINITY;
+      for (std::size_t i = cluster.begin; i < next; ++i) {
+        low = std::min(low, scene.spheres[made.order[i]].centre[axis]);
+        high = std::max(high, scene.spheres[made.order[i]].centre[axis]);
+      }
+      sides += (high - low) / static_cast<float>(3 * made.clusters.size());
+    }
+  }
+  EXPECT_EQ(next, scene.spheres.size());
+  // 40000 in a cube of 10 m: 64 fill one of 1.2 m; cells of that octree are 0.6 or 1.25 m wide.
+  EXPECT_LT(sides, 1.25);
 }
 
 TEST(Bvh, is_the_same_for_any_number_of_threads) {
