@@ -7,11 +7,12 @@
 namespace hybrid::stages {
 namespace {
 
-double contradiction(Sight sight) {
+double contradiction(Sight sight, bool spans) {
   switch (sight) {
     case Sight::through:
       return 1;
     case Sight::in_front:
+      return spans ? 1 : 0.5;
     case Sight::behind:
       return 0.5;
     case Sight::nothing:
@@ -25,6 +26,7 @@ double contradiction(Sight sight) {
 struct Said {
   double all = 0, through = 0, in_front = 0;
   double shared = 0;  // area that the other pose supports as well
+  bool spans = false;
 };
 
 }  // namespace
@@ -36,10 +38,11 @@ Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLin
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const double area = rays[k].area_m2;
     total += area;
-    if (other[k].sight == Sight::supported) against += area * contradiction(pose[k].sight);
+    if (other[k].sight == Sight::supported) against += area * contradiction(pose[k].sight, rays[k].spans);
     if (pose[k].sight != Sight::supported) continue;
     Said& said = by_plane[rays[k].plane];
-    said.all += area * contradiction(other[k].sight);
+    said.all += area * contradiction(other[k].sight, rays[k].spans);
+    said.spans = rays[k].spans;
     if (other[k].sight == Sight::through) said.through += area;
     if (other[k].sight == Sight::in_front) said.in_front += area;
     if (other[k].sight == Sight::supported) said.shared += area;
@@ -48,8 +51,8 @@ Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLin
   if (!(total > 0)) return result;
   for (auto& [plane, said] : by_plane) {
     double firm = said.through;
-    if (said.shared >= said.in_front) {
-      said.all += (1 - contradiction(Sight::in_front)) * said.in_front;
+    if (said.spans || said.shared >= said.in_front) {
+      said.all += (1 - contradiction(Sight::in_front, said.spans)) * said.in_front;
       firm += said.in_front;
     }
     result.for_it += said.all / total;
@@ -71,6 +74,9 @@ double strength(const Comparison& c, const MarginRule& rule) {
 
 // A plane right beside a face is a similar room's: clutter seldom lies so.
 constexpr double kBeside = 1.5;
+// What neither is floor or ceiling nor reaches from one to the other may be furniture, or a recess that the
+// model lacks: half as much is held against the pose.
+constexpr double kClutter = 0.5;
 
 double doubt(const ScanEvidence& scan, const std::vector<SightLine>& pose) {
   Mat3 on = Mat3::Zero(), off = Mat3::Zero();
@@ -83,7 +89,7 @@ double doubt(const ScanEvidence& scan, const std::vector<SightLine>& pose) {
     if (pose[k].sight == Sight::supported)
       on += facing;
     else
-      off += (pose[k].sight == Sight::near ? kBeside : 1) * facing;
+      off += (ray.spans ? 1 : kClutter) * (pose[k].sight == Sight::near ? kBeside : 1) * facing;
   }
   // A trace of support in every direction: where nothing supports, the doubt is large, not infinite.
   on += 1e-6 * std::max(total, 1e-300) * Mat3::Identity();

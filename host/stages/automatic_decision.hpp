@@ -16,7 +16,7 @@ struct Comparison {
   // Of the scan plane that says most: all it says for the pose, and what of it is firm. Firm is what the
   // other pose would see through its faces, and what of a wall goes on where the other pose has a recess: of
   // a plane most of which lies on the other pose's faces too, what lies in front of them is no furniture and
-  // counts whole.
+  // counts whole. So does a plane that reaches from floor to ceiling (SightRay::spans).
   double largest = 0, largest_firm = 0;
   double without_largest() const { return for_it - largest; }
   double gap() const { return for_it - against_it; }
@@ -46,7 +46,7 @@ double strength(const Comparison& comparison, const MarginRule& rule);
 // How much of the planar area that faces along some direction contradicts a pose, against what of it supports
 // the pose, for the worst direction: 0 everything fits; 1 as much lies off the faces as on them, as when one
 // of two opposite walls of another room was laid on a wall of this one. What has no face before it is left
-// out.
+// out, and what may be furniture (not SightRay::spans) counts half.
 double doubt(const ScanEvidence& scan, const std::vector<SightLine>& pose);
 
 }  // namespace hybrid::stages

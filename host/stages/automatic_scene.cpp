@@ -1,6 +1,7 @@
 #include "stages/automatic_scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -16,6 +17,11 @@ constexpr int kTileSamples = 100000;  // a tile of 2 m keeps hundreds of samples
 constexpr double kTileSide_m = 2;
 // Pieces of one plane: normals within 2 degrees, and the smaller one's centroid this near the other's plane.
 constexpr double kSameNormal = 0.99939, kSameOffset_m = 0.03;
+
+// Two planes face each other, or stand across, within 10 degrees; and a plane reaches another where this many
+// samples are this near to it, or this many of their spacings.
+constexpr double kFacing = 0.985, kAcross = 0.174, kReach_m = 0.1, kReachSpacings = 2.5;
+constexpr int kReaching = 3;
 
 // Scan plane of every supercluster.
 std::vector<std::uint32_t> merge_planes(const std::vector<Supercluster>& superclusters,
@@ -88,16 +94,50 @@ void add_rays(const PlanarSamples& samples, const std::vector<Supercluster>& sup
   if (evidence.area_m2 > 0) evidence.reach_m = std::sqrt(evidence.reach_m / evidence.area_m2);
 }
 
+// Which planes are of the room itself: the two largest that face each other, floor and ceiling as a rule, and
+// those that reach from one of them to the other. Furniture ends below the ceiling, most recesses do so too.
+std::vector<bool> spanning(const PlanarSamples& samples, const std::vector<std::uint32_t>& plane_of,
+                           const std::vector<ScanPlane>& planes) {
+  std::vector<double> area(planes.size());
+  double all = 0;
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    area[plane_of[samples.supercluster[i]]] += samples.points[i][3];
+    all += samples.points[i][3];
+  }
+  std::array<std::size_t, 2> pair{};
+  double largest = 0;
+  for (std::size_t a = 0; a < planes.size(); ++a)
+    for (std::size_t b = a + 1; b < planes.size(); ++b)
+      if (planes[a].plane.normal.dot(planes[b].plane.normal) < -kFacing &&
+          std::min(area[a], area[b]) > largest)
+        largest = std::min(area[a], area[b]), pair = {a, b};
+  std::vector<bool> spans(planes.size());
+  if (!(largest > 0)) return spans;
+  const double reach_m = std::max(kReach_m, kReachSpacings * std::sqrt(all / samples.points.size()));
+  std::vector<std::array<int, 2>> near(planes.size());
+  for (std::size_t i = 0; i < samples.points.size(); ++i)
+    for (std::size_t k = 0; k < 2; ++k)
+      near[plane_of[samples.supercluster[i]]][k] +=
+          std::abs(planes[pair[k]].plane.distance(point_of(samples.points[i]))) < reach_m;
+  for (std::size_t p = 0; p < planes.size(); ++p)
+    spans[p] = std::min(near[p][0], near[p][1]) >= kReaching &&
+               std::abs(planes[p].plane.normal.dot(planes[pair[0]].plane.normal)) < kAcross;
+  spans[pair[0]] = spans[pair[1]] = true;
+  return spans;
+}
+
 }  // namespace
 
 ScanEvidence gather_evidence(const RangeImage& image, const PlaneSegmentation& segmentation, int rays,
                              int seed) {
   ScanEvidence evidence;
   const auto plane_of = merge_planes(segmentation.superclusters, evidence.planes);
-  add_tiles(choose_planar_samples(image, segmentation, kTileSamples, seed), segmentation.superclusters,
-            plane_of, evidence);
+  const PlanarSamples dense = choose_planar_samples(image, segmentation, kTileSamples, seed);
+  const auto spans = spanning(dense, plane_of, evidence.planes);
+  add_tiles(dense, segmentation.superclusters, plane_of, evidence);
   add_rays(choose_planar_samples(image, segmentation, rays, seed), segmentation.superclusters, plane_of,
            evidence);
+  for (auto& ray : evidence.rays) ray.spans = spans[ray.plane];
   // Planes no ray met (a crop took their samples) are none; the others largest first.
   std::vector<std::uint32_t> order(evidence.planes.size()), rank(evidence.planes.size());
   std::iota(order.begin(), order.end(), 0u);

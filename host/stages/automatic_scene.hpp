@@ -36,6 +36,7 @@ struct SightRay {
   Vec3 normal;
   double area_m2 = 0;
   std::uint32_t plane = 0;  // index of the scan plane
+  bool spans = false;       // the plane is floor or ceiling or reaches from one to the other: no furniture
 };
 
 struct ScanEvidence {

@@ -178,6 +178,47 @@ TEST(Automatic, broken_models_are_errors_that_name_the_face) {
 }
 
 // FINDINGS: from 1 m and 20 degrees; here half of it, as hypotheses are nearer.
+// Walls, floor and ceiling are the room's own; wardrobes, tables and recesses are not.
+TEST(AutomaticEvidence, what_reaches_from_floor_to_ceiling_is_no_furniture) {
+  const Trial t = trial("niche", 1004);
+  const Pose& world_from_scan = t.scan.world_from_scan;
+  Eigen::AlignedBox2d walls;
+  for (const Vec2& corner : t.room.proxy_plan.footprint) walls.extend(corner);
+  double own = 0, spanning = 0, other = 0, taken = 0;
+  for (const auto& ray : t.evidence.rays) {
+    const Vec3 p = world_from_scan * (ray.range_m * ray.direction);
+    const Vec2 inside = (p.head<2>() - walls.min()).cwiseMin(walls.max() - p.head<2>());
+    const double height = std::min(p.z(), t.room.proxy_plan.height_m - p.z());
+    const bool of_room = std::min(std::abs(inside.minCoeff()), std::abs(height)) < 0.02;
+    (of_room ? own : other) += ray.area_m2;
+    if (ray.spans) (of_room ? spanning : taken) += ray.area_m2;
+  }
+  ASSERT_GT(other, 0.03 * t.evidence.area_m2);  // there is furniture to mistake
+  EXPECT_GT(spanning, 0.97 * own);
+  EXPECT_LT(taken, 0.05 * other);
+}
+
+// One plane, in front of the other pose's faces: a wardrobe's front says half; a wall's all, and firmly.
+TEST(AutomaticEvidence, a_wall_before_a_face_speaks_firmly) {
+  using stages::Sight;
+  std::vector<stages::SightRay> rays(10);
+  std::vector<stages::SightLine> pose(10), other(10);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    rays[k].area_m2 = 1;
+    rays[k].plane = k < 4 ? 1 : 0;
+    pose[k].sight = Sight::supported;
+    other[k].sight = k < 4 ? Sight::in_front : Sight::supported;
+  }
+  const auto furniture = stages::compare(rays, pose, other);
+  EXPECT_DOUBLE_EQ(furniture.for_it, 0.2);
+  EXPECT_DOUBLE_EQ(furniture.largest_firm, 0);
+  for (std::size_t k = 0; k < 4; ++k) rays[k].spans = true;
+  const auto wall = stages::compare(rays, pose, other);
+  EXPECT_DOUBLE_EQ(wall.for_it, 0.4);
+  EXPECT_DOUBLE_EQ(wall.largest_firm, 0.4);
+  EXPECT_DOUBLE_EQ(stages::compare(rays, other, pose).against_it, 0.4);
+}
+
 TEST(TileIcp, comes_back_from_half_a_metre_and_ten_degrees) {
   const Trial t = trial("hall", 32);
   const auto shapes = stages::measure_model(make_trial_room("hall", 32).proxy);
