@@ -5,7 +5,8 @@
 #                                    over a minute is extrapolated, at 100 megapixels all but ours and the plain twin
 #   bash bench/compare.sh --quick    1 megapixel, one round, a minute once built
 #   bash bench/compare.sh --full     everything is run, however long it takes
-#   --write-results                  puts table and plots into bench/RESULTS.md and bench/peers
+#   --write-results                  puts table and plots into bench/RESULTS.md and bench/peers; jobs and sizes that were
+#                                    not run this time stay there under the heading of their own run
 # More options go to hybrid-compare: --only planes|squares|icp|rays|e57, --rounds N, --threads N, --sizes 1,5,
 # --minutes N, --e57 FILE.
 # BUILD_DIR (default build-peers) is configured with -DHYBRID_PEERS=ON and built; WORK (default BUILD_DIR/compare) holds
@@ -27,7 +28,7 @@ while [ $# -gt 0 ]; do
       if [ "$1" = --sizes ]; then sizes=$2; else rounds=$2; fi
       shift ;;
     --write-results) more+=(--write-results "$root/bench/RESULTS.md") ;;
-    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) more+=("$1") ;;
   esac
   shift

@@ -91,7 +91,9 @@ void write_results(const Setup& setup, const std::vector<Row>& rows, nlohmann::o
     write_text(setup.work / "planes-memory.svg", memory);
   }
   if (setup.results.empty()) return;
-  replace_between_marks(setup.results, name + ".sh", text);
+  const std::string script = name + ".sh";
+  replace_between_marks(setup.results, script,
+                        text + without_rows(between_marks(setup.results, script), rows));
   if (planes) {
     write_text(setup.results.parent_path() / "peers" / "planes-time.svg", time);
     write_text(setup.results.parent_path() / "peers" / "planes-memory.svg", memory);
@@ -179,7 +181,8 @@ int main(int argc, char** argv) {
           ->check(CLI::PositiveNumber)
           ->capture_default_str();
   app.add_option("--e57", setup.e57, "scan for the E57 readers")->check(CLI::ExistingFile);
-  app.add_option("--write-results", setup.results, "RESULTS.md whose table is to be replaced, with its plots")
+  app.add_option("--write-results", setup.results,
+                 "RESULTS.md that gets the table, with its plots; what was not run this time stays there")
       ->check(CLI::ExistingFile);
   app.add_flag("--full", setup.ladder.full, "run what would take over a minute too");
   app.add_flag("--quick", setup.quick, "small sizes of registration and rays");

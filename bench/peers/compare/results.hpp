@@ -19,6 +19,13 @@ std::vector<std::string> packages_of(const std::vector<Row>& rows);
 void replace_between_marks(const std::filesystem::path& file, const std::string& script,
                            const std::string& text);
 
+// What stands between those lines. Throws as above.
+std::string between_marks(const std::filesystem::path& file, const std::string& script);
+
+// The headings and tables of `earlier`, which between_marks() gave, without the lines of jobs and sizes that
+// are among `rows`: what another run measured stays, under its own date. Tables that lose all lines go.
+std::string without_rows(const std::string& earlier, const std::vector<Row>& rows);
+
 // Through a temporary file beside it, so that a full disk leaves the old one.
 void write_text(const std::filesystem::path& file, const std::string& text);
 
