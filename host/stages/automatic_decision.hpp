@@ -46,7 +46,7 @@ double strength(const Comparison& comparison, const MarginRule& rule);
 // How much of the planar area that faces along some direction contradicts a pose, against what of it supports
 // the pose, for the worst direction: 0 everything fits; 1 as much lies off the faces as on them, as when one
 // of two opposite walls of another room was laid on a wall of this one. What has no face before it is left
-// out, and what may be furniture (not SightRay::spans) counts half.
+// out, and what may be furniture (not SightRay::spans) counts less.
 double doubt(const ScanEvidence& scan, const std::vector<SightLine>& pose);
 
 }  // namespace hybrid::stages
