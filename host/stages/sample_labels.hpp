@@ -31,8 +31,10 @@ void refit_planes(const RangeImage& image, int square, const std::vector<std::ui
 
 // The last word on each plane: least squares along the rays over its labelled samples, each weighted by its
 // own noise and by Tukey's biweight, so that strangers among them (relief, the foot of a step, mixed samples)
-// have little say; starts from the plane given and takes `rounds` steps: two, one where it was polished
-// before. Planes whose samples fix no plane stay, and all but those labelled `only` where there are such.
+// have little say, and those beside other labels together no more than a few (who has them depends on where
+// the planes were thought to be); starts from the plane given and takes `rounds` steps: two, one where it was
+// polished before. Planes whose samples fix no plane stay, and all but those labelled `only` where there are
+// such.
 void polish_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
                    const RangeNoise& noise, std::vector<Plane>& planes, int rounds = 2,
                    const std::vector<std::uint32_t>& only = {});

@@ -72,6 +72,34 @@ TEST(ContourFaces, what_no_face_explains_becomes_a_polygon_and_no_hole) {
   EXPECT_EQ(lost, 0);
 }
 
+// A hole that shares a sample with the outline or with another hole, as one beside a bridge of one sample
+// does.
+TEST(ContourFaces, rings_that_meet_in_a_vertex_become_a_polygon) {
+  UnexplainedRoom room({});
+  const std::uint32_t id = room.plane(-3.37, {-1, 0, 0}).id;
+  Supercluster& panel = room.segmentation.superclusters[id - 1];
+  const auto outline = panel.contours.at(0).points;
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& p : outline) centre += p / static_cast<double>(outline.size());
+  // Thin triangles from vertices of the outline to its middle, two of them on to a common vertex there.
+  const std::size_t step = outline.size() / 7;
+  double holes_m2 = 0;
+  for (std::size_t k = 0; k < 7; ++k) {
+    const Vec3 tip = outline[k * step], inner = k < 2 ? centre : Vec3(centre + 0.3 * (tip - centre));
+    const Vec3 beside = centre + 0.5 * (tip - centre) + 0.1 * panel.plane.normal.cross(tip - centre);
+    panel.contours.push_back({{tip, beside, inner}, false});
+    if ((beside - tip).cross(inner - tip).dot(panel.plane.normal) > 0)
+      std::reverse(panel.contours.back().points.begin(), panel.contours.back().points.end());
+    holes_m2 += 0.5 * (beside - tip).cross(inner - tip).norm();
+  }
+  const auto faces = room.contours();
+  const auto at = std::find(faces.supercluster.begin(), faces.supercluster.end(), id);
+  ASSERT_NE(at, faces.supercluster.end());
+  const Face& face = faces.model.faces[static_cast<std::size_t>(at - faces.supercluster.begin())];
+  EXPECT_NEAR(face_area_m2(faces.model, face), panel.area_m2, 0.06 * panel.area_m2 + holes_m2);
+  EXPECT_NO_THROW(triangulate(faces.model));
+}
+
 TEST(ContourFaces, an_explained_plane_makes_no_polygon) {
   UnexplainedRoom room({});
   std::fill(room.explained.begin(), room.explained.end(), std::uint8_t{1});
