@@ -1,13 +1,14 @@
 // Closest point on the model's triangles as closest_point.cl has it, bit for bit, by a tree of boxes: for
 // models of more than a few hundred triangles (METHOD 6).
-// Mapping: one work-item per VW queries, one query per lane; the lanes go through the tree together, so that
-// neighbouring queries should be near each other, as samples in scan order are. A child is entered when one
-// lane's best is no nearer than the child's box, and one of its normals may be compatible.
+// Mapping: one work-item per RUN packets of VW queries, one query per lane; the lanes go through the tree
+// together, so that neighbouring queries should be near each other, as samples in scan order are: a packet
+// tries first what the one before it found. A child is entered when one lane's best is no nearer than the
+// child's box, and one of its normals may be compatible.
 // in:  queries as in closest_point.cl; triangles [params.triangles] local frame, in the order of the leaves;
 //      nodes: the tree (shared/proxy_tree_records.h).
 //      Boxes contain their triangles with a margin for what the plane test may round off (proxy_tree.cpp).
 // out: as closest_point.cl has it.
-// params: params_closest_point.h, `root` too. defines: VW lanes.
+// params: params_closest_point.h, `root` too. defines: VW lanes, RUN packets.
 // edges: an empty tree -> all NaN; of equal distances the lowest triangle index wins.
 // cost: per query 24 bytes read and 24 written; per packet and node entered 2 boxes of about 40 flops a lane.
 // reference twin: tests/reference/closest_point_tree.cpp
@@ -41,40 +42,33 @@ static inline intv may_face(uint span, const Query* q, float min_facing) {
            min_facing);
 }
 
-kernel void closest_point_tree(ClosestPointParams params, global const float* restrict x,
-                               global const float* restrict y, global const float* restrict z,
-                               global const float* restrict nx, global const float* restrict ny,
-                               global const float* restrict nz,
-                               global const ProxyTriangle* restrict triangles,
-                               global const ProxyNode* restrict nodes, global float* restrict distance,
-                               global float* restrict height, global uint* restrict triangle,
-                               global float* restrict near_x, global float* restrict near_y,
-                               global float* restrict near_z) {
-  const uint first = (uint)get_global_id(0) * VW;
-  if (first >= params.queries) return;
-  const Query query = load_queries(&params, first, x, y, z, nx, ny, nz);
-  Best best = no_triangle(params.gate2);
+// Of all triangles that may count, the closest; `before`: the one to try first, or NO_TRIANGLE.
+static inline Best closest(const ClosestPointParams* params, const Query* query,
+                           global const ProxyTriangle* triangles, global const ProxyNode* nodes,
+                           uint before) {
+  Best best = no_triangle(params->gate2);
   // A NaN query looks for nothing.
-  best.distance2 =
-      select(best.distance2, (floatv)(-1.0f), query.x + query.y + query.z != query.x + query.y + query.z);
-  const int oriented = params.min_facing > -INFINITY;
+  best.distance2 = select(best.distance2, (floatv)(-1.0f),
+                          query->x + query->y + query->z != query->x + query->y + query->z);
+  const int oriented = params->min_facing > -INFINITY;
+  if (before != NO_TRIANGLE) try_facing(&best, before, triangles + before, query, params->min_facing);
 
   uint stack[PROXY_TREE_STACK];
   floatv reach[PROXY_TREE_STACK];
-  uint top = 0u, next = params.root;
+  uint top = 0u, next = params->root;
   while (next != BVH_EMPTY) {
     if (next & BVH_LEAF) {
       const uint begin = next & BVH_FIRST_MASK;
       const uint end = begin + ((next >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
-      for (uint i = begin; i < end; ++i) try_facing(&best, i, triangles + i, &query, params.min_facing);
+      for (uint i = begin; i < end; ++i) try_facing(&best, i, triangles + i, query, params->min_facing);
     } else {
       global const ProxyNode* node = nodes + next;
-      const floatv d0 = box_distance2(node->low0, node->high0, &query);
-      const floatv d1 = box_distance2(node->low1, node->high1, &query);
+      const floatv d0 = box_distance2(node->low0, node->high0, query);
+      const floatv d1 = box_distance2(node->low1, node->high1, query);
       intv open0 = d0 <= best.distance2, open1 = d1 <= best.distance2;
       if (oriented) {
-        open0 &= may_face(node->span0, &query, params.min_facing);
-        open1 &= may_face(node->span1, &query, params.min_facing);
+        open0 &= may_face(node->span0, query, params->min_facing);
+        open1 &= may_face(node->span1, query, params->min_facing);
       }
       const int enter0 = ANY(open0), enter1 = ANY(open1);
       if (enter0 && enter1) {
@@ -93,5 +87,25 @@ kernel void closest_point_tree(ClosestPointParams params, global const float* re
       next = top == 0u ? BVH_EMPTY : stack[--top];
     } while (next != BVH_EMPTY && !ANY(reach[top] <= best.distance2));
   }
-  store_closest(&best, &query, first, params.queries, distance, height, triangle, near_x, near_y, near_z);
+  return best;
+}
+
+kernel void closest_point_tree(ClosestPointParams params, global const float* restrict x,
+                               global const float* restrict y, global const float* restrict z,
+                               global const float* restrict nx, global const float* restrict ny,
+                               global const float* restrict nz,
+                               global const ProxyTriangle* restrict triangles,
+                               global const ProxyNode* restrict nodes, global float* restrict distance,
+                               global float* restrict height, global uint* restrict triangle,
+                               global float* restrict near_x, global float* restrict near_y,
+                               global float* restrict near_z) {
+  const uint begin = (uint)get_global_id(0) * (VW * RUN);
+  const uint end = min(begin + VW * RUN, params.queries);
+  uint before = NO_TRIANGLE;
+  for (uint first = begin; first < end; first += VW) {
+    const Query query = load_queries(&params, first, x, y, z, nx, ny, nz);
+    const Best best = closest(&params, &query, triangles, nodes, before);
+    before = FIRST_LANE(best.triangle);
+    store_closest(&best, &query, first, params.queries, distance, height, triangle, near_x, near_y, near_z);
+  }
 }

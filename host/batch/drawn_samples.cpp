@@ -50,7 +50,8 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
   for (std::size_t p = 0; p < products.size(); ++p) {
     if (!registrations[p]) continue;
     auto& product = products[p];
-    const auto near = static_cast<float>(kNoiseSigmas * std::hypot(product.sigma_m, worst_sigma_m));
+    const auto near =
+        static_cast<float>(std::min(kNoiseSigmas * std::hypot(product.sigma_m, worst_sigma_m), kFreeReach_m));
     std::vector<std::uint8_t> retained(product.image.count());
     for (std::size_t i = 0; i < retained.size(); ++i)
       retained[i] = product.decimation.fate[i] > stages::kDiscarded &&
@@ -60,7 +61,7 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
       to_contour = stages::distance_to_near_faces(queue, product.image, product.segmentation, contours.model,
                                                   registrations[p]->world_from_scan(), kCompatibleDeg,
                                                   kGate * near, retained);
-    const auto& to_face = registrations[p]->distance_m;
+    const auto& to_face = registrations[p]->signed_distance_m;
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
     parallel_for(
         product.image.count(),
@@ -68,7 +69,8 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
           if (!retained[i]) return;
           if (!to_contour.empty() && to_contour[i] <= near) return;
           const bool planar = product.segmentation.sample_label[i] != 0;
-          const bool on_face = to_face[i] <= (planar ? static_cast<float>(options.explain_m) : near);
+          const bool on_face =
+              std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
           product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
         },
         1 << 14);

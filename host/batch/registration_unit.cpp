@@ -55,21 +55,28 @@ stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& mo
 
 // A supercluster within 30 degrees of vertical is a wall from this area on; below it stands furniture.
 constexpr double kLeastWallM2 = 1;
+constexpr float kNear_m = 0.10f, kNearer_m = 0.05f;  // of a face: shares of the walls' samples
 
-WallShare wall_share(const ScanProduct& product, const Pose& world_from_scan,
-                     const std::vector<float>& distance_m) {
-  std::vector<bool> wall(product.segmentation.superclusters.size() + 1, false);
+// Per label, whether it is a wall's.
+std::vector<std::uint8_t> walls(const ScanProduct& product, const Pose& world_from_scan) {
+  std::vector<std::uint8_t> wall(product.segmentation.superclusters.size() + 1, 0);
   for (const auto& supercluster : product.segmentation.superclusters)
     wall[supercluster.id] =
         supercluster.area_m2 >= kLeastWallM2 &&
         std::abs(world_from_scan.rotate(supercluster.plane.normal).z()) < std::sin(M_PI / 6);
+  return wall;
+}
+
+// Of distances of either sign, NaN = no compatible face near.
+WallShare wall_share(const ScanProduct& product, const std::vector<std::uint8_t>& wall,
+                     const std::vector<float>& distance_m) {
   WallShare share;
   std::int64_t near = 0, nearer = 0;
   for (std::size_t i = 0; i < product.image.count(); ++i) {
     if (product.image.mask[i] != kMeasured || !wall[product.segmentation.sample_label[i]]) continue;
     ++share.samples;
-    near += distance_m[i] <= 0.10f;  // false for NaN: no compatible face
-    nearer += distance_m[i] <= 0.05f;
+    near += std::abs(distance_m[i]) <= kNear_m;
+    nearer += std::abs(distance_m[i]) <= kNearer_m;
   }
   if (share.samples > 0) {
     share.within_10cm = static_cast<double>(near) / static_cast<double>(share.samples);
@@ -82,8 +89,9 @@ WallShare wall_share(const ScanProduct& product, const Pose& world_from_scan,
 void give_back_unexplained(const ScanRegistration& registration, const StageOptions& options,
                            ScanProduct& product) {
   std::vector<std::uint8_t> explained(product.image.count());
-  std::transform(registration.distance_m.begin(), registration.distance_m.end(), explained.begin(),
-                 [&](float distance) { return static_cast<std::uint8_t>(distance <= options.explain_m); });
+  std::transform(
+      registration.signed_distance_m.begin(), registration.signed_distance_m.end(), explained.begin(),
+      [&](float distance) { return static_cast<std::uint8_t>(std::abs(distance) <= options.explain_m); });
   stages::keep_unexplained(explained, product.decimation);
   product.contour_faces =
       stages::unexplained_contours(product.image, product.segmentation, explained, product.stray,
@@ -206,18 +214,17 @@ void assess(device::Queue& queue, const stages::ProxyModel& model, const StageOp
 void finish_registration(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                          ScanProduct& product, ScanRegistration& result, Progress& progress) {
   progress.step("residuals", "scan " + product.id);
-  const auto distances = [&](const Pose& pose) {
-    return stages::signed_distance_to_model(queue, product.image, product.segmentation, model, pose,
-                                            kCompatibleDeg, options.decimate.tile);
-  };
-  const auto sizes = [](std::vector<float> signed_m) {
-    for (float& d : signed_m) d = std::abs(d);
-    return signed_m;
-  };
-  result.wall_before = wall_share(product, result.start, sizes(distances(result.start)));
-  result.signed_distance_m = distances(result.world_from_scan());
-  result.distance_m = sizes(result.signed_distance_m);
-  result.wall_after = wall_share(product, result.world_from_scan(), result.distance_m);
+  const auto wall = walls(product, result.start);
+  std::vector<std::uint8_t> of_wall(product.image.count());
+  for (std::size_t i = 0; i < of_wall.size(); ++i) of_wall[i] = wall[product.segmentation.sample_label[i]];
+  result.wall_before =
+      wall_share(product, wall,
+                 stages::distance_to_near_faces(queue, product.image, product.segmentation, model,
+                                                result.start, kCompatibleDeg, 2 * kNear_m, of_wall));
+  const Pose& pose = result.world_from_scan();
+  result.signed_distance_m = stages::signed_distance_to_model(queue, product.image, product.segmentation,
+                                                              model, pose, kCompatibleDeg, kFreeReach_m);
+  result.wall_after = wall_share(product, walls(product, pose), result.signed_distance_m);
   result.residuals = residual_histogram(product, result.signed_distance_m);
   give_back_unexplained(result, options, product);
 }

@@ -17,6 +17,10 @@ struct WallShare {
   double within_5cm = 0, within_10cm = 0;
 };
 
+// How far from the model samples of no supercluster are measured; more than pictures show and than counts as
+// lying on a face.
+constexpr double kFreeReach_m = 0.5;
+
 struct ScanRegistration {
   // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "frame" (the first, without a model)
   std::string how;
@@ -31,8 +35,9 @@ struct ScanRegistration {
   std::optional<stages::FaceOffsets> faces;  // nothing without a model
   bool solved_with_faces = false;            // the pose was, as the faces do not agree
   WallShare wall_before, wall_after;
-  // Per node, to the closest compatible face, under the final pose; NaN where not measured.
-  std::vector<float> distance_m, signed_distance_m;
+  // Per node, to the closest compatible face, under the final pose, below 0 behind it; NaN where not
+  // measured, or outside superclusters and not within kFreeReach_m.
+  std::vector<float> signed_distance_m;
   ResidualHistogram residuals;
   // Aligned to another scan, not to the model: to which, and what spoke for it; why not, where that
   // abstained.

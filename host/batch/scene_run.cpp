@@ -365,7 +365,7 @@ class Run {
     const auto& registration = run_.registrations[i];
     if (registration) {
       json["registration"] = registration_figures(*registration);
-      if (!registration->distance_m.empty())
+      if (!registration->signed_distance_m.empty())
         json["registration"]["residuals"] = residual_figures(run_.products[i], *registration);
     }
     if (run_.abstentions[i]) json["registration"] = registration_figures(*run_.abstentions[i]);

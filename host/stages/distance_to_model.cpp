@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/error.hpp"
-#include "geometry/tiles.hpp"
+#include "core/parallel.hpp"
 #include "stages/icp.hpp"
 #include "stages/proxy_search.hpp"
 
@@ -11,92 +13,118 @@ namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-constexpr int kGatedTile = 128;  // small: wanted nodes are few
-
-// Queries of one tile, dense; a node that was not measured, or is not wanted, gets a NaN position.
-struct TileQueries {
-  std::vector<float> values[6];  // x y z nx ny nz
-  bool any = false;              // has a position
-
-  TileQueries(const RangeImage& image, const PlaneSegmentation& segmentation, const Tile& tile,
-              const std::vector<std::uint8_t>* wanted) {
-    const auto count = static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.cols);
-    for (auto& column : values) column.assign(count, kNan);
-    std::size_t k = 0;
-    for (int row = tile.row; row < tile.row + tile.rows; ++row)
-      for (int col = tile.col; col < tile.col + tile.cols; ++col, ++k) {
-        const std::size_t i = image.index(row, col);
-        if (image.mask[i] != kMeasured || (wanted != nullptr && (*wanted)[i] == 0)) continue;
-        any = true;
-        values[0][k] = image.x[i];
-        values[1][k] = image.y[i];
-        values[2][k] = image.z[i];
-        const std::uint32_t label = segmentation.sample_label.empty() ? 0 : segmentation.sample_label[i];
-        if (label == 0) continue;
-        const Vec3& normal = segmentation.superclusters[label - 1].plane.normal;
-        for (int a = 0; a < 3; ++a) values[3 + a][k] = static_cast<float>(normal(a));
-      }
-  }
-};
+constexpr std::size_t kNodes = 1 << 19;  // looked at together
 
 class Distances {
  public:
   // World axes, origin at the scanner: all samples lie around it.
-  Distances(device::Queue& queue, const ProxyModel& model, const Pose& world_from_scan, double normal_deg,
-            double gate_m)
+  Distances(device::Queue& queue, const RangeImage& image, const PlaneSegmentation& segmentation,
+            const ProxyModel& model, const Pose& world_from_scan, double normal_deg)
       : queue_(queue),
+        image_(image),
+        segmentation_(segmentation),
         local_from_scan_(world_from_scan),
         normal_deg_(normal_deg),
-        gate_m_(gate_m),
-        search_(queue, model, world_from_scan.translation) {
+        search_(queue, model, world_from_scan.translation),
+        signed_m_(image.count(), kNan) {
     local_from_scan_.translation.setZero();
   }
 
-  // Of one tile, into the image's nodes.
-  void measure(const TileQueries& queries, const Tile& tile, int image_cols, std::vector<float>& distances,
-               std::vector<float>* heights = nullptr) {
-    const auto& v = queries.values;
-    const SearchQueries on_device{v[0].size(),        queue_.array(v[0]), queue_.array(v[1]),
-                                  queue_.array(v[2]), queue_.array(v[3]), queue_.array(v[4]),
-                                  queue_.array(v[5])};
-    SearchAnswers answers(queue_, on_device.count);
-    search_.find(on_device, local_from_scan_, gate_m_, normal_deg_, answers);
-    const auto read = [&](const device::Array<float>& from, std::vector<float>& to) {
-      queue_.read_rect(from, to.data(), static_cast<std::size_t>(image_cols),
-                       {static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
-                        static_cast<std::size_t>(tile.rows), static_cast<std::size_t>(tile.cols)});
-    };
-    read(answers.distance, distances);
-    if (heights != nullptr) read(answers.height, *heights);
+  std::uint32_t label(std::size_t i) const {
+    return segmentation_.sample_label.empty() ? 0 : segmentation_.sample_label[i];
   }
 
+  // Of the measured nodes that `wanted` takes, to the faces within the gate; 0 = to all.
+  template <typename Wanted>
+  void measure(double gate_m, const Wanted& wanted) {
+    if (image_.cols == 0) return;
+    const int rows = std::max(1, static_cast<int>(kNodes / static_cast<std::size_t>(image_.cols)));
+    for (int row = 0; row < image_.rows; row += rows)
+      measure_rows(row, std::min(row + rows, image_.rows), gate_m, wanted);
+  }
+
+  std::vector<float> take() { return std::move(signed_m_); }
+
  private:
+  template <typename Wanted>
+  void measure_rows(int first, int end, double gate_m, const Wanted& wanted) {
+    const auto rows = static_cast<std::size_t>(end - first);
+    const auto each = [&](std::size_t row, const auto& visit) {
+      const std::size_t begin = image_.index(first + static_cast<int>(row), 0);
+      for (std::size_t i = begin; i < begin + static_cast<std::size_t>(image_.cols); ++i)
+        if (image_.mask[i] == kMeasured && wanted(i)) visit(i);
+    };
+    std::vector<std::size_t> begin(rows + 1, 0);
+    parallel_for(rows, [&](std::size_t row) { each(row, [&](std::size_t) { ++begin[row + 1]; }); });
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    if (begin.back() == 0) return;
+    for (auto& column : queries_) column.resize(begin.back());
+    parallel_for(rows, [&](std::size_t row) {
+      std::size_t k = begin[row];
+      each(row, [&](std::size_t i) {
+        queries_[0][k] = image_.x[i];
+        queries_[1][k] = image_.y[i];
+        queries_[2][k] = image_.z[i];
+        const std::uint32_t at = label(i);
+        for (int a = 0; a < 3; ++a)
+          queries_[3 + a][k] =
+              at == 0 ? kNan : static_cast<float>(segmentation_.superclusters[at - 1].plane.normal(a));
+        ++k;
+      });
+    });
+    ask(gate_m);
+    parallel_for(rows, [&](std::size_t row) {
+      std::size_t k = begin[row];
+      each(row, [&](std::size_t i) {
+        signed_m_[i] = std::copysign(distance_[k], height_[k]);
+        ++k;
+      });
+    });
+  }
+
+  void ask(double gate_m) {
+    const auto& q = queries_;
+    const SearchQueries on_device{q[0].size(),        queue_.array(q[0]), queue_.array(q[1]),
+                                  queue_.array(q[2]), queue_.array(q[3]), queue_.array(q[4]),
+                                  queue_.array(q[5])};
+    SearchAnswers answers(queue_, on_device.count);
+    search_.find(on_device, local_from_scan_, gate_m, normal_deg_, answers);
+    distance_.resize(on_device.count);
+    height_.resize(on_device.count);
+    queue_.read(answers.distance, std::span(distance_));
+    queue_.read(answers.height, std::span(height_));
+  }
+
   device::Queue& queue_;
+  const RangeImage& image_;
+  const PlaneSegmentation& segmentation_;
   Pose local_from_scan_;
-  double normal_deg_, gate_m_;
+  double normal_deg_;
   ProxySearch search_;
+  std::vector<float> signed_m_;                        // per node
+  std::vector<float> queries_[6], distance_, height_;  // of some rows; x y z nx ny nz
 };
 
 }  // namespace
 
 std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeImage& image,
                                             const PlaneSegmentation& segmentation, const ProxyModel& model,
-                                            const Pose& world_from_scan, double normal_deg, int tile_side) {
-  if (tile_side < 1)
-    fail(ErrorKind::usage, "distance_to_model: expected a tile of at least 1, found {}", tile_side);
-  Distances measure(queue, model, world_from_scan, normal_deg, 0);
-  std::vector<float> distances(image.count(), kNan), heights(image.count(), kNan);
-  for (const Tile& tile : make_tiles(image.rows, image.cols, tile_side))
-    measure.measure({image, segmentation, tile, nullptr}, tile, image.cols, distances, &heights);
-  for (std::size_t i = 0; i < distances.size(); ++i) distances[i] = std::copysign(distances[i], heights[i]);
-  return distances;
+                                            const Pose& world_from_scan, double normal_deg,
+                                            double free_gate_m) {
+  Distances distances(queue, image, segmentation, model, world_from_scan, normal_deg);
+  if (free_gate_m > 0) {
+    distances.measure(0, [&](std::size_t i) { return distances.label(i) != 0; });
+    distances.measure(free_gate_m, [&](std::size_t i) { return distances.label(i) == 0; });
+  } else {
+    distances.measure(0, [](std::size_t) { return true; });
+  }
+  return distances.take();
 }
 
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
                                      const PlaneSegmentation& segmentation, const ProxyModel& model,
-                                     const Pose& world_from_scan, double normal_deg, int tile_side) {
-  auto distances =
-      signed_distance_to_model(queue, image, segmentation, model, world_from_scan, normal_deg, tile_side);
+                                     const Pose& world_from_scan, double normal_deg) {
+  auto distances = signed_distance_to_model(queue, image, segmentation, model, world_from_scan, normal_deg);
   for (float& distance : distances) distance = std::abs(distance);
   return distances;
 }
@@ -108,12 +136,10 @@ std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage
   if (!(gate_m > 0) || wanted.size() != image.count())
     fail(ErrorKind::failed, "distance_to_near_faces: gate {}, {} flags for an image of {} samples", gate_m,
          wanted.size(), image.count());
-  Distances measure(queue, model, world_from_scan, normal_deg, gate_m);
-  std::vector<float> distances(image.count(), kNan);
-  for (const Tile& tile : make_tiles(image.rows, image.cols, kGatedTile)) {
-    const TileQueries queries(image, segmentation, tile, &wanted);
-    if (queries.any) measure.measure(queries, tile, image.cols, distances);
-  }
+  Distances near(queue, image, segmentation, model, world_from_scan, normal_deg);
+  near.measure(gate_m, [&](std::size_t i) { return wanted[i] != 0; });
+  auto distances = near.take();
+  for (float& distance : distances) distance = std::abs(distance);
   return distances;
 }
 

@@ -77,15 +77,18 @@ Registration assess_pose(device::Queue& queue, const PlanarSamples& samples, con
 // Distance from every measured node to the closest compatible face (NaN for nodes without a measured sample),
 // world scale, metres. `normal_deg` < 0 ignores normals; so do nodes outside superclusters, which have none.
 // NaN too where no face is compatible. Kernel: closest_point. Used for the shares
-// within 5 and 10 cm, and to see which planar samples a face explains. Same bytes for any `tile`.
+// within 5 and 10 cm, and to see which planar samples a face explains.
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
                                      const PlaneSegmentation& segmentation, const ProxyModel& model,
-                                     const Pose& world_from_scan, double normal_deg, int tile = 1024);
+                                     const Pose& world_from_scan, double normal_deg);
 
-// The same with a sign: above 0 in front of the face, below 0 behind it. For residual pictures.
+// The same with a sign: above 0 in front of the face, below 0 behind it. For residual pictures. Nodes outside
+// superclusters that are no nearer than `free_gate_m` (world scale) to any face may be NaN; 0 = all are
+// measured.
 std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeImage& image,
                                             const PlaneSegmentation& segmentation, const ProxyModel& model,
-                                            const Pose& world_from_scan, double normal_deg, int tile = 1024);
+                                            const Pose& world_from_scan, double normal_deg,
+                                            double free_gate_m = 0);
 
 // The same for the `wanted` nodes (per node, 0 or 1) and the faces within `gate_m` (world scale, above 0);
 // NaN for the others.

@@ -46,16 +46,18 @@ void ProxySearch::find(const SearchQueries& queries, const Pose& local_from_scan
   params.triangles = static_cast<std::uint32_t>(count_);
   params.root = root_;
   const int lanes = queue_.vector_width();
-  const auto width = static_cast<std::size_t>(lanes);
+  const int run = root_ == BVH_EMPTY ? 1 : packets_in_a_run(lanes);
+  const auto width = static_cast<std::size_t>(lanes) * static_cast<std::size_t>(run);
   const auto items = device::grid((queries.count + width - 1) / width);
   if (root_ == BVH_EMPTY)
     queue_.launch("closest_point", queue_.kernel("closest_point", {{"VW", lanes}}), items, params, queries.x,
                   queries.y, queries.z, queries.nx, queries.ny, queries.nz, triangles_, out.distance,
                   out.height, out.triangle, out.near_x, out.near_y, out.near_z);
   else
-    queue_.launch("closest_point_tree", queue_.kernel("closest_point_tree", {{"VW", lanes}}), items, params,
-                  queries.x, queries.y, queries.z, queries.nx, queries.ny, queries.nz, triangles_, nodes_,
-                  out.distance, out.height, out.triangle, out.near_x, out.near_y, out.near_z);
+    queue_.launch("closest_point_tree", queue_.kernel("closest_point_tree", {{"VW", lanes}, {"RUN", run}}),
+                  items, params, queries.x, queries.y, queries.z, queries.nx, queries.ny, queries.nz,
+                  triangles_, nodes_, out.distance, out.height, out.triangle, out.near_x, out.near_y,
+                  out.near_z);
 }
 
 }  // namespace hybrid::stages

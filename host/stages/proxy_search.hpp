@@ -20,6 +20,12 @@ struct SearchAnswers {
   SearchAnswers(device::Queue& queue, std::size_t count);
 };
 
+// Packets of a work-item of closest_point_tree on a device of `lanes`: each starts from what the last one
+// found.
+constexpr int packets_in_a_run(int lanes) {
+  return lanes == 1 ? 1 : 8;
+}
+
 // The closest points of a model about an origin near the queries. Kernels: closest_point,
 // closest_point_tree; which of them answers does not change a bit of the answer. Throws what
 // proxy_triangles() throws.

@@ -10,7 +10,7 @@ namespace hybrid::stages {
 namespace {
 
 // Roundings of a float that height, foot point and side tests may pile up.
-constexpr float kRounding = 2e-6f;
+constexpr float kRounding = 4e-6f;
 constexpr float kSpanSteps = 31;  // of a normal's component in 5 bits
 constexpr std::size_t kBatch = 4096;
 
@@ -42,7 +42,7 @@ TriangleRecord corners_of(const ProxyTriangle& t, std::size_t index) {
 }
 
 // How far the closest point that the kernel finds may lie from the triangle: off its plane, where the face's
-// common one stands for it, and beyond an acute corner, where rounding decides which side a foot is on.
+// common one stands for it, and by rounding. Feet on the plane are surely inside (closest_triangle.h).
 float margin_of(const ProxyTriangle& t, const TriangleRecord& corners) {
   float off = 0, reach = std::abs(t.offset), longest2 = 0;
   for (const float* corner : {corners.a, corners.b, corners.c}) {
@@ -55,11 +55,7 @@ float margin_of(const ProxyTriangle& t, const TriangleRecord& corners) {
   }
   for (const float inverse : {t.inverse_ab2, t.inverse_bc2, t.inverse_ca2})
     longest2 = std::max(longest2, 1 / inverse);
-  const float x = t.ab[1] * t.ac[2] - t.ab[2] * t.ac[1], y = t.ab[2] * t.ac[0] - t.ab[0] * t.ac[2],
-              z = t.ab[0] * t.ac[1] - t.ab[1] * t.ac[0];
-  const float doubled_area = std::sqrt(x * x + y * y + z * z);
-  const float acute = doubled_area > 0 ? std::min(longest2 / doubled_area, 1e6f) : 1e6f;
-  return 2 * off + kRounding * (reach + std::sqrt(longest2)) * (2 + acute);
+  return 2 * off + kRounding * (reach + std::sqrt(longest2));
 }
 
 Box box_of(const ProxyTriangle& t) {

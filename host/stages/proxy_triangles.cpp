@@ -10,6 +10,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kBatch = 4096;
+constexpr double kRounding = 1e-6;  // of what the kernel computes in float, in parts of the coordinates
 
 void store(const Vec3& value, float* target) {
   for (int a = 0; a < 3; ++a) target[a] = static_cast<float>(value(a));
@@ -42,9 +43,12 @@ ProxyTriangle record(const PolygonModel& model, const Triangle& triangle, const 
   out.inverse_ab2 = static_cast<float>(1 / (b - a).squaredNorm());
   out.inverse_bc2 = static_cast<float>(1 / (c - b).squaredNorm());
   out.inverse_ca2 = static_cast<float>(1 / (a - c).squaredNorm());
-  store(normal.cross(b - a), out.inward_ab);
-  store(normal.cross(c - b), out.inward_bc);
-  store(normal.cross(a - c), out.inward_ca);
+  store(normal.cross(b - a).normalized(), out.inward_ab);
+  store(normal.cross(c - b).normalized(), out.inward_bc);
+  store(normal.cross(a - c).normalized(), out.inward_ca);
+  const double reach =
+      std::max({a.norm(), b.norm(), c.norm(), (b - a).norm(), (c - b).norm(), (a - c).norm()});
+  out.slack = static_cast<float>(kRounding * reach);
   out.face = triangle.face;
   return out;
 }

@@ -44,8 +44,9 @@ ResidualHistogram residual_histogram(const RangeImage& image, const PlaneSegment
         ++result.without_face;
         continue;
       }
-      counted.push_back(distance_m[i]);
-      ++result.counts[static_cast<std::size_t>(bin_of(distance_m[i]))];
+      const float distance = std::abs(distance_m[i]);
+      counted.push_back(distance);
+      ++result.counts[static_cast<std::size_t>(bin_of(distance))];
     }
   result.median_m = percentile(counted, 50);
   result.p95_m = percentile(counted, 95);

@@ -19,8 +19,8 @@ struct ResidualHistogram {
   double median_m = 0, p95_m = 0;  // of the counted; 0 when there is none
 };
 
-// `distance_m`: per node, NaN = no compatible face (distance_to_model()). Of large scans every n-th row and
-// column, so that at most about a million nodes are counted.
+// `distance_m`: per node, of either sign, NaN = no compatible face (signed_distance_to_model()). Of large
+// scans every n-th row and column, so that at most about a million nodes are counted.
 ResidualHistogram residual_histogram(const RangeImage& image, const PlaneSegmentation& segmentation,
                                      const std::vector<float>& distance_m);
 

@@ -14,6 +14,8 @@
 #define AS_INTV(value) CLOSEST_JOIN(as_int, VW)(value)
 #endif
 
+#define ROUNDING 1e-6f  // of a dot product of floats, in parts of its terms
+
 // A point and the normal of its plane, local frame; NaN: no point, no normal known.
 typedef struct Query {
   floatv x, y, z, nx, ny, nz;
@@ -50,9 +52,11 @@ static inline void try_triangle(Best* best, uint index, global const ProxyTriang
 
   const floatv rx = px - t->a[0], ry = py - t->a[1], rz = pz - t->a[2];
   const floatv sx = rx - t->ab[0], sy = ry - t->ab[1], sz = rz - t->ab[2];
-  const intv inside = (rx * t->inward_ab[0] + ry * t->inward_ab[1] + rz * t->inward_ab[2] >= 0.0f) &
-                      (sx * t->inward_bc[0] + sy * t->inward_bc[1] + sz * t->inward_bc[2] >= 0.0f) &
-                      (rx * t->inward_ca[0] + ry * t->inward_ca[1] + rz * t->inward_ca[2] >= 0.0f);
+  // Surely inside, whatever rounding does: else a foot beyond the acute corner of a sliver would count.
+  const floatv within = fmin(fmin(rx * t->inward_ab[0] + ry * t->inward_ab[1] + rz * t->inward_ab[2],
+                                  sx * t->inward_bc[0] + sy * t->inward_bc[1] + sz * t->inward_bc[2]),
+                             rx * t->inward_ca[0] + ry * t->inward_ca[1] + rz * t->inward_ca[2]);
+  const intv inside = within >= t->slack + ROUNDING * (fabs(rx) + fabs(ry) + fabs(rz));
   Side side = {INFINITY, 0.0f, 0.0f, 0.0f};
   if (ANY(open & !inside)) {
     try_side(&side, rx, ry, rz, t->ab[0], t->ab[1], t->ab[2], t->inverse_ab2);

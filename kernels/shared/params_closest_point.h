@@ -17,12 +17,12 @@ typedef struct ProxyTriangle {
   float inverse_bc2;
   float ac[3];  // c - a
   float inverse_ca2;
-  float inward_ab[3];  // normal x ab: points from the side ab into the triangle; any length
+  float inward_ab[3];  // unit, in the plane, from the side ab into the triangle; 0 for a side without length
   HYBRID_UINT face;    // index into PolygonModel::faces
   float inward_bc[3];
-  float pad0;
+  float slack;  // metres: what is not so far inside counts as beside the triangle, nearest to a side
   float inward_ca[3];
-  float pad1;
+  float pad;
 } ProxyTriangle;
 LAYOUT_CHECK(ProxyTriangle, 112);
 

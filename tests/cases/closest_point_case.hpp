@@ -8,6 +8,7 @@
 #include "geometry/pose.hpp"
 #include "lib/random.h"
 #include "stages/proxy_tree.hpp"
+#include "stages/proxy_search.hpp"
 #include "stages/proxy_triangles.hpp"
 
 namespace hybrid::testing {
@@ -109,10 +110,12 @@ struct ClosestPointCase {
     auto near_x = queue.array<float>(count), near_y = queue.array<float>(count),
          near_z = queue.array<float>(count);
     auto triangle = queue.array<std::uint32_t>(count);
-    const auto items = (count + static_cast<std::size_t>(lanes) - 1) / static_cast<std::size_t>(lanes);
+    const int run = tree != nullptr ? stages::packets_in_a_run(lanes) : 1;
+    const auto width = static_cast<std::size_t>(lanes * run);
+    const auto items = (count + width - 1) / width;
     if (tree != nullptr) {
       params.root = tree->root;
-      queue.launch("closest_point_tree", queue.kernel("closest_point_tree", {{"VW", lanes}}),
+      queue.launch("closest_point_tree", queue.kernel("closest_point_tree", {{"VW", lanes}, {"RUN", run}}),
                    device::grid(items), params, x, y, z, nx, ny, nz, triangles, queue.array(tree->nodes),
                    distance, height, triangle, near_x, near_y, near_z);
     } else {

@@ -80,16 +80,33 @@ TEST(DistanceToModel, with_normals_a_side_of_a_recess_is_far_from_the_wall_it_to
   EXPECT_GT(farther, 10u);
 }
 
-TEST(DistanceToModel, gives_the_same_bits_for_every_tile_and_work_group_size) {
+TEST(DistanceToModel, gives_the_same_bits_for_every_work_group_size) {
   const RecessRoomScan scan = scan_recess_room(61, 127, 0.002);
-  auto at_tile = [&](int tile) {
-    return distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan, 45,
-                             tile);
-  };
-  const auto [a, b] = at_two_work_group_sizes([&] { return at_tile(1024); });
+  const auto [a, b] = at_two_work_group_sizes([&] {
+    return distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan, 45);
+  });
   EXPECT_TRUE(same_bits(a, b));
-  EXPECT_TRUE(same_bits(a, at_tile(16)));
-  EXPECT_TRUE(same_bits(a, at_tile(37)));
+}
+
+TEST(DistanceToModel, with_a_gate_for_free_samples_all_others_and_what_is_near_are_measured) {
+  const RecessRoomScan scan = scan_recess_room(301, 602, 0.002);
+  auto distances = [&](double free_gate_m) {
+    return signed_distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan,
+                                    30, free_gate_m);
+  };
+  const auto all = distances(0), gated = distances(0.1);
+  std::size_t near = 0, beyond = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (scan.segmentation.sample_label[i] == 0 && std::isnan(gated[i])) {
+      EXPECT_FALSE(std::abs(all[i]) < 0.1f) << i;
+      beyond += !std::isnan(all[i]);
+    } else {
+      EXPECT_TRUE(same_bits(std::vector<float>{gated[i]}, std::vector<float>{all[i]})) << i;
+      near += scan.segmentation.sample_label[i] == 0;
+    }
+  }
+  EXPECT_GT(near, 10u);
+  EXPECT_GT(beyond, 100u);
 }
 
 TEST(DistanceToModel, empty_images_give_empty_answers) {

@@ -55,7 +55,7 @@ TEST(IcpThreads, prints_a_digest) {
   const auto found =
       register_to_model(queue(), samples, scan.proxy, disturbed(scan.world_from_scan, 0.3, 10, 1));
   const auto distances =
-      distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, found.world_from_scan, 45, 64);
+      distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, found.world_from_scan, 45);
   Digest digest;
   digest.add(samples.points.data(), samples.points.size());
   digest.add(row_major(found.world_from_scan).data(), 16);
