@@ -15,6 +15,10 @@
 #include "lib/closest_triangle.h"
 #include "shared/proxy_tree_records.h"
 
+#ifndef RUN
+#define RUN 1
+#endif
+
 #if VW == 1
 #define FIRST_LANE(value) (value)
 #else

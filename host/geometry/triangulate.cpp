@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "geometry/outline.hpp"
 #include "geometry/polygon_model.hpp"
 
@@ -9,6 +11,8 @@ namespace hybrid {
 namespace {
 
 using Ring = std::vector<std::uint32_t>;
+
+constexpr std::size_t kBatch = 16;  // faces
 
 // Twice the area times the normal, about the ring's first vertex: far origins cost no digits.
 Vec3 newell(const PolygonModel& model, const Ring& ring) {
@@ -37,6 +41,20 @@ void check_ring(const PolygonModel& model, const Face& face, const Ring& ring, c
     if (!model.vertices[v].allFinite())
       fail_input("face {}: vertex {} of its {} is not finite", face.name, v, what);
   }
+}
+
+std::vector<Triangle> triangles_of(const PolygonModel& model, std::size_t index) {
+  const Face& face = model.faces[index];
+  const auto f = static_cast<std::uint32_t>(index);
+  check_ring(model, face, face.outer, "outline");
+  for (const Ring& hole : face.holes) check_ring(model, face, hole, "hole");
+  if (face.outer.size() == 3 && face.holes.empty()) {  // as the general way has it
+    face_plane(model, face);                           // throws without an area
+    return {{{face.outer[2], face.outer[0], face.outer[1]}, f}};
+  }
+  std::vector<Triangle> triangles;
+  for (const auto& corners : Outline(model, face).triangles()) triangles.push_back({corners, f});
+  return triangles;
 }
 
 }  // namespace
@@ -70,19 +88,22 @@ double face_area_m2(const PolygonModel& model, const Face& face) {
 }
 
 std::vector<Triangle> triangulate(const PolygonModel& model) {
+  std::vector<std::vector<Triangle>> of_face(model.faces.size());
+  std::vector<std::exception_ptr> errors(model.faces.size());
+  parallel_for(
+      model.faces.size(),
+      [&](std::size_t f) {
+        try {
+          of_face[f] = triangles_of(model, f);
+        } catch (const Error&) {
+          errors[f] = std::current_exception();
+        }
+      },
+      kBatch);
+  for (const auto& error : errors)
+    if (error) std::rethrow_exception(error);
   std::vector<Triangle> triangles;
-  for (std::size_t f = 0; f < model.faces.size(); ++f) {
-    const Face& face = model.faces[f];
-    check_ring(model, face, face.outer, "outline");
-    for (const Ring& hole : face.holes) check_ring(model, face, hole, "hole");
-    if (face.outer.size() == 3 && face.holes.empty()) {  // as the general way has it
-      face_plane(model, face);                           // throws without an area
-      triangles.push_back({{face.outer[2], face.outer[0], face.outer[1]}, static_cast<std::uint32_t>(f)});
-      continue;
-    }
-    for (const auto& corners : Outline(model, face).triangles())
-      triangles.push_back({corners, static_cast<std::uint32_t>(f)});
-  }
+  for (const auto& own : of_face) triangles.insert(triangles.end(), own.begin(), own.end());
   return triangles;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -11,7 +12,9 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kMinCosine = 0.02;  // of a ray and the plane it is intersected with
+constexpr double kMinCosine = 0.02;             // of a ray and the plane it is intersected with
+constexpr int kBlock = 16;                      // nodes, looked at together where no ring is near
+constexpr std::int64_t kMargin_nm = 1'000'000;  // around them
 
 struct Extent {
   int row0 = 0, row1 = -1, col0 = 0, col1 = -1;  // both ends included
@@ -53,22 +56,54 @@ struct Judge {
             std::sin(elevation)};
   }
 
-  // Per node of the extent: whether its ray meets the plane inside the rings.
+  // Where the node's ray meets the plane; nothing where it hardly does.
+  std::optional<RingVertex> met_at(const Plane& plane, const PlaneCoordinates& coordinates, int row,
+                                   int col) const {
+    const Vec3 u = ray(row, col);
+    const double cosine = plane.normal.dot(u);
+    if (std::abs(cosine) < kMinCosine || plane.offset_m / cosine <= 0) return std::nullopt;
+    return coordinates.vertex(plane.offset_m / cosine * u);
+  }
+
+  // Per node of the extent: whether its ray meets the plane inside the rings. Most blocks of nodes are far
+  // from every ring and all in or all out.
   std::vector<std::uint8_t> met(const Supercluster& supercluster, const Extent& e,
                                 const std::vector<FlatRing>& rings) const {
-    const auto width = static_cast<std::size_t>(e.col1 - e.col0 + 1);
-    const auto height = static_cast<std::size_t>(e.row1 - e.row0 + 1);
-    std::vector<std::uint8_t> result(width * height, 0);
-    const PlaneCoordinates coordinates(supercluster.plane);
+    const int width = e.col1 - e.col0 + 1, height = e.row1 - e.row0 + 1;
+    std::vector<std::uint8_t> result(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+    const Plane& plane = supercluster.plane;
+    const PlaneCoordinates coordinates(plane);
     const InsideRings inside(rings);
-    parallel_for(height, [&](std::size_t r) {
-      for (std::size_t c = 0; c < width; ++c) {
-        const Vec3 u = ray(e.row0 + static_cast<int>(r), e.col0 + static_cast<int>(c));
-        const double cosine = supercluster.plane.normal.dot(u);
-        if (std::abs(cosine) < kMinCosine || supercluster.plane.offset_m / cosine <= 0) continue;
-        const Vec3 point = supercluster.plane.offset_m / cosine * u;
-        result[r * width + c] = inside(coordinates.vertex(point));
-      }
+    const auto one_by_one = [&](int r, int c) {
+      const auto at = met_at(plane, coordinates, e.row0 + r, e.col0 + c);
+      return at && inside(*at);
+    };
+    const auto block = [&](int r0, int c0) {
+      const int r1 = std::min(r0 + kBlock, height), c1 = std::min(c0 + kBlock, width);
+      const auto each = [&](const auto& in) {
+        for (int r = r0; r < r1; ++r)
+          for (int c = c0; c < c1; ++c)
+            result[static_cast<std::size_t>(r) * static_cast<std::size_t>(width) +
+                   static_cast<std::size_t>(c)] = in(r, c);
+      };
+      std::optional<RingVertex> middle, low, high;
+      for (const int r : {r0, (r0 + r1 - 1) / 2, r1 - 1})
+        for (const int c : {c0, (c0 + c1 - 1) / 2, c1 - 1}) {
+          middle = met_at(plane, coordinates, e.row0 + r, e.col0 + c);
+          if (!middle) return each(one_by_one);
+          if (!low) low = high = middle;
+          low = RingVertex{std::min(low->x, middle->x), std::min(low->y, middle->y)};
+          high = RingVertex{std::max(high->x, middle->x), std::max(high->y, middle->y)};
+        }
+      // What lies between the nine is no farther out than half of what they span.
+      const std::int64_t margin = std::max(high->x - low->x, high->y - low->y) / 2 + kMargin_nm;
+      if (inside.border_near({low->x - margin, low->y - margin}, {high->x + margin, high->y + margin}))
+        return each(one_by_one);
+      if (inside(*middle)) each([](int, int) { return true; });
+    };
+    const auto down = static_cast<std::size_t>((height + kBlock - 1) / kBlock);
+    parallel_for(down, [&](std::size_t r) {
+      for (int c = 0; c < width; c += kBlock) block(static_cast<int>(r) * kBlock, c);
     });
     return result;
   }

@@ -155,7 +155,7 @@ InsideRings::InsideRings(const std::vector<FlatRing>& rings) {
   for (const FlatRing& ring : rings) {
     const auto& v = ring.vertices;
     for (std::size_t i = 0, j = v.size() - 1; i < v.size(); j = i++)
-      if (v[i].y != v[j].y) edges_.push_back({v[i].x, v[i].y, v[j].x, v[j].y});
+      edges_.push_back({v[i].x, v[i].y, v[j].x, v[j].y});
   }
   if (edges_.empty()) return;
   low_y_ = high_y_ = edges_[0].from_y;
@@ -189,6 +189,19 @@ bool InsideRings::operator()(const RingVertex& p) const {
   return odd;
 }
 
+bool InsideRings::border_near(const RingVertex& low, const RingVertex& high) const {
+  if (edges_.empty() || high.y < low_y_ || low.y > high_y_) return false;
+  const std::size_t last = band(std::min(high.y, high_y_));
+  for (std::size_t b = band(std::max(low.y, low_y_)); b <= last; ++b)
+    for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k) {
+      const Edge& e = edges_[of_band_[k]];
+      if (std::max(e.from_y, e.to_y) >= low.y && std::min(e.from_y, e.to_y) <= high.y &&
+          std::max(e.from_x, e.to_x) >= low.x && std::min(e.from_x, e.to_x) <= high.x)
+        return true;
+    }
+  return false;
+}
+
 PolygonModel polygons_of(const std::vector<FlatRing>& rings) {
   PolygonModel model;
   std::vector<std::size_t> face_of(rings.size());
@@ -201,7 +214,7 @@ PolygonModel polygons_of(const std::vector<FlatRing>& rings) {
     if (!ring.outer)
       if (const auto i = owner(rings, ring))
         model.faces[face_of[*i]].holes.push_back(append_vertices(ring, model));
-  return can_be_triangulated(model) ? model : PolygonModel();  // else its samples stay
+  return model;
 }
 
 }  // namespace hybrid::stages

@@ -21,6 +21,8 @@ class InsideRings {
  public:
   explicit InsideRings(const std::vector<FlatRing>& rings);
   bool operator()(const RingVertex& point) const;
+  // Whether a side's own box meets the box, borders included.
+  bool border_near(const RingVertex& low, const RingVertex& high) const;
 
  private:
   struct Edge {
@@ -34,7 +36,7 @@ class InsideRings {
   std::vector<std::uint32_t> of_band_;  // edges, by band
 };
 
-// One face per outer ring, with the holes in it, scan frame; empty when they cannot be triangulated.
+// One face per outer ring, with the holes in it, scan frame; whether they can be triangulated is not said.
 PolygonModel polygons_of(const std::vector<FlatRing>& rings);
 
 }  // namespace hybrid::stages
