@@ -149,10 +149,11 @@ class Run {
       // What the scene file changes in a range image is in no kept scan.
       const bool edited = run_.scene.edits.moves_depths_of(id);
       auto made = request_.kept_scan && !edited ? request_.kept_scan(id) : std::nullopt;
-      if (!made)
-        made = make_planes(
-            queue_, id, entry, scan_entry, options_, progress_,
-            [&](RangeImage& image, Scan& samples) { editing_.edit_depths(run_.scene, id, image, samples); });
+      const EditImage edit = [&](RangeImage& image, Scan& samples) {
+        editing_.edit_depths(run_.scene, id, image, samples);
+      };
+      if (!made)  // without an edit samples go from the file into their nodes
+        made = make_planes(queue_, id, entry, scan_entry, options_, progress_, edited ? edit : EditImage());
       run_.products.push_back(std::move(made->product));
       remains_.push_back(std::move(made->remains));
       entries_.push_back(in_scan_frame(entry));
