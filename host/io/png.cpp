@@ -51,13 +51,20 @@ void append_row(const Image8& image, int y, Filter filter, Bytes& to) {
     out[i] = static_cast<std::uint8_t>(row[i] - paeth(row[i - step], above[i], above[i - step]));
 }
 
-Bytes deflated(const Bytes& rows) {
+// Room for the worst case, of which pages that are not written to cost nothing.
+struct Deflated {
+  std::unique_ptr<std::uint8_t[]> bytes;
+  std::size_t size = 0;
+};
+
+Deflated deflated(const Bytes& rows) {
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
       libdeflate_alloc_compressor(kLevel), &libdeflate_free_compressor);
   if (!compressor) throw std::bad_alloc();
-  Bytes result(libdeflate_zlib_compress_bound(compressor.get(), rows.size()));
-  result.resize(
-      libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), result.data(), result.size()));
+  const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), rows.size());
+  Deflated result{std::make_unique_for_overwrite<std::uint8_t[]>(bound)};
+  result.size =
+      libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(), result.bytes.get(), bound);
   return result;
 }
 
@@ -67,7 +74,7 @@ Filter better_filter(const Image8& image) {
     Bytes rows;
     for (int y = 0; y < image.height; ++y)
       if (y % kApart < kLookedAt) append_row(image, y, filter, rows);
-    bytes[filter == kPaeth] = deflated(rows).size();
+    bytes[filter == kPaeth] = deflated(rows).size;
   }
   return bytes[1] < bytes[0] ? kPaeth : kAsTheyAre;
 }
@@ -95,10 +102,13 @@ void write_png(const std::filesystem::path& file, const Image8& image) {
     fail(ErrorKind::failed, "{}: expected a picture of 1, 3 or 4 channels, found {} x {} with {}",
          file.string(), image.width, image.height, image.channels);
   const Filter filter = better_filter(image);
-  Bytes rows;
-  rows.reserve(image.pixels.size() + static_cast<std::size_t>(image.height));
-  for (int y = 0; y < image.height; ++y) append_row(image, y, filter, rows);
-  const Bytes data = deflated(rows);
+  const Deflated compressed = [&] {
+    Bytes rows;
+    rows.reserve(image.pixels.size() + static_cast<std::size_t>(image.height));
+    for (int y = 0; y < image.height; ++y) append_row(image, y, filter, rows);
+    return deflated(rows);
+  }();
+  const std::span<const std::uint8_t> data(compressed.bytes.get(), compressed.size);
 
   std::uint8_t header[13] = {};
   put(static_cast<std::uint32_t>(image.width), header);
@@ -112,7 +122,7 @@ void write_png(const std::filesystem::path& file, const Image8& image) {
     write_chunk(out, "IHDR", header);
     write_chunk(out, "sRGB", {&rendering_intent, 1});
     for (std::size_t at = 0; at < data.size(); at += kLongestPiece)
-      write_chunk(out, "IDAT", std::span(data).subspan(at, std::min(kLongestPiece, data.size() - at)));
+      write_chunk(out, "IDAT", data.subspan(at, std::min(kLongestPiece, data.size() - at)));
     write_chunk(out, "IEND", {});
     out.close();
   });
