@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kCompatibleDeg = 30;  // normals of a sample's plane and of a polygon it lies on
 constexpr double kNoiseSigmas = 3;     // of the difference of two scans
-constexpr double kGate = 2;            // of what counts as near: so far distances are asked for
 
 double largest_sigma(const std::vector<ScanProduct>& products) {
   double sigma_m = 0;
@@ -56,18 +55,17 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
     for (std::size_t i = 0; i < retained.size(); ++i)
       retained[i] = product.decimation.fate[i] > stages::kDiscarded &&
                     product.stray[i] == stages::kNotStray && !product.contour_faces.covered[i];
-    std::vector<float> to_contour;
+    std::vector<std::uint8_t> on_contour;
     if (!contours.model.faces.empty())
-      to_contour = stages::distance_to_near_faces(queue, product.image, product.segmentation, contours.model,
-                                                  registrations[p]->world_from_scan(), kCompatibleDeg,
-                                                  kGate * near, retained);
+      on_contour = stages::near_faces(queue, product.image, product.segmentation, contours.model,
+                                      registrations[p]->world_from_scan(), kCompatibleDeg, {near}, retained);
     const auto& to_face = registrations[p]->signed_distance_m;
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
     parallel_for(
         product.image.count(),
         [&](std::size_t i) {
           if (!retained[i]) return;
-          if (!to_contour.empty() && to_contour[i] <= near) return;
+          if (!on_contour.empty() && on_contour[i]) return;
           const bool planar = product.segmentation.sample_label[i] != 0;
           const bool on_face =
               std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);

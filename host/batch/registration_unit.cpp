@@ -67,22 +67,33 @@ std::vector<std::uint8_t> walls(const ScanProduct& product, const Pose& world_fr
   return wall;
 }
 
-// Of distances of either sign, NaN = no compatible face near.
+// `near_steps(i)`: within how many of kNear_m and kNearer_m a face is.
+template <typename NearSteps>
 WallShare wall_share(const ScanProduct& product, const std::vector<std::uint8_t>& wall,
-                     const std::vector<float>& distance_m) {
+                     const NearSteps& near_steps) {
   WallShare share;
   std::int64_t near = 0, nearer = 0;
   for (std::size_t i = 0; i < product.image.count(); ++i) {
     if (product.image.mask[i] != kMeasured || !wall[product.segmentation.sample_label[i]]) continue;
     ++share.samples;
-    near += std::abs(distance_m[i]) <= kNear_m;
-    nearer += std::abs(distance_m[i]) <= kNearer_m;
+    near += near_steps(i) >= 1;
+    nearer += near_steps(i) >= 2;
   }
   if (share.samples > 0) {
     share.within_10cm = static_cast<double>(near) / static_cast<double>(share.samples);
     share.within_5cm = static_cast<double>(nearer) / static_cast<double>(share.samples);
   }
   return share;
+}
+
+WallShare share_before(device::Queue& queue, const stages::ProxyModel& model, const ScanProduct& product,
+                       const Pose& start) {
+  const auto wall = walls(product, start);
+  std::vector<std::uint8_t> of_wall(product.image.count());
+  for (std::size_t i = 0; i < of_wall.size(); ++i) of_wall[i] = wall[product.segmentation.sample_label[i]];
+  const auto near = stages::near_faces(queue, product.image, product.segmentation, model, start,
+                                       kCompatibleDeg, {kNear_m, kNearer_m}, of_wall);
+  return wall_share(product, wall, [&](std::size_t i) { return near[i]; });
 }
 
 // METHOD 4: what no face explains keeps its samples, or is its contour polygon where that is faithful.
@@ -214,17 +225,14 @@ void assess(device::Queue& queue, const stages::ProxyModel& model, const StageOp
 void finish_registration(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                          ScanProduct& product, ScanRegistration& result, Progress& progress) {
   progress.step("residuals", "scan " + product.id);
-  const auto wall = walls(product, result.start);
-  std::vector<std::uint8_t> of_wall(product.image.count());
-  for (std::size_t i = 0; i < of_wall.size(); ++i) of_wall[i] = wall[product.segmentation.sample_label[i]];
-  result.wall_before =
-      wall_share(product, wall,
-                 stages::distance_to_near_faces(queue, product.image, product.segmentation, model,
-                                                result.start, kCompatibleDeg, 2 * kNear_m, of_wall));
+  result.wall_before = share_before(queue, model, product, result.start);
   const Pose& pose = result.world_from_scan();
   result.signed_distance_m = stages::signed_distance_to_model(queue, product.image, product.segmentation,
                                                               model, pose, kCompatibleDeg, kFreeReach_m);
-  result.wall_after = wall_share(product, walls(product, pose), result.signed_distance_m);
+  result.wall_after = wall_share(product, walls(product, pose), [&](std::size_t i) {
+    const float distance = std::abs(result.signed_distance_m[i]);  // comparing is false for NaN
+    return (distance <= kNear_m) + (distance <= kNearer_m);
+  });
   result.residuals = residual_histogram(product, result.signed_distance_m);
   give_back_unexplained(result, options, product);
 }

@@ -137,7 +137,8 @@ std::uint32_t replacement(std::uint32_t own, const Rim& rim) {
 
 enum class Kind { specks, holes };
 
-void clean(const RangeImage& image, int least, Kind kind, std::vector<std::uint32_t>& labels) {
+void clean(const RangeImage& image, int least, Kind kind, std::vector<std::uint32_t>& labels,
+           std::vector<LabelChange>& changes) {
   const Patches patches = find_patches(image, labels);
   std::vector<std::int64_t> size(patches.runs.size(), 0);
   for (const Run& run : patches.runs) size[run.patch] += run.end - run.begin;
@@ -149,21 +150,33 @@ void clean(const RangeImage& image, int least, Kind kind, std::vector<std::uint3
       owner.push_back(i);
     }
   const auto rims = find_rims(image, patches, slot, owner.size());
-  for (const Run& run : patches.runs)
-    if (slot[run.patch] != kNoRim)
-      std::fill_n(labels.begin() + static_cast<std::ptrdiff_t>(image.index(run.row, run.begin)),
-                  run.end - run.begin, replacement(run.label, rims[slot[run.patch]]));
+  for (const Run& run : patches.runs) {
+    if (slot[run.patch] == kNoRim) continue;
+    const std::uint32_t after = replacement(run.label, rims[slot[run.patch]]);
+    if (after == run.label) continue;
+    const std::size_t row = image.index(run.row, 0);
+    const LabelChange change{row + static_cast<std::size_t>(run.begin),
+                             row + static_cast<std::size_t>(run.end), run.label};
+    std::fill_n(labels.begin() + static_cast<std::ptrdiff_t>(change.begin), change.end - change.begin, after);
+    changes.push_back(change);
+  }
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> clean_labels(const RangeImage& image, const std::vector<std::uint32_t>& labels,
-                                        int least) {
-  std::vector<std::uint32_t> cleaned = labels;
-  if (image.count() == 0) return cleaned;
-  clean(image, least, Kind::specks, cleaned);
-  clean(image, least, Kind::holes, cleaned);
-  return cleaned;
+std::vector<LabelChange> clean_labels(const RangeImage& image, std::vector<std::uint32_t>& labels,
+                                      int least) {
+  std::vector<LabelChange> changes;
+  if (image.count() == 0) return changes;
+  clean(image, least, Kind::specks, labels, changes);
+  clean(image, least, Kind::holes, labels, changes);
+  return changes;
+}
+
+void restore_labels(const std::vector<LabelChange>& changes, std::vector<std::uint32_t>& labels) {
+  for (auto change = changes.rbegin(); change != changes.rend(); ++change)
+    std::fill_n(labels.begin() + static_cast<std::ptrdiff_t>(change->begin), change->end - change->begin,
+                change->before);
 }
 
 }  // namespace hybrid::stages

@@ -191,20 +191,21 @@ std::vector<std::uint8_t> trace_contours(device::Queue& queue, const RangeImage&
   std::vector<std::uint8_t> boundary(image.count(), 0);
   if (image.count() == 0) return boundary;
   const std::size_t count = segmentation.superclusters.size();
-  const auto mask = clean_labels(image, segmentation.sample_label, options.least_patch);
+  std::vector<std::uint32_t>& labels = segmentation.sample_label;  // the masks', until they are restored
+  const auto changes = clean_labels(image, labels, options.least_patch);
+  std::vector<bool> changed(image.count(), false);
+  for (auto change = changes.rbegin(); change != changes.rend(); ++change)
+    for (std::size_t i = change->begin; i < change->end; ++i) {
+      changed[i] = labels[i] != change->before;
+      boundary[i] = changed[i] && change->before != 0 && image.mask[i] == kMeasured;
+    }
   // The label of a measured sample that the mask keeps.
   const auto member = [&](std::size_t i) {
-    const std::uint32_t label = image.mask[i] == kMeasured ? segmentation.sample_label[i] : 0;
-    return label == mask[i] ? label : 0;
+    return image.mask[i] == kMeasured && !changed[i] ? labels[i] : 0;
   };
-  parallel_for(
-      image.count(),
-      [&](std::size_t i) {
-        boundary[i] = image.mask[i] == kMeasured && segmentation.sample_label[i] != member(i);
-      },
-      1 << 14);
-  const ContourCells cells = find_contour_cells(queue, image, mask, count, options.tile);
-  const auto rims = rim_samples(image, member, mask, count);
+  const ContourCells cells = find_contour_cells(queue, image, labels, count, options.tile);
+  const auto rims = rim_samples(image, member, labels, count);
+  restore_labels(changes, labels);
   parallel_for(count, [&](std::size_t i) {
     Supercluster& supercluster = segmentation.superclusters[i];
     supercluster.contours =

@@ -14,6 +14,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 constexpr std::size_t kNodes = 1 << 19;  // looked at together
+constexpr double kGate = 2;              // of the distances asked for: their ends count too
 
 class Distances {
  public:
@@ -25,8 +26,7 @@ class Distances {
         segmentation_(segmentation),
         local_from_scan_(world_from_scan),
         normal_deg_(normal_deg),
-        search_(queue, model, world_from_scan.translation),
-        signed_m_(image.count(), kNan) {
+        search_(queue, model, world_from_scan.translation) {
     local_from_scan_.translation.setZero();
   }
 
@@ -34,20 +34,19 @@ class Distances {
     return segmentation_.sample_label.empty() ? 0 : segmentation_.sample_label[i];
   }
 
-  // Of the measured nodes that `wanted` takes, to the faces within the gate; 0 = to all.
-  template <typename Wanted>
-  void measure(double gate_m, const Wanted& wanted) {
+  // Of the measured nodes that `wanted` takes, to the faces within the gate; 0 = to all. Calls take(node,
+  // distance, height), NaN where there is none, from any thread.
+  template <typename Wanted, typename Take>
+  void measure(double gate_m, const Wanted& wanted, const Take& take) {
     if (image_.cols == 0) return;
     const int rows = std::max(1, static_cast<int>(kNodes / static_cast<std::size_t>(image_.cols)));
     for (int row = 0; row < image_.rows; row += rows)
-      measure_rows(row, std::min(row + rows, image_.rows), gate_m, wanted);
+      measure_rows(row, std::min(row + rows, image_.rows), gate_m, wanted, take);
   }
 
-  std::vector<float> take() { return std::move(signed_m_); }
-
  private:
-  template <typename Wanted>
-  void measure_rows(int first, int end, double gate_m, const Wanted& wanted) {
+  template <typename Wanted, typename Take>
+  void measure_rows(int first, int end, double gate_m, const Wanted& wanted, const Take& take) {
     const auto rows = static_cast<std::size_t>(end - first);
     const auto each = [&](std::size_t row, const auto& visit) {
       const std::size_t begin = image_.index(first + static_cast<int>(row), 0);
@@ -76,7 +75,7 @@ class Distances {
     parallel_for(rows, [&](std::size_t row) {
       std::size_t k = begin[row];
       each(row, [&](std::size_t i) {
-        signed_m_[i] = std::copysign(distance_[k], height_[k]);
+        take(i, distance_[k], height_[k]);
         ++k;
       });
     });
@@ -101,7 +100,6 @@ class Distances {
   Pose local_from_scan_;
   double normal_deg_;
   ProxySearch search_;
-  std::vector<float> signed_m_;                        // per node
   std::vector<float> queries_[6], distance_, height_;  // of some rows; x y z nx ny nz
 };
 
@@ -112,13 +110,20 @@ std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeIma
                                             const Pose& world_from_scan, double normal_deg,
                                             double free_gate_m) {
   Distances distances(queue, image, segmentation, model, world_from_scan, normal_deg);
+  std::vector<float> signed_m(image.count(), kNan);
+  const auto take = [&](std::size_t i, float distance, float height) {
+    signed_m[i] = std::copysign(distance, height);
+  };
   if (free_gate_m > 0) {
-    distances.measure(0, [&](std::size_t i) { return distances.label(i) != 0; });
-    distances.measure(free_gate_m, [&](std::size_t i) { return distances.label(i) == 0; });
+    distances.measure(
+        0, [&](std::size_t i) { return distances.label(i) != 0; }, take);
+    distances.measure(
+        free_gate_m, [&](std::size_t i) { return distances.label(i) == 0; }, take);
   } else {
-    distances.measure(0, [](std::size_t) { return true; });
+    distances.measure(
+        0, [](std::size_t) { return true; }, take);
   }
-  return distances.take();
+  return signed_m;
 }
 
 std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& image,
@@ -129,18 +134,22 @@ std::vector<float> distance_to_model(device::Queue& queue, const RangeImage& ima
   return distances;
 }
 
-std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage& image,
-                                          const PlaneSegmentation& segmentation, const ProxyModel& model,
-                                          const Pose& world_from_scan, double normal_deg, double gate_m,
-                                          const std::vector<std::uint8_t>& wanted) {
-  if (!(gate_m > 0) || wanted.size() != image.count())
-    fail(ErrorKind::failed, "distance_to_near_faces: gate {}, {} flags for an image of {} samples", gate_m,
+std::vector<std::uint8_t> near_faces(device::Queue& queue, const RangeImage& image,
+                                     const PlaneSegmentation& segmentation, const ProxyModel& model,
+                                     const Pose& world_from_scan, double normal_deg,
+                                     const std::vector<float>& within_m,
+                                     const std::vector<std::uint8_t>& wanted) {
+  if (within_m.empty() || !(within_m.front() > 0) || wanted.size() != image.count())
+    fail(ErrorKind::failed, "near_faces: {} distances, {} flags for an image of {} samples", within_m.size(),
          wanted.size(), image.count());
-  Distances near(queue, image, segmentation, model, world_from_scan, normal_deg);
-  near.measure(gate_m, [&](std::size_t i) { return wanted[i] != 0; });
-  auto distances = near.take();
-  for (float& distance : distances) distance = std::abs(distance);
-  return distances;
+  Distances distances(queue, image, segmentation, model, world_from_scan, normal_deg);
+  std::vector<std::uint8_t> near(image.count(), 0);
+  distances.measure(
+      kGate * within_m.front(), [&](std::size_t i) { return wanted[i] != 0; },
+      [&](std::size_t i, float distance, float) {
+        for (const float within : within_m) near[i] += distance <= within;  // false for NaN
+      });
+  return near;
 }
 
 }  // namespace hybrid::stages

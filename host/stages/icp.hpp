@@ -90,11 +90,12 @@ std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeIma
                                             const Pose& world_from_scan, double normal_deg,
                                             double free_gate_m = 0);
 
-// The same for the `wanted` nodes (per node, 0 or 1) and the faces within `gate_m` (world scale, above 0);
-// NaN for the others.
-std::vector<float> distance_to_near_faces(device::Queue& queue, const RangeImage& image,
-                                          const PlaneSegmentation& segmentation, const ProxyModel& model,
-                                          const Pose& world_from_scan, double normal_deg, double gate_m,
-                                          const std::vector<std::uint8_t>& wanted);
+// Per `wanted` node (0 or 1), within how many of the distances (world scale, descending, ends included) the
+// closest compatible face lies; 0 for the others.
+std::vector<std::uint8_t> near_faces(device::Queue& queue, const RangeImage& image,
+                                     const PlaneSegmentation& segmentation, const ProxyModel& model,
+                                     const Pose& world_from_scan, double normal_deg,
+                                     const std::vector<float>& within_m,
+                                     const std::vector<std::uint8_t>& wanted);
 
 }  // namespace hybrid::stages

@@ -14,9 +14,12 @@ std::string clean(const std::vector<std::string>& rows, bool wraps, int least) {
   std::vector<std::uint32_t> labels;
   for (const auto& row : rows)
     for (const char c : row) labels.push_back(static_cast<std::uint32_t>(c - '0'));
+  const auto before = labels;
+  const auto changes = stages::clean_labels(image, labels, least);
   std::string result;
-  for (const std::uint32_t label : stages::clean_labels(image, labels, least))
-    result += static_cast<char>('0' + label);
+  for (const std::uint32_t label : labels) result += static_cast<char>('0' + label);
+  stages::restore_labels(changes, labels);
+  EXPECT_EQ(labels, before);
   return result;
 }
 

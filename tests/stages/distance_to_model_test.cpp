@@ -19,28 +19,24 @@ double distance_to_box(const Vec3& p) {
 
 }  // namespace
 
-TEST(DistanceToModel, near_faces_are_those_of_the_whole_model_within_the_gate) {
+TEST(DistanceToModel, near_faces_are_counted_as_the_whole_model_has_them) {
   const RecessRoomScan scan = scan_recess_room(301, 602, 0.002);
   const auto all =
       distance_to_model(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan, 30);
   std::vector<std::uint8_t> wanted(scan.image.count());
   for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = i % 3 != 0;
-  const float gate_m = 0.002f;
-  const auto near = distance_to_near_faces(queue(), scan.image, scan.segmentation, scan.proxy,
-                                           scan.world_from_scan, 30, gate_m, wanted);
+  const std::vector<float> within_m = {0.002f, all[601 * 150 + 100]};  // ends count
+  ASSERT_LT(within_m[1], within_m[0]);
+  const auto near = near_faces(queue(), scan.image, scan.segmentation, scan.proxy, scan.world_from_scan, 30,
+                               within_m, wanted);
   ASSERT_EQ(near.size(), all.size());
-  std::size_t found = 0, beyond = 0;
+  std::array<std::size_t, 3> found{};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!wanted[i] || !(all[i] < gate_m)) {
-      EXPECT_TRUE(std::isnan(near[i])) << i;
-      beyond += wanted[i];
-    } else {
-      EXPECT_EQ(near[i], all[i]) << i;
-      ++found;
-    }
+    const int expected = wanted[i] ? (all[i] <= within_m[0]) + (all[i] <= within_m[1]) : 0;
+    ASSERT_EQ(near[i], expected) << i;
+    ++found[static_cast<std::size_t>(expected)];
   }
-  EXPECT_GT(found, 100u);
-  EXPECT_GT(beyond, 100u);
+  for (const std::size_t count : found) EXPECT_GT(count, 100u);
 }
 
 TEST(DistanceToModel, is_the_distance_to_the_walls) {
