@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
+#include <mutex>
 #include <numbers>
 
 #include "core/large_vector.hpp"
@@ -13,6 +15,8 @@ namespace {
 
 constexpr std::uint64_t kFreeNodes = 1 << 12;
 constexpr std::uint64_t kGuess_records = 1 << 16;
+constexpr std::size_t kStripRanges = 16, kStrip = kStripRanges * E57RecordReader::kRange;
+constexpr std::uint64_t kMostNodes = Scan::kNoNode;
 
 // Several threads at one node are a file that finish() refuses: what they leave there does not matter.
 template <typename T>
@@ -29,9 +33,62 @@ struct Trend {
 
 }  // namespace
 
+// Consecutive records by their place among them.
+struct GridScatter::Strip {
+  std::uint64_t first = 0;
+  std::size_t missing = 0;               // ranges
+  std::vector<std::uint32_t> node, row;  // of the image; kNoNode: not to be put
+  std::vector<std::array<float, 3>> points;
+  std::vector<float> intensity;
+  std::vector<std::array<std::uint8_t, 3>> rgb;
+  std::vector<std::uint32_t> order, ends;  // while it is sorted
+
+  void start(std::uint64_t from, std::size_t ranges, const ScanColumns& columns) {
+    first = from;
+    missing = ranges;
+    row.resize(kStrip);
+    points.resize(kStrip);
+    if (columns.intensity) intensity.resize(kStrip);
+    if (columns.colour) rgb.resize(kStrip);
+    node.assign(kStrip, Scan::kNoNode);
+  }
+
+  // The records to put, by rows and in a row in their order; in their order alone where they have more rows
+  // than there are records.
+  std::span<const std::uint32_t> sorted() {
+    std::uint32_t low = Scan::kNoNode, high = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < kStrip; ++i) {
+      if (node[i] == Scan::kNoNode) continue;
+      low = std::min(low, row[i]);
+      high = std::max(high, row[i]);
+      ++count;
+    }
+    order.resize(kStrip);
+    const bool by_rows = count > 0 && high - low < kStrip;
+    ends.assign(by_rows ? high - low + 2 : 1, 0);
+    for (std::size_t i = 0; i < kStrip && by_rows; ++i)
+      if (node[i] != Scan::kNoNode) ++ends[row[i] - low + 1];
+    for (std::size_t k = 1; k < ends.size(); ++k) ends[k] += ends[k - 1];
+    for (std::size_t i = 0; i < kStrip; ++i)
+      if (node[i] != Scan::kNoNode) order[ends[by_rows ? row[i] - low : 0]++] = static_cast<std::uint32_t>(i);
+    return std::span(order).first(count);
+  }
+};
+
+// Those that wait for ranges, and others' memory.
+struct GridScatter::Strips {
+  std::mutex mutex;
+  std::map<std::size_t, std::unique_ptr<Strip>> open;
+  std::vector<std::unique_ptr<Strip>> done;
+};
+
+GridScatter::GridScatter(GridScatter&&) noexcept = default;
+GridScatter::~GridScatter() = default;
+
 GridScatter::GridScatter(const ScanColumns& columns, ScanGrid::Bounds row, ScanGrid::Bounds column,
                          std::uint64_t count)
-    : columns_(&columns), row_(row), column_(column) {
+    : columns_(&columns), row_(row), column_(column), strips_(std::make_unique<Strips>()) {
   grid_.image = make_range_image(static_cast<int>(row.extent()), static_cast<int>(column.extent()));
   if (columns.intensity) assign_large(grid_.image.intensity, grid_.image.count(), 0.0f);
   if (columns.colour) grid_.image.rgb.assign(grid_.image.count(), {0, 0, 0});
@@ -50,7 +107,7 @@ std::optional<GridScatter> GridScatter::of(const E57Scan& scan, const ScanSample
   if (!row_field.is_integer() || !column_field.is_integer()) return {};
   const auto row = ScanGrid::declared(scan.rows, row_field),
              column = ScanGrid::declared(scan.columns, column_field);
-  const std::uint64_t most = 2 * count + kFreeNodes;
+  const std::uint64_t most = std::min(2 * count + kFreeNodes, kMostNodes);
   if (row.high <= row.low || column.high <= column.low || row.extent() > most / column.extent()) return {};
   GridScatter scatter(columns, row, column, count);
   scatter.guess_directions(samples, reader);
@@ -86,8 +143,8 @@ void GridScatter::guess_directions(const ScanSamples& samples, const E57RecordRe
 
 void GridScatter::add(const E57Records& records, std::span<const std::array<float, 3>> points,
                       std::span<const float> intensity, std::span<const std::array<std::uint8_t, 3>> rgb) {
-  Range range;
-  RangeImage& image = grid_.image;
+  const std::size_t number = records.first / E57RecordReader::kRange, of_strip = number / kStripRanges;
+  Range& range = ranges_[number];
   const std::int64_t *row = records.integers[*columns_->row].data(),
                      *column = records.integers[*columns_->column].data();
   range.row = {row[0], row[0]};
@@ -98,28 +155,60 @@ void GridScatter::add(const E57Records& records, std::span<const std::array<floa
   }
   range.outside = range.row.low < row_.low || range.row.high > row_.high || range.column.low < column_.low ||
                   range.column.high > column_.high;
+  Strip* strip = nullptr;
+  {
+    const std::lock_guard lock(strips_->mutex);
+    std::unique_ptr<Strip>& open = strips_->open[of_strip];
+    if (!open) {
+      if (strips_->done.empty()) strips_->done.push_back(std::make_unique<Strip>());
+      open = std::move(strips_->done.back());
+      strips_->done.pop_back();
+      open->start(of_strip * kStrip, std::min(kStripRanges, ranges_.size() - of_strip * kStripRanges),
+                  *columns_);
+    }
+    strip = open.get();
+  }
+  const std::size_t at = records.first - strip->first;
+  std::ranges::copy(points, strip->points.begin() + static_cast<std::ptrdiff_t>(at));
+  std::ranges::copy(intensity, strip->intensity.begin() + static_cast<std::ptrdiff_t>(at));
+  std::ranges::copy(rgb, strip->rgb.begin() + static_cast<std::ptrdiff_t>(at));
   for (std::size_t i = 0; i < records.count && !range.outside; ++i) {
-    const Vec3 point(points[i][0], points[i][1], points[i][2]);
-    const double square = point.squaredNorm();
+    const double square = Vec3(points[i][0], points[i][1], points[i][2]).squaredNorm();
     if (!std::isfinite(square)) continue;
     ++range.finite;
     if (square == 0) continue;
     ++range.returns;
     const auto r = static_cast<int>(grid_.rows_reversed ? row_.high - row[i] : row[i] - row_.low),
                c = static_cast<int>(grid_.cols_reversed ? column_.high - column[i] : column[i] - column_.low);
-    const std::size_t node = image.index(r, c);
-    put(image.x, node, points[i][0]);
-    put(image.y, node, points[i][1]);
-    put(image.z, node, points[i][2]);
-    put(image.range_m, node, static_cast<float>(std::sqrt(square)));
-    put(image.mask, node, std::uint8_t{kMeasured});
-    put(image.source, node, static_cast<std::uint32_t>(records.first + i));
-    if (!intensity.empty()) put(image.intensity, node, intensity[i]);
-    if (!rgb.empty())
-      for (std::size_t k = 0; k < 3; ++k)
-        std::atomic_ref(image.rgb[node][k]).store(rgb[i][k], std::memory_order_relaxed);
+    strip->row[at + i] = static_cast<std::uint32_t>(r);
+    strip->node[at + i] = static_cast<std::uint32_t>(grid_.image.index(r, c));
   }
-  ranges_[records.first / E57RecordReader::kRange] = range;
+  {
+    const std::lock_guard lock(strips_->mutex);
+    if (--strip->missing > 0) return;
+  }
+  put_strip(*strip);
+  const std::lock_guard lock(strips_->mutex);
+  strips_->done.push_back(std::move(strips_->open[of_strip]));
+  strips_->open.erase(of_strip);
+}
+
+void GridScatter::put_strip(Strip& strip) {
+  RangeImage& image = grid_.image;
+  for (const std::uint32_t i : strip.sorted()) {
+    const std::size_t node = strip.node[i];
+    const auto& [x, y, z] = strip.points[i];
+    put(image.x, node, x);
+    put(image.y, node, y);
+    put(image.z, node, z);
+    put(image.range_m, node, static_cast<float>(Vec3(x, y, z).norm()));
+    put(image.mask, node, std::uint8_t{kMeasured});
+    put(image.source, node, static_cast<std::uint32_t>(strip.first + i));
+    if (!image.intensity.empty()) put(image.intensity, node, strip.intensity[i]);
+    if (image.rgb.empty()) continue;
+    for (std::size_t k = 0; k < 3; ++k)
+      std::atomic_ref(image.rgb[node][k]).store(strip.rgb[i][k], std::memory_order_relaxed);
+  }
 }
 
 // In place: rows move towards the front.

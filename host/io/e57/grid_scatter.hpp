@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,9 +11,13 @@
 
 namespace hybrid::io {
 
-// Puts the samples of records into the nodes of a range image as they come.
+// Puts the samples of records into the nodes of a range image as they come: strips of 65,536 are gathered and
+// sorted by row, as scanners go column by column and each sample alone would take seven lines of a cache from
+// memory.
 class GridScatter {
  public:
+  GridScatter(GridScatter&&) noexcept;
+  ~GridScatter();
   // Nothing where what the file declares of the indices makes no grid that is worth its memory. Decodes the
   // first records, to tell which way rows and columns go.
   static std::optional<GridScatter> of(const E57Scan& scan, const ScanSamples& samples,
@@ -34,12 +39,16 @@ class GridScatter {
   };
   GridScatter(const ScanColumns& columns, ScanGrid::Bounds row, ScanGrid::Bounds column, std::uint64_t count);
   void guess_directions(const ScanSamples& samples, const E57RecordReader& reader);
+  struct Strip;
+  struct Strips;
+  void put_strip(Strip& strip);
   void crop(ScanGrid::Bounds row, ScanGrid::Bounds column);
 
   const ScanColumns* columns_;
   ScanGrid::Bounds row_, column_;  // as declared
   GridScan grid_;
   std::vector<Range> ranges_;
+  std::unique_ptr<Strips> strips_;
 };
 
 }  // namespace hybrid::io
