@@ -10,6 +10,8 @@
 #include <mutex>
 #include <string>
 
+#include "core/scratch_file.hpp"
+
 namespace hybrid::paged_arrays {
 namespace {
 
@@ -59,14 +61,9 @@ std::uintptr_t gap(const State& s, std::uintptr_t from, std::uint64_t bytes) {
   return end - start >= bytes ? start : 0;
 }
 
-// A file without a name, all its room promised: a full disk is met here and not by a signal later.
+// A nameless file, all its room promised: a full disk is met here and not by a signal later.
 int open_file(const std::string& folder, std::uint64_t bytes) {
-  int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (file < 0) {  // a file system without such files
-    std::string name = folder + "/memory-XXXXXX";
-    file = mkostemp(name.data(), O_CLOEXEC);
-    if (file >= 0) unlink(name.c_str());
-  }
+  const int file = open_nameless_file(folder);
   if (file >= 0 && fallocate(file, 0, 0, static_cast<off_t>(bytes)) != 0) {
     close(file);
     return -1;

@@ -45,9 +45,20 @@ bool RecordIndex::wants_all() const {
   return sum > 2 * layout_.samples;
 }
 
+void RecordIndex::check_same(bool same) const {
+  if (!same)
+    fail_input(
+        "{}: channel source: expected the records that were there when it was opened, found others; the "
+        "file was changed meanwhile: read it again",
+        file_);
+}
+
 void RecordIndex::keep(std::size_t group, const std::uint32_t* source) {
   pixel_of_.resize(layout_.samples, kNowhere);
-  for_records(group, source, [&](std::uint32_t record, std::uint32_t pixel) { pixel_of_[record] = pixel; });
+  for_records(group, source, [&](std::uint32_t record, std::uint32_t pixel) {
+    check_same(record < layout_.samples);
+    pixel_of_[record] = pixel;
+  });
 }
 
 void RecordIndex::load(std::size_t group, const std::uint32_t* source) {
@@ -55,6 +66,7 @@ void RecordIndex::load(std::size_t group, const std::uint32_t* source) {
   Stretch& stretch = stretch_[group];
   stretch.pixel_of.assign(stretch.end > 0 ? stretch.end - stretch.first : 0, kNowhere);
   for_records(group, source, [&](std::uint32_t record, std::uint32_t pixel) {
+    check_same(record >= stretch.first && record < stretch.end);
     stretch.pixel_of[record - stretch.first] = pixel;
   });
 }
@@ -64,7 +76,11 @@ void RecordIndex::unload(std::size_t group) {
 }
 
 const std::uint32_t* RecordIndex::pixels(std::uint64_t first, std::size_t count) {
-  if (keeps_all()) return &pixel_of_[first];
+  if (keeps_all()) {
+    const std::span block(&pixel_of_[first], count);
+    check_same(std::ranges::find(block, kNowhere) == block.end());
+    return block.data();
+  }
   block_.assign(count, kNowhere);
   for (const Stretch& stretch : stretch_) {
     if (stretch.pixel_of.empty()) continue;
@@ -73,6 +89,7 @@ const std::uint32_t* RecordIndex::pixels(std::uint64_t first, std::size_t count)
       if (const std::uint32_t pixel = stretch.pixel_of[record - stretch.first]; pixel != kNowhere)
         block_[record - first] = pixel;
   }
+  check_same(std::ranges::find(block_, kNowhere) == block_.end());
   return block_.data();
 }
 

@@ -34,6 +34,7 @@ class RecordIndex {
   void load(std::size_t group, const std::uint32_t* source);
   void unload(std::size_t group);
   // The pixels of records [first, first + count), whose groups are in memory; valid until the next call.
+  // This, keep() and load() throw ErrorKind::input when the file holds other records than add() saw.
   const std::uint32_t* pixels(std::uint64_t first, std::size_t count);
 
  private:
@@ -43,6 +44,8 @@ class RecordIndex {
   };
   template <typename Take>  // take(record, pixel)
   void for_records(std::size_t group, const std::uint32_t* source, const Take& take) const;
+
+  void check_same(bool same) const;
 
   const std::string& file_;
   const RecordLayout& layout_;

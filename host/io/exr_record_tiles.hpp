@@ -34,6 +34,9 @@ class RecordTiles {
     return reinterpret_cast<std::uint16_t*>(pixels_[channel].data());
   }
 
+  std::span<char> bytes(std::size_t channel) { return pixels_[channel]; }
+  std::span<const char> bytes(std::size_t channel) const { return pixels_[channel]; }
+
   // For the library; valid while this lives.
   Imf::FrameBuffer slices(std::span<const RecordChannel> channels) const;
   // XXH3-64 of every tile over its channels, into the image's tiles, row by row.

@@ -6,10 +6,12 @@
 #include <bit>
 #include <charconv>
 #include <limits>
+#include <numeric>
 
 #include "core/error.hpp"
 #include "core/interrupt.hpp"
 #include "core/parallel.hpp"
+#include "io/decoded_tiles.hpp"
 #include "io/exr_errors.hpp"
 #include "io/exr_header.hpp"
 #include "io/exr_record_index.hpp"
@@ -106,9 +108,13 @@ struct ExrRecords::State {
     }
   }
 
-  RecordTiles load(std::size_t group, std::span<const RecordChannel> some) const {
+  // The channels with these numbers, of one group.
+  RecordTiles load(std::size_t group, std::span<const std::size_t> numbers) {
     const RecordGroup& g = groups[group];
+    std::vector<RecordChannel> some;
+    for (const std::size_t number : numbers) some.push_back(channels[number]);
     RecordTiles tiles(g, some);
+    if (decoded && decoded->get(group, numbers, tiles)) return tiles;
     guarded([&] {
       in->setFrameBuffer(tiles.slices(some));
       in->readTiles(g.tile_x, g.tile_x + g.tiles_x - 1, g.tile_y, g.tile_y + g.tiles_y - 1);
@@ -127,10 +133,11 @@ struct ExrRecords::State {
   std::vector<RecordChannel> channels;
   std::vector<std::size_t> raw;  // by field: its first channel
   std::optional<RecordIndex> index;
+  std::optional<DecodedTiles> decoded;
 
   // What the last read() left for the next.
   std::vector<std::size_t> cached_fields;
-  std::vector<RecordChannel> cached_channels;
+  std::vector<std::size_t> cached_channels;
   std::vector<std::size_t> cached_raw;  // by asked field
   std::vector<std::unique_ptr<RecordTiles>> cached;
 
@@ -144,9 +151,9 @@ struct ExrRecords::State {
     for (const std::size_t field : asked) {
       cached_raw.push_back(cached_channels.size());
       for (std::size_t k = 0; k < fields.at(field).names.size(); ++k)
-        cached_channels.push_back(channels[raw[field] + k]);
+        cached_channels.push_back(raw[field] + k);
     }
-    if (!index->keeps_all()) cached_channels.push_back(channels[0]);  // source
+    if (!index->keeps_all()) cached_channels.push_back(0);  // source
   }
 
   // Loads the groups of records [first, end); those before them will not be asked for soon.
@@ -232,15 +239,24 @@ void ExrRecords::open(const E57Table& table) {
   const int across = s.in->numXTiles();
   std::vector<std::uint64_t> hashes(static_cast<std::size_t>(across) *
                                     static_cast<std::size_t>(s.in->numYTiles()));
+  std::vector<std::size_t> all(s.channels.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  // Read again are the records' places and what is stored of them.
+  std::vector<std::size_t> again(all.begin() + static_cast<std::ptrdiff_t>(s.raw.empty() ? 1 : s.raw[0]),
+                                 all.end());
+  again.insert(again.begin(), 0);
+  DecodedTiles decoded(s.groups, again);
   for (std::size_t group = 0; group < s.groups.size(); ++group) {
     check_interrupted();
-    const RecordTiles tiles = s.load(group, s.channels);
+    const RecordTiles tiles = s.load(group, all);
     tiles.hash(s.channels, across, hashes);
     s.index->add(group, tiles.words(0));
+    decoded.put(group, tiles);
   }
+  s.decoded.emplace(std::move(decoded));
   if (s.index->wants_all())
     for (std::size_t group = 0; group < s.groups.size(); ++group)
-      s.index->keep(group, s.load(group, std::span(s.channels).first(1)).words(0));
+      s.index->keep(group, s.load(group, std::span(again).first(1)).words(0));
   std::vector<std::string> texts;
   for (const char* name : {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts})
     texts.push_back(s.text(name));

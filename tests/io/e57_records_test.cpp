@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <numeric>
 
+#include "core/scratch_file.hpp"
 #include "io/e57/e57_source.hpp"
 #include "io/e57_scans.hpp"
 #include "io/exr_e57.hpp"
@@ -316,6 +319,54 @@ TEST(E57Records, ARangeImageIsTheSameScanAsItsFile) {
     EXPECT_EQ(entry.samples, 3000u);
     EXPECT_EQ(entry.grid_rows > 0, grid != Grid::none);
     EXPECT_NE(entry.structure.find("intensity (whole 0 to 4095, times 0.25, plus -3)"), std::string::npos);
+  }
+}
+
+// What was decoded once is not asked of the file again; without a disk to keep it on, a file that was changed
+// meanwhile is told.
+TEST(E57Records, TilesAreDecodedOnce) {
+  const char* before = std::getenv("TMPDIR");
+  const std::string folder_before = before != nullptr ? before : "";
+  for (const bool disk : {true, false}) {
+    const TemporaryFolder folder;
+    const auto file = folder.path() / "a.e57", back = folder.path() / "back.e57";
+    write(file, {make_scan(kScaled + kColours + kOther, Grid::columns, 30'000)}, 0);
+    const auto image = to_images(file, folder.path()).front();
+    setenv("TMPDIR", disk ? "/var/tmp" : "/no/such/folder", 1);
+    const bool kept = ScratchFile::make(1 << 24) != nullptr;
+    const io::ExrSource source({image});
+    const auto records = source.open(0);
+    if (before != nullptr)
+      setenv("TMPDIR", folder_before.c_str(), 1);
+    else
+      unsetenv("TMPDIR");
+    if (disk && !kept) GTEST_SKIP() << "/var/tmp is no disk with a little room";
+    const auto half = static_cast<std::streamoff>(fs::file_size(image) / 2);
+    std::fstream(image, std::ios::in | std::ios::out | std::ios::binary).seekp(half)
+        << std::string(static_cast<std::size_t>(half), '\0');
+    const io::E57File stored(file);
+    const E57Columns expected = read_columns(stored, 0);
+    std::vector<std::size_t> fields(source.table(0).fields.size());
+    std::iota(fields.begin(), fields.end(), 0);
+    const auto compare = [&](const std::vector<std::size_t>& some) {
+      records->read(some, 0, records->count(), [&](const io::E57Records& range) {
+        for (std::size_t k = 0; k < some.size(); ++k) {
+          EXPECT_TRUE(std::ranges::equal(
+              range.integers[k],
+              std::span(expected.integers[some[k]])
+                  .subspan(range.integers[k].empty() ? 0 : range.first, range.integers[k].size())));
+          EXPECT_TRUE(std::ranges::equal(
+              range.reals[k], std::span(expected.reals[some[k]])
+                                  .subspan(range.reals[k].empty() ? 0 : range.first, range.reals[k].size())));
+        }
+      });
+    };
+    if (!disk) {
+      expect_input_error([&] { compare(fields); }, {"a-0.exr", "the file was changed meanwhile"});
+      continue;
+    }
+    compare(fields);
+    compare({fields[0], fields.back()});
   }
 }
 
