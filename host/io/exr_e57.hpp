@@ -47,7 +47,7 @@ std::string write_exr_parts(const E57Source& source, const std::filesystem::path
 // Its one scan, by the header; with all that read_e57() would tell of the E57 file.
 ScanEntry list_exr_records(const std::filesystem::path& file);
 Scan read_exr_records(const std::filesystem::path& file, const ReadOptions& options = {});
-// The same as E57Stream, null as there.
+// The same as E57Stream.
 std::unique_ptr<ScanStream> stream_exr_records(const std::filesystem::path& file, const ScanEntry& entry);
 
 }  // namespace hybrid::io

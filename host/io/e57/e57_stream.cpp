@@ -1,6 +1,9 @@
 #include "io/e57/e57_stream.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
 
 #include "core/error.hpp"
 #include "io/e57/scan_notes.hpp"
@@ -110,7 +113,6 @@ std::unique_ptr<ScanStream> E57Stream::open(const std::string& file, const E57Co
   std::unique_ptr<E57Stream> stream(new E57Stream(file, contents.scans.at(index), std::move(reader)));
   stream->owner_ = std::move(owner);
   const GridOutline grid = outline_grid(stream->source_, stream->samples_.columns(), *stream->reader_);
-  if (grid.grid && grid.several_returns) return nullptr;
   stream->take(grid, entry);
   name_e57_scan(file, contents, index, stream->head_);
   return stream;
@@ -125,10 +127,8 @@ std::unique_ptr<ScanStream> E57Stream::open(const std::filesystem::path& file, c
   auto stream =
       open(opened->name(), opened->contents(), entry.index,
            std::make_unique<E57TableReader>(opened->pages(), scans[entry.index].points), entry, opened);
-  if (stream) {
-    auto& notes = static_cast<E57Stream&>(*stream).head_.notes;
-    notes.insert(notes.end(), opened->notes().begin(), opened->notes().end());
-  }
+  auto& notes = static_cast<E57Stream&>(*stream).head_.notes;
+  notes.insert(notes.end(), opened->notes().begin(), opened->notes().end());
   return stream;
 }
 
@@ -146,6 +146,7 @@ void E57Stream::take(const GridOutline& grid, const ScanEntry& entry) {
     node_ = !grid.row_by_row && !grid.column_by_column;
     row_ = grid.row;
     column_ = grid.column;
+    if (grid.several_returns) find_first_returns();
   }
   measuring_ = true;
   measure(entry.kept_bytes);
@@ -155,6 +156,37 @@ void E57Stream::take(const GridOutline& grid, const ScanEntry& entry) {
   if (exact_) head_.steps = samples_.steps();
   if (!grid.note.empty()) head_.notes.push_back(grid.note);
   add_e57_notes(source_, columns, count_, head_);
+}
+
+std::uint32_t E57Stream::node_of(const E57Records& records, std::size_t i) const {
+  const ScanColumns& columns = samples_.columns();
+  return static_cast<std::uint32_t>(
+      static_cast<std::uint64_t>(records.integers[*columns.row][i] - row_.low) * column_.extent() +
+      static_cast<std::uint64_t>(records.integers[*columns.column][i] - column_.low));
+}
+
+std::uint8_t E57Stream::return_of(const E57Records& records, std::size_t i) const {
+  const std::size_t slot = *samples_.columns().return_index;
+  return ScanGrid::kept_return(records.integers[slot].empty()
+                                   ? records.reals[slot][i]
+                                   : static_cast<double>(records.integers[slot][i]));
+}
+
+void E57Stream::find_first_returns() {
+  first_return_.assign(grid_nodes(row_.extent(), column_.extent()), 255);
+  reader_->read(samples_.columns().fields, 0, count_, [&](const E57Records& records) {
+    std::array<std::array<float, 3>, E57RecordReader::kRange> points;
+    SampleTally ignored;
+    samples_.points(records, std::span(points).first(records.count), ignored);
+    for (std::size_t i = 0; i < records.count; ++i) {
+      if (!std::isfinite(points[i][0])) continue;
+      const std::uint8_t found = return_of(records, i);
+      const std::atomic_ref<std::uint8_t> first(first_return_[node_of(records, i)]);
+      std::uint8_t held = first.load(std::memory_order_relaxed);
+      while (found < held && !first.compare_exchange_weak(held, found, std::memory_order_relaxed)) {
+      }
+    }
+  });
 }
 
 SampleBlock E57Stream::load(std::uint64_t first, std::size_t count) const {
@@ -173,10 +205,11 @@ SampleBlock E57Stream::load(std::uint64_t first, std::size_t count) const {
     samples_.points(records, part(block_.points), tallies[at / E57RecordReader::kRange], part(block_.exact));
     if (intensity_) samples_.intensities(records, part(block_.intensity));
     if (colour_) samples_.colours(records, part(block_.rgb));
-    for (std::size_t i = 0; node_ && i < records.count; ++i)
-      block_.node[at + i] = static_cast<std::uint32_t>(
-          static_cast<std::uint64_t>(records.integers[*columns.row][i] - row_.low) * column_.extent() +
-          static_cast<std::uint64_t>(records.integers[*columns.column][i] - column_.low));
+    for (std::size_t i = 0; node_ && i < records.count; ++i) {
+      const std::uint32_t node = node_of(records, i);
+      const bool has_it = first_return_.empty() || return_of(records, i) <= first_return_[node];
+      block_.node[at + i] = has_it ? node : Scan::kNoNode;
+    }
   });
   if (measuring_) tallies_.push_back(sum_of(tallies));
   return block_.block(head_, first, 0, count);

@@ -20,11 +20,11 @@ struct GridOutline {
 };
 GridOutline outline_grid(const E57Scan& scan, const ScanColumns& columns, const E57RecordReader& reader);
 
-// Records as read_e57() makes samples of them, decoded again at every pass. In memory: a block. Keeps
-// `owner`, to which contents and reader refer, alive.
+// Records as read_e57() makes samples of them, decoded again at every pass. In memory: a block, and a byte
+// per node where there are several returns of a node. Keeps `owner`, to which contents and reader refer,
+// alive.
 class E57Stream : public ScanStream {
  public:
-  // Null where several returns share a node: which of them has it only a table of all nodes tells.
   static std::unique_ptr<ScanStream> open(const std::string& file, const E57Contents& contents,
                                           std::size_t index, std::unique_ptr<E57RecordReader> reader,
                                           const ScanEntry& entry, std::shared_ptr<const void> owner);
@@ -34,6 +34,9 @@ class E57Stream : public ScanStream {
  private:
   E57Stream(const std::string& file, const E57Scan& source, std::unique_ptr<E57RecordReader> reader);
   void take(const GridOutline& grid, const ScanEntry& entry);
+  void find_first_returns();
+  std::uint32_t node_of(const E57Records& records, std::size_t i) const;
+  std::uint8_t return_of(const E57Records& records, std::size_t i) const;
   SampleBlock load(std::uint64_t first, std::size_t count) const override;
 
   std::shared_ptr<const void> owner_;
@@ -42,6 +45,7 @@ class E57Stream : public ScanStream {
   std::unique_ptr<E57RecordReader> reader_;
   ScanSamples samples_;
   ScanGrid::Bounds row_, column_;
+  std::vector<std::uint8_t> first_return_;  // of several, the least valid one by node; else empty
   mutable bool measuring_ = false;
   mutable std::vector<SampleTally> tallies_;  // of the blocks measured so far
   mutable SampleColumns block_;

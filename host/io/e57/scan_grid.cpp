@@ -92,7 +92,7 @@ void ScanGrid::add(const E57Records& records) {
   for (std::size_t i = 0; i < records.count; ++i) {
     const double index = records.integers[slot].empty() ? records.reals[slot][i]
                                                         : static_cast<double>(records.integers[slot][i]);
-    const auto kept = static_cast<std::uint8_t>(index > 0 ? std::min(index, 255.0) : 0.0);
+    const std::uint8_t kept = kept_return(index);
     return_[records.first + i] = kept;
     range.several |= kept > 0;
   }

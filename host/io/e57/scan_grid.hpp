@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -31,6 +32,11 @@ class ScanGrid {
   // Sets the scan's grid and, unless its samples are in the grid's order, their nodes; a note when the
   // indices make no grid. Of several returns the first valid one takes the node.
   void finish(Scan& scan);
+
+  // By which the first of several returns is told: beyond 255 all are alike.
+  static std::uint8_t kept_return(double index) {
+    return static_cast<std::uint8_t>(index > 0 ? std::min(index, 255.0) : 0.0);
+  }
 
   struct Bounds {
     std::int64_t low = 0, high = -1;
