@@ -293,6 +293,58 @@ class PlyRecordStream : public BuiltStream {
   mutable FixedRecords records_;
 };
 
+// Records whose lists make them of different length: read one by one, from places that the first pass
+// remembers.
+class PlyListStream : public BuiltStream {
+ public:
+  PlyListStream(const ScanEntry& entry, std::unique_ptr<PlyOutline> outline)
+      : BuiltStream(entry),
+        outline_(std::move(outline)),
+        vertex_(outline_->elements.file(), *outline_->vertices),
+        places_{outline_->elements.place()} {
+    count_ = outline_->vertices->count;
+    intensity_ = vertex_.intensity();
+    exact_ = entry.exact && (outline_->elements.ascii() || vertex_.rounds());
+    if (!vertex_.unused().empty()) head_.notes.push_back(note_unused(vertex_));
+    FirstPass first;
+    first.colour = vertex_.colour();
+    while (next_ < count_ && !first.done()) add_next(1, first);
+    take_first(first);
+    seek(0);
+    const auto notes = take(outline_->elements.file(), false);
+    add_notes(outline_->go_on(outline_->elements.place(), false));
+    add_notes(notes);
+  }
+
+ private:
+  template <typename Builder>
+  void add_next(std::uint64_t count, Builder& builder) const {
+    PlyElements& elements = outline_->elements;
+    for (const std::uint64_t end = next_ + count; next_ < end; ++next_) {
+      elements.read(*outline_->vertices, next_);
+      builder.add(vertex_.sample([&](std::size_t i) { return elements.number(*outline_->vertices, i); }));
+    }
+  }
+
+  void seek(std::uint64_t first) const {
+    const std::uint64_t place = std::min<std::uint64_t>(first / kBlock, places_.size() - 1);
+    outline_->elements.move_to(places_[place]);
+    next_ = place * kBlock;
+  }
+
+  void add(std::uint64_t first, std::size_t count, ScanBuilder& builder) const override {
+    if (first != next_) seek(first);
+    for (; next_ < first; ++next_) outline_->elements.read(*outline_->vertices, next_);
+    with_colours(builder, [&](auto& to) { add_next(count, to); });
+    if (next_ == places_.size() * kBlock) places_.push_back(outline_->elements.place());
+  }
+
+  std::unique_ptr<PlyOutline> outline_;
+  PlyVertex vertex_;
+  mutable std::uint64_t next_ = 0;         // the record that comes next
+  mutable std::vector<TextPlace> places_;  // of records 0, kBlock, 2 kBlock ...
+};
+
 const char* name_of(PlyFormat format) {
   return format == PlyFormat::ascii           ? "ascii"
          : format == PlyFormat::little_endian ? "binary little endian"
@@ -308,7 +360,8 @@ Scan read_ply(const std::filesystem::path& file, const ReadOptions& options) {
 std::unique_ptr<ScanStream> stream_ply(const std::filesystem::path& file, const ScanEntry& entry) {
   if (entry.salvage) return nullptr;
   auto outline = std::make_unique<PlyOutline>(file);
-  if (!outline->vertices || outline->vertices->has_lists()) return nullptr;
+  if (!outline->vertices) return nullptr;
+  if (outline->vertices->has_lists()) return std::make_unique<PlyListStream>(entry, std::move(outline));
   if (outline->elements.ascii()) return std::make_unique<PlyTextStream>(file, entry, std::move(outline));
   return std::make_unique<PlyRecordStream>(entry, std::move(outline));
 }

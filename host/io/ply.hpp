@@ -15,7 +15,7 @@ namespace hybrid::io {
 // reals); names in any case; the rest is listed in Scan::notes. Throws ErrorKind::input naming file, line or
 // byte.
 Scan read_ply(const std::filesystem::path& file, const ReadOptions& options = {});
-// The same in blocks; null in salvage and where vertices have lists.
+// The same in blocks; null in salvage, and without vertices.
 std::unique_ptr<ScanStream> stream_ply(const std::filesystem::path& file, const ScanEntry& entry);
 // Its one scan, by the header alone.
 std::vector<ScanEntry> list_ply(const std::filesystem::path& file);

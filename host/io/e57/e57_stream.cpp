@@ -160,9 +160,16 @@ void E57Stream::take(const GridOutline& grid, const ScanEntry& entry) {
 
 std::uint32_t E57Stream::node_of(const E57Records& records, std::size_t i) const {
   const ScanColumns& columns = samples_.columns();
-  return static_cast<std::uint32_t>(
-      static_cast<std::uint64_t>(records.integers[*columns.row][i] - row_.low) * column_.extent() +
-      static_cast<std::uint64_t>(records.integers[*columns.column][i] - column_.low));
+  const auto from = [&](std::size_t slot, std::int64_t low) {
+    return static_cast<std::uint64_t>(records.integers[slot][i]) - static_cast<std::uint64_t>(low);
+  };
+  const std::uint64_t row = from(*columns.row, row_.low), column = from(*columns.column, column_.low);
+  if (row >= row_.extent() || column >= column_.extent())
+    fail_input(
+        "{}: record {}: expected the row and column indices of the pass before, found others; the file was "
+        "changed meanwhile: read it again",
+        where_, records.first + i);
+  return static_cast<std::uint32_t>(row * column_.extent() + column);
 }
 
 std::uint8_t E57Stream::return_of(const E57Records& records, std::size_t i) const {
