@@ -15,7 +15,7 @@
 namespace hybrid::testing {
 namespace {
 
-constexpr int kRows = 61, kCols = 140;
+constexpr int kRows = 121, kCols = 580;  // more than one strip of GridScatter
 
 struct Case {
   const char* name;
@@ -51,7 +51,7 @@ std::vector<Sample> samples_of(const Case& c) {
     for (int fast = 0; fast < (c.row_by_row ? kCols : kRows); ++fast) {
       const int row = c.row_by_row ? slow : fast, col = c.row_by_row ? fast : slow;
       if (c.kept < 1 && share() > c.kept) continue;
-      const double up = (row - kRows / 2) * 0.02, left = (2.0 * col / kCols - 1) * c.half_width_rad;
+      const double up = (row - kRows / 2) * 1.2 / kRows, left = (2.0 * col / kCols - 1) * c.half_width_rad;
       samples.push_back({row, col, 2 + 8 * share(), c.rows_rise ? up : -up, c.cols_turn_left ? left : -left});
     }
   if (c.shuffled) std::shuffle(samples.begin(), samples.end(), random);
