@@ -102,7 +102,8 @@ TEST(ExactCoordinates, FloatsStayFloats) {
   const auto pts = folder.write("in.pts", "2\n1.5 2.25 -3\n0.125 7 1\n");
   convert(pts, folder.path() / "a.e57");
   EXPECT_TRUE(read_exact(pts).exact.empty());
-  for (const auto& field : io::E57File(folder.path() / "a.e57").contents().scans[0].points.fields)
+  const io::E57File made(folder.path() / "a.e57");
+  for (const auto& field : made.contents().scans[0].points.fields)
     EXPECT_EQ(field.type, io::E57Type::single_real) << field.name;
   EXPECT_TRUE(io::read_scan(pts, 0).exact.empty());  // nobody asked
 }
