@@ -5,6 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scene="${1:-}"
+edits=()
 bash datasets/setup.sh
 build="${BUILD_DIR:-build}"
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release ${CMAKE_ARGS:-} >/dev/null
@@ -13,10 +14,11 @@ if [ -z "$scene" ]; then
   "$build/bin/hybrid-synth" church --out out/church-synthetic/scene --seed 1 --preset demo
   scene=out/church-synthetic/scene/scene.toml
   out=out/church-synthetic/result
+  edits=(--set edit.openings=cut)  # its proxy has none
 else
   out="out/$(basename "$(dirname "$(realpath "$scene")")")/result"
 fi
-"$build/bin/hybrid" run "$scene" --out "$out"
+"$build/bin/hybrid" run "$scene" --out "$out" "${edits[@]}"
 truth="$(dirname "$scene")/truth.json"
 if [ -e "$truth" ]; then
   echo

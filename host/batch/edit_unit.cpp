@@ -156,6 +156,7 @@ Json opening_json(const PolygonModel& model, const stages::Opening& opening) {
                {"confidence", opening.confidence},
                {"border_seen", opening.border_seen},
                {"depth_m", opening.depth_m}};
+  if (opening.pane_m) json["pane_m"] = *opening.pane_m;
   if (opening.carried_from) json["carried_from"] = model.faces[*opening.carried_from].name;
   if (!opening.cut) json["why_not"] = opening.why_not;
   json["polygon"] = flat;

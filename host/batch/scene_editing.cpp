@@ -7,6 +7,7 @@
 #include "io/obj.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
+#include "stages/panes.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -68,7 +69,7 @@ void SceneEditing::clip(const io::SceneFile& scene, const ScanRegistration& regi
 
 void SceneEditing::openings(const stages::OpeningOptions& options,
                             const stages::DisplacementOptions& displacement,
-                            const std::vector<ScanProduct>& products,
+                            std::vector<ScanProduct>& products,
                             const std::vector<std::optional<ScanRegistration>>& registrations,
                             PolygonModel& model) {
   options_ = options;
@@ -78,7 +79,12 @@ void SceneEditing::openings(const stages::OpeningOptions& options,
     const auto cut =
         std::count_if(found_.openings.begin(), found_.openings.end(), [](const auto& o) { return o.cut; });
     changed_ = changed_ || cut > 0;
-    model_["openings"] = {{"found", found_.openings.size()}, {"cut", cut}};
+    const auto panes = stages::add_panes(found_, model);
+    for (std::size_t i = 0; i < products.size(); ++i)
+      if (registrations[i])
+        stages::mark_through_glass(products[i].image, registrations[i]->world_from_scan(), model, panes,
+                                   products[i].stray);
+    model_["openings"] = {{"found", found_.openings.size()}, {"cut", cut}, {"panes", panes.size()}};
     for (const auto& face : found_.faces)
       if (face.status == "displaced" || face.status == "absent")
         model_["openings"]["faces_" + face.status].push_back(

@@ -16,10 +16,10 @@ class SceneEditing {
   // Of a registered scan and of its samples beside the grid.
   void clip(const io::SceneFile& scene, const ScanRegistration& registration, ScanProduct& product,
             ScanRemains& remains);
-  // Looks for openings, where the options say so, and cuts them into the model; displacement maps of what is
-  // left of its faces.
+  // Looks for openings, where the options say so, and cuts them into the model; those that glass closes get
+  // their panes, and samples seen through them are strays. Displacement maps of what is left of its faces.
   void openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement,
-                const std::vector<ScanProduct>& products,
+                std::vector<ScanProduct>& products,
                 const std::vector<std::optional<ScanRegistration>>& registrations, PolygonModel& model);
 
   // model/edited.obj and edited.png where the model was changed, model/openings.json and

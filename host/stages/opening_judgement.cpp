@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "stages/edit_model.hpp"
+#include "stages/panes.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -26,13 +27,16 @@ double lower_bound(double good, double all) {
 
 void describe_depths(const std::vector<EvidenceMark>& marks, Opening& opening) {
   std::vector<double> depths;
+  std::vector<PassedRay> passed;
   for (const EvidenceMark& mark : marks)
-    if (mark.kind == CellEvidence::through && inside(opening.ring, mark.at.cast<double>()))
+    if (mark.kind == CellEvidence::through && inside(opening.ring, mark.at.cast<double>())) {
       depths.push_back(mark.depth_m);
-    else if (mark.kind == CellEvidence::closed && inside(opening.ring, mark.at.cast<double>()))
+      passed.push_back({mark.at.cast<double>(), depths.back()});
+    } else if (mark.kind == CellEvidence::closed && inside(opening.ring, mark.at.cast<double>()))
       ++opening.against;
   opening.rays = static_cast<std::int64_t>(depths.size());
   if (depths.empty()) return;
+  opening.pane_m = pane_depth(passed, opening.area_m2);
   std::sort(depths.begin(), depths.end());
   opening.depth_m = depths[depths.size() / 2];
   std::size_t first = 0, most = 0;

@@ -47,12 +47,13 @@ struct Opening {
   double cell_m = 0;  // of the face's grid: how far the ring may reach beyond the face
   Ring2 ring;         // face coordinates, counter-clockwise
   double area_m2 = 0;
-  std::int64_t rays = 0;     // lines of sight that pass through it
-  std::int64_t against = 0;  // samples on the face inside it
-  double border_seen = 0;    // share of its border that has samples on the face beside it
-  double on_outline = 0;     // share of its border that is the face's own outline
-  double confidence = 0;     // lower bound (95 %) of the share of rays that pass, times border_seen
-  double depth_m = 0;        // median of how far behind the face the rays return
+  std::int64_t rays = 0;           // lines of sight that pass through it
+  std::int64_t against = 0;        // samples on the face inside it
+  double border_seen = 0;          // share of its border that has samples on the face beside it
+  double on_outline = 0;           // share of its border that is the face's own outline
+  double confidence = 0;           // lower bound (95 %) of the share of rays that pass, times border_seen
+  double depth_m = 0;              // median of how far behind the face the rays return
+  std::optional<double> pane_m{};  // how far behind the face glass closes it (panes.hpp)
   std::optional<std::size_t> carried_from{};  // the face of the wall's other side that its border was seen on
   std::string kind;  // "open" | "glass" (some return from one pane) | "recess" (nearly all from one plane)
   bool cut = false;

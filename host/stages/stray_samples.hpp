@@ -10,6 +10,7 @@ enum Stray : std::uint8_t {
   kNotStray = 0,
   kBetweenSurfaces = 1,  // a mixed pixel: its beam hit two surfaces, its range is a mean of both
   kIsolated = 2,         // alone in the air
+  kThroughGlass = 3,     // behind a pane on its ray: a mirror image or seen through it (panes.hpp)
 };
 
 // Defaults were chosen on hybrid-synth rooms of seeds 2 to 4, whose truth says which samples are mixed.
