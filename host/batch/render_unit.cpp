@@ -112,6 +112,19 @@ void write_view(const std::filesystem::path& stem, const stages::RenderedView& v
   io::write_png(stem.string() + ".png", to_picture(view.colour));
 }
 
+std::vector<stages::Curtain> curtains_of(const std::vector<ScanProduct>& products,
+                                         const std::vector<std::optional<ScanRegistration>>& registrations,
+                                         double unseen_m) {
+  std::vector<stages::CurtainScan> scans;
+  for (std::size_t i = 0; i < products.size(); ++i)
+    if (registrations[i])
+      scans.push_back({&products[i].image, &products[i].segmentation.sample_label, &products[i].stray,
+                       registrations[i]->world_from_scan()});
+  stages::CurtainOptions options;
+  options.length_m = unseen_m;
+  return stages::hang_curtains(scans, options);
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
@@ -178,7 +191,7 @@ void place_photographs(const io::SceneFile::Photographs& section, const std::vec
 
 stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
                                        const std::vector<std::optional<ScanRegistration>>& registrations,
-                                       const PhotographSet& photographs) {
+                                       const PhotographSet& photographs, double unseen_m) {
   stages::RenderScene scene;
   scene.proxy = model;
   scene.photographs = photographs.cameras;
@@ -188,6 +201,7 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
   auto contours = world_contours(products, registrations);
   scene.contours = std::move(contours.model);
   scene.contour_scan = std::move(contours.scan);
+  if (unseen_m > 0) scene.curtains = curtains_of(products, registrations, unseen_m);
   for (std::size_t i = 0; i < products.size(); ++i) {
     if (!registrations[i]) continue;
     const auto& product = products[i];

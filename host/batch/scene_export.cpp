@@ -49,7 +49,8 @@ struct SceneExport::State {
       : inputs(i),
         folder(out / "export"),
         earlier(files_of(folder / kIndex)),
-        scene(build_render_scene(i.model, i.products, i.registrations, i.photographs)),
+        scene(build_render_scene(i.model, i.products, i.registrations, i.photographs,
+                                 i.options.render.unseen_m)),
         renderer(q, scene, i.options.render) {}
 
   const ExportInputs inputs;

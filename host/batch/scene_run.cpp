@@ -290,7 +290,8 @@ class Run {
   }
 
   void render_all() {
-    const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs);
+    const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs,
+                                          options_.render.unseen_m);
     stages::Renderer renderer(queue_, scene, options_.render);
     if (options_.render.equalise) equalisation_ = equalisation_figures(renderer, run_.photographs);
     if (!run_.photographs.cameras.empty())

@@ -174,7 +174,8 @@ struct ViewPass {
 void colour_from_photographs(RenderState& state, ViewPass& pass, TilePixels& pixels) {
   const auto& c = pass.camera.centre;
   const PhotoBlendView view{{c[0], c[1], c[2]}, pixel_angle_rad(pass.request.camera.camera)};
-  pass.blend.blend(state.store, pass.shown, state.everything(pass.shown), pass.surface, view, pass.used);
+  pass.blend.blend(state.store, state.occluders(pass.request.show), state.everything(pass.shown),
+                   pass.surface, view, pass.used);
   pixels.colour = read_first(state.queue, pass.blend.colour(), pixels.colour.size());
   pixels.seen = read_first(state.queue, pass.blend.seen(), pixels.seen.size());
   pixels.best = read_first(state.queue, pass.blend.best(), pixels.best.size());
@@ -268,6 +269,14 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        10,
        "within this of a proxy face the sample wins, and casts no shadow on it",
        {}},
+      {"unseen_m",
+       "m",
+       &O::unseen_m,
+       0,
+       100,
+       "so far behind its outline, where no scan has seen the place empty, what is scanned hides what "
+       "photographs see",
+       {}},
       {"equalise",
        "",
        &O::equalise,
@@ -304,13 +313,14 @@ RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOpt
       diagonal_m(scene_box(s).isEmpty() ? 1.0 : scene_box(s).diagonal().norm()),
       store(q, s, o, origin, !band_sigmas(o).empty()) {}
 
-const DeviceBvh& RenderState::geometry(const std::string& show) {
+const DeviceBvh& RenderState::geometry(const std::string& show, bool curtains) {
   std::string built = show;
   if (show == "both" && scene.splats.empty() && scene.contours.faces.empty()) built = "proxy";
   if (show == "both" && scene.proxy.faces.empty()) built = "scan";
-  const auto found = geometries.find(built);
+  const std::pair key{built, curtains && built != "proxy" && !scene.curtains.empty()};
+  const auto found = geometries.find(key);
   if (found != geometries.end()) return found->second;
-  return geometries.emplace(built, make_render_geometry(queue, scene, built, origin)).first->second;
+  return geometries.emplace(key, make_render_geometry(queue, scene, built, origin, key.second)).first->second;
 }
 
 Renderer::Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options)

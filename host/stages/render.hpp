@@ -14,6 +14,7 @@
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
 #include "stages/atlas.hpp"
+#include "stages/curtains.hpp"
 
 namespace hybrid::stages {
 
@@ -31,6 +32,8 @@ struct RenderOptions {
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
+  double unseen_m = 0.1;     // so far behind its outline what is scanned hides what photographs see, where no
+                             // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
   bool equalise = true;      // gains per photograph and channel that make the photographs' overlaps agree
   bool levels = true;        // photographs finer than the view are halved first, as often as they are
   int photograph_mb = 4096;  // memory for photographs on the device; changes no result
@@ -54,7 +57,8 @@ struct RenderScene {
   PolygonModel contours;                    // of superclusters that no proxy face explains (METHOD 10)
   std::vector<std::uint32_t> contour_scan;  // per face of `contours`: index of its scan
   std::vector<Splat> splats;
-  std::vector<Vec3> scanners;  // where scans were made from
+  std::vector<Curtain> curtains;  // hide what is behind them from photographs
+  std::vector<Vec3> scanners;     // where scans were made from
   std::vector<Photograph> photographs;
   std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph; alpha 0: masked, not
                                           // part of the photograph
@@ -79,7 +83,8 @@ struct RenderedView {
   std::vector<float> depth_m;           // along the viewing axis (Z), of panoramas along the ray; +inf where
                                         // nothing is hit
   ImageF normal;                        // world, unit, towards the viewer
-  std::vector<std::uint32_t> id;        // 0 nothing, 1 + proxy face index, 0x80000000 + splat index,
+  std::vector<std::uint32_t> id;        // 0 nothing, 1 + proxy face index,
+                                        // 0x80000000 + splat index,
                                         // 0x20000000 + contour face index, 0x40000000 + photograph index
                                         // where `cameras` draws one
   std::vector<std::uint32_t> coverage;  // number of photographs that see the pixel's surface point

@@ -37,6 +37,16 @@ void append_triangles(const PolygonModel& model, const Vec3& origin, std::uint32
                                       model.vertices[t.vertices[2]] - origin, first_id + t.face, radius_m));
 }
 
+void append_curtains(const std::vector<Curtain>& curtains, const Vec3& origin,
+                     std::vector<TriangleRecord>& records) {
+  for (const Curtain& curtain : curtains) {
+    std::array<Vec3, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = curtain[k].cast<double>() - origin;
+    for (const std::size_t k : {1, 2})
+      records.push_back(triangle_record(corners[0], corners[k], corners[k + 1], 0));
+  }
+}
+
 RayCastParams cast_params(const DeviceBvh& geometry, const CameraRecord& camera, double tolerance_m) {
   RayCastParams params{};
   params.camera = camera;
@@ -105,13 +115,14 @@ float pixel_angle_rad(const Camera& camera) {
 }
 
 DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
-                               const Vec3& origin) {
+                               const Vec3& origin, bool curtains) {
   std::vector<TriangleRecord> triangles;
   std::vector<SphereRecord> spheres;
   std::vector<SphereSurface> surfaces;
   if (show != "scan") append_triangles(scene.proxy, origin, 1, 0, triangles);
   if (show != "proxy") {
     append_triangles(scene.contours, origin, kContourId, kContourRadius_m, triangles);
+    if (curtains) append_curtains(scene.curtains, origin, triangles);
     spheres.reserve(scene.splats.size());
     surfaces.reserve(scene.splats.size());
     for (std::size_t i = 0; i < scene.splats.size(); ++i) {

@@ -36,9 +36,11 @@ CameraRecord camera_record(const Photograph& photograph, const Vec3& origin);
 float pixel_angle_rad(const Camera& camera);
 
 // Primary and shadow geometry of what is shown ("proxy" | "scan" | "both"); contours and splats are of the
-// scans. Splats that are not finite or have no radius are left out, and beside the proxy those on its faces.
+// scans, and so are curtains, where they are asked for: they hide and are no surface, so no primary ray may
+// meet them. Splats that are not finite or have no radius are left out, and beside the proxy those on its
+// faces.
 DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
-                               const Vec3& origin);
+                               const Vec3& origin, bool curtains = false);
 
 // Pyramids at the photographs' centres, opening along their views, `size_m` long; none for photographs nearer
 // than 2 size_m to `eye`, which would look out of their own marker.

@@ -28,7 +28,7 @@ device::Array<float> upload(device::Queue& queue, const std::vector<SurfacePoint
 void add_seen(RenderState& s, const CameraRecord& camera, int index,
               const device::Array<std::uint8_t>& pixels, const device::Array<float>& surface,
               std::size_t count, device::Array<std::uint32_t>& seen) {
-  const DeviceBvh& occluders = s.geometry("both");
+  const DeviceBvh& occluders = s.occluders("both");
   RankPhotosParams params{};
   params.camera = camera;
   for (std::size_t k = 0; k < 3; ++k) params.eye[k] = camera.centre[k];

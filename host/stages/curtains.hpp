@@ -1,0 +1,33 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/pose.hpp"
+#include "geometry/range_image.hpp"
+
+namespace hybrid::stages {
+
+// A registered scan as evidence of what is in sight and what is not.
+struct CurtainScan {
+  const RangeImage* image = nullptr;
+  const std::vector<std::uint32_t>* sample_label = nullptr;  // per node, 0: no supercluster; or empty
+  const std::vector<std::uint8_t>* stray = nullptr;          // per node, Stray; or empty
+  Pose world_from_scan;
+};
+
+struct CurtainOptions {
+  double length_m = 0.1;      // how far a curtain hangs behind the outline it begins at
+  double tolerance_m = 0.02;  // a scan that sees this far past a place says that it is empty
+};
+
+using Curtain = std::array<Vec3f, 4>;  // a quadrilateral's corners in order, world frame
+
+// Where a scan's near surface ends before a far one nobody knows how far the near thing reaches back: the
+// scanner sees nothing of what is behind it. Curtains hang there, from each outline on along the scanner's
+// rays, to the far surface or for length_m, and close the open backs of what is scanned from one side.
+// Without the places that another scan has seen to be empty. In the order of scans and nodes: same result for
+// any number of threads.
+std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const CurtainOptions& options = {});
+
+}  // namespace hybrid::stages
