@@ -137,7 +137,9 @@ Json scan_figures(const ScanProduct& product) {
           {"unexplained", fated(stages::kUnexplained)},
           {"extra", extra}}},
         {"stray",
-         {{"between_surfaces", strays(stages::kBetweenSurfaces)}, {"isolated", strays(stages::kIsolated)}}}}},
+         {{"between_surfaces", strays(stages::kBetweenSurfaces)},
+          {"isolated", strays(stages::kIsolated)},
+          {"through_glass", strays(stages::kThroughGlass)}}}}},
       {"unexplained_planes", unexplained_json(product.contour_faces)},
       {"notes", product.notes}};
   if (product.sample_file) figures["lossless"] = sample_file_json(*product.sample_file);

@@ -88,7 +88,7 @@ class Hanger {
       if (k < count && !seen_empty(world * Vec3(0.5 * (at(k) + at(k + 1)) * middle))) continue;
       if (k > first) {
         const auto corner = [&](int end, double sign) {
-          return Vec3f((world * Vec3(at(end) * (middle + sign * side))).cast<float>());
+          return Vec3(world * Vec3(at(end) * (middle + sign * side)));
         };
         curtains.push_back({corner(first, -1), corner(first, 1), corner(k, 1), corner(k, -1)});
       }

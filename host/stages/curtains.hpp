@@ -21,7 +21,7 @@ struct CurtainOptions {
   double tolerance_m = 0.02;  // a scan that sees this far past a place says that it is empty
 };
 
-using Curtain = std::array<Vec3f, 4>;  // a quadrilateral's corners in order, world frame
+using Curtain = std::array<Vec3, 4>;  // a quadrilateral's corners in order, world frame
 
 // Where a scan's near surface ends before a far one nobody knows how far the near thing reaches back: the
 // scanner sees nothing of what is behind it. Curtains hang there, from each outline on along the scanner's

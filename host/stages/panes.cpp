@@ -1,5 +1,7 @@
 #include "stages/panes.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -90,6 +92,7 @@ std::vector<std::size_t> add_panes(const Openings& openings, PolygonModel& model
                    [](const Opening* a, const Opening* b) { return a->rays > b->rays; });
   std::vector<std::size_t> added;
   std::vector<PaneShape> shapes;
+  std::map<std::size_t, int> of_face;  // panes
   for (const Opening* opening : order) {
     const FaceFrame frame = face_frame(model, model.faces[opening->face]);
     std::vector<Vec3> ring;
@@ -104,7 +107,7 @@ std::vector<std::size_t> add_panes(const Openings& openings, PolygonModel& model
         }))
       continue;
     Face face;
-    face.name = model.faces[opening->face].name + "-pane";
+    face.name = fmt::format("{}-pane-{}", model.faces[opening->face].name, ++of_face[opening->face]);
     for (const Vec3& point : ring) {
       face.outer.push_back(static_cast<std::uint32_t>(model.vertices.size()));
       model.vertices.push_back(point);

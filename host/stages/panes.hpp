@@ -23,8 +23,8 @@ struct PassedRay {
 std::optional<double> pane_depth(const std::vector<PassedRay>& rays, double area_m2);
 
 // Puts the panes of openings that were cut into the model, as faces of the opening's outline named
-// "<face>-pane": photographs show what is on the glass, not what is behind it. Of panes seen through both
-// sides of a wall the one with more rays. Returns the new faces' indices.
+// "<face>-pane-1", "-2" ...: photographs show what is on the glass, not what is behind it. Of panes seen
+// through both sides of a wall the one with more rays. Returns the new faces' indices.
 std::vector<std::size_t> add_panes(const Openings& openings, PolygonModel& model);
 
 // Sets `stray` (per node) to kThroughGlass where a measured sample lies behind one of the faces `panes` on

@@ -41,7 +41,7 @@ void append_curtains(const std::vector<Curtain>& curtains, const Vec3& origin,
                      std::vector<TriangleRecord>& records) {
   for (const Curtain& curtain : curtains) {
     std::array<Vec3, 4> corners;
-    for (std::size_t k = 0; k < 4; ++k) corners[k] = curtain[k].cast<double>() - origin;
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = curtain[k] - origin;
     for (const std::size_t k : {1, 2})
       records.push_back(triangle_record(corners[0], corners[k], corners[k + 1], 0));
   }

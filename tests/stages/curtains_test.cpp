@@ -61,8 +61,8 @@ TEST(Curtains, hang_behind_the_outline_of_what_is_near_and_no_farther_than_the_w
     // Its outline is 30 nodes long on each side.
     EXPECT_NEAR(static_cast<double>(curtains.size()), 120, 8);
     for (const Curtain& curtain : curtains)
-      for (const Vec3f& corner : curtain) {
-        const Vec3f at_front = 2 / corner.y() * corner;  // where its ray passes the front
+      for (const Vec3& corner : curtain) {
+        const Vec3 at_front = 2 / corner.y() * corner;  // where its ray passes the front
         EXPECT_NEAR(std::max(std::abs(at_front.x()), std::abs(at_front.z())), 0.3, 0.025);
         EXPECT_GT(corner.y(), 1.98);
         EXPECT_LT(corner.norm(), std::min(2.1 + length_m, 4.1));

@@ -66,7 +66,7 @@ TEST(Panes, a_pane_seen_through_both_sides_of_its_wall_is_one_face_where_more_be
   openings.openings = {glazed(0, 100, 0.17), glazed(1, 900, 0.25)};
   const auto added = stages::add_panes(openings, model);
   ASSERT_EQ(added.size(), 1u);
-  EXPECT_EQ(model.faces[added[0]].name, "inside-pane");
+  EXPECT_EQ(model.faces[added[0]].name, "inside-pane-1");
   ASSERT_EQ(model.faces[added[0]].outer.size(), 4u);
   for (const std::uint32_t v : model.faces[added[0]].outer) EXPECT_NEAR(model.vertices[v].y(), 0.15, 1e-9);
   openings.openings[0].pane_m = 0.02;  // another one
