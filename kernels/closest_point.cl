@@ -23,8 +23,10 @@ kernel void closest_point(ClosestPointParams params, global const float* restric
                           global float* restrict near_y, global float* restrict near_z) {
   const uint first = (uint)get_global_id(0) * VW;
   if (first >= params.queries) return;
-  const Query query = load_queries(&params, first, x, y, z, nx, ny, nz);
-  Best best = no_triangle(params.gate2);
+  Query query;
+  load_queries(&params, first, x, y, z, nx, ny, nz, &query);
+  Best best;
+  begin_search(params.gate2, &best);
   for (uint i = 0; i < params.triangles; ++i) try_facing(&best, i, triangles + i, &query, params.min_facing);
   store_closest(&best, &query, first, params.queries, distance, height, triangle, near_x, near_y, near_z);
 }

@@ -46,16 +46,13 @@ static inline intv may_face(uint span, const Query* q, float min_facing) {
            min_facing);
 }
 
-// Of all triangles that may count, the closest; `before`: the one to try first, or NO_TRIANGLE.
-static inline Best closest(const ClosestPointParams* params, const Query* query,
-                           global const ProxyTriangle* triangles, global const ProxyNode* nodes,
-                           uint before) {
-  Best best = no_triangle(params->gate2);
-  // A NaN query looks for nothing.
-  best.distance2 = select(best.distance2, (floatv)(-1.0f),
-                          query->x + query->y + query->z != query->x + query->y + query->z);
+// Makes `best` the closest of all triangles that are nearer than it is; `before`: the one to try first, or
+// NO_TRIANGLE.
+static inline void find_closest(const ClosestPointParams* params, const Query* query,
+                                global const ProxyTriangle* triangles, global const ProxyNode* nodes,
+                                uint before, Best* best) {
   const int oriented = params->min_facing > -INFINITY;
-  if (before != NO_TRIANGLE) try_facing(&best, before, triangles + before, query, params->min_facing);
+  if (before != NO_TRIANGLE) try_facing(best, before, triangles + before, query, params->min_facing);
 
   uint stack[PROXY_TREE_STACK];
   floatv reach[PROXY_TREE_STACK];
@@ -64,12 +61,12 @@ static inline Best closest(const ClosestPointParams* params, const Query* query,
     if (next & BVH_LEAF) {
       const uint begin = next & BVH_FIRST_MASK;
       const uint end = begin + ((next >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
-      for (uint i = begin; i < end; ++i) try_facing(&best, i, triangles + i, query, params->min_facing);
+      for (uint i = begin; i < end; ++i) try_facing(best, i, triangles + i, query, params->min_facing);
     } else {
       global const ProxyNode* node = nodes + next;
       const floatv d0 = box_distance2(node->low0, node->high0, query);
       const floatv d1 = box_distance2(node->low1, node->high1, query);
-      intv open0 = d0 <= best.distance2, open1 = d1 <= best.distance2;
+      intv open0 = d0 <= best->distance2, open1 = d1 <= best->distance2;
       if (oriented) {
         open0 &= may_face(node->span0, query, params->min_facing);
         open1 &= may_face(node->span1, query, params->min_facing);
@@ -89,9 +86,8 @@ static inline Best closest(const ClosestPointParams* params, const Query* query,
     }
     do {
       next = top == 0u ? BVH_EMPTY : stack[--top];
-    } while (next != BVH_EMPTY && !ANY(reach[top] <= best.distance2));
+    } while (next != BVH_EMPTY && !ANY(reach[top] <= best->distance2));
   }
-  return best;
 }
 
 kernel void closest_point_tree(ClosestPointParams params, global const float* restrict x,
@@ -107,8 +103,14 @@ kernel void closest_point_tree(ClosestPointParams params, global const float* re
   const uint end = min(begin + VW * RUN, params.queries);
   uint before = NO_TRIANGLE;
   for (uint first = begin; first < end; first += VW) {
-    const Query query = load_queries(&params, first, x, y, z, nx, ny, nz);
-    const Best best = closest(&params, &query, triangles, nodes, before);
+    Query query;
+    load_queries(&params, first, x, y, z, nx, ny, nz, &query);
+    Best best;
+    begin_search(params.gate2, &best);
+    // A NaN query looks for nothing.
+    best.distance2 =
+        select(best.distance2, (floatv)(-1.0f), query.x + query.y + query.z != query.x + query.y + query.z);
+    find_closest(&params, &query, triangles, nodes, before, &best);
     before = FIRST_LANE(best.triangle);
     store_closest(&best, &query, first, params.queries, distance, height, triangle, near_x, near_y, near_z);
   }

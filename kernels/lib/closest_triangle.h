@@ -79,27 +79,27 @@ static inline void try_triangle(Best* best, uint index, global const ProxyTriang
 }
 
 // Query `first` and the VW - 1 behind it, brought from the scan's frame into the local one.
-static inline Query load_queries(const ClosestPointParams* params, uint first, global const float* x,
-                                 global const float* y, global const float* z, global const float* nx,
-                                 global const float* ny, global const float* nz) {
+static inline void load_queries(const ClosestPointParams* params, uint first, global const float* x,
+                                global const float* y, global const float* z, global const float* nx,
+                                global const float* ny, global const float* nz, Query* query) {
   const uint count = params->queries;
   const float* m = params->linear;
   const floatv lx = load_lanes(x, first, count, NAN), ly = load_lanes(y, first, count, NAN),
                lz = load_lanes(z, first, count, NAN);
   const floatv sx = load_lanes(nx, first, count, NAN), sy = load_lanes(ny, first, count, NAN),
                sz = load_lanes(nz, first, count, NAN);
-  const Query query = {lx * m[0] + ly * m[1] + lz * m[2] + params->translation[0],
-                       lx * m[3] + ly * m[4] + lz * m[5] + params->translation[1],
-                       lx * m[6] + ly * m[7] + lz * m[8] + params->translation[2],
-                       sx * m[0] + sy * m[1] + sz * m[2],
-                       sx * m[3] + sy * m[4] + sz * m[5],
-                       sx * m[6] + sy * m[7] + sz * m[8]};
-  return query;
+  query->x = lx * m[0] + ly * m[1] + lz * m[2] + params->translation[0];
+  query->y = lx * m[3] + ly * m[4] + lz * m[5] + params->translation[1];
+  query->z = lx * m[6] + ly * m[7] + lz * m[8] + params->translation[2];
+  query->nx = sx * m[0] + sy * m[1] + sz * m[2];
+  query->ny = sx * m[3] + sy * m[4] + sz * m[5];
+  query->nz = sx * m[6] + sy * m[7] + sz * m[8];
 }
 
-static inline Best no_triangle(float gate2) {
-  const Best best = {gate2, NAN, NAN, NAN, NAN, NO_TRIANGLE};
-  return best;
+static inline void begin_search(float gate2, Best* best) {
+  best->distance2 = gate2;
+  best->height = best->fx = best->fy = best->fz = NAN;
+  best->triangle = NO_TRIANGLE;
 }
 
 // Tries one triangle for the lanes whose normals it is compatible with.
