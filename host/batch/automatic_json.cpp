@@ -17,6 +17,8 @@ Json automatic_json(const stages::AutomaticAlignment& alignment) {
                          {"behind_faces", alignment.shares.behind},
                          {"without_face", alignment.shares.nothing}};
   json["doubt"] = alignment.doubt;
+  json["planes"] = alignment.planes;
+  json["farthest_plane_m"] = alignment.farthest_m;
   json["hypotheses"] = {{"rotations", alignment.rotations},
                         {"poses", alignment.guesses},
                         {"looked_at_closely", alignment.finalists}};

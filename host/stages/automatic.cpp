@@ -67,15 +67,47 @@ std::size_t choose(const ScanEvidence& scan, const Search& search) {
 }
 
 constexpr double kSeenShare = 0.002;
+constexpr double kPlaneShare = 0.03, kSmallPlaneShare = 0.01;
 
-std::vector<std::uint32_t> faces_of(const ScanEvidence& scan, const Finalist& pose) {
-  std::map<std::uint32_t, double> areas;
-  for (std::size_t k = 0; k < pose.lines.size(); ++k)
-    if (pose.lines[k].sight == Sight::supported) areas[pose.lines[k].face] += scan.rays[k].area_m2;
-  std::vector<std::uint32_t> faces;
-  for (const auto& [face, area] : areas)
-    if (area >= kSeenShare * scan.area_m2) faces.push_back(face);
-  return faces;
+// What lies on one face or plane of the model.
+struct Held {
+  double area_m2 = 0, moment_m3 = 0;  // area; times the signed distance from the plane
+  double offset_m() const { return moment_m3 / area_m2; }
+};
+
+// By face of the model.
+std::map<std::uint32_t, Held> held_by_face(const ScanEvidence& scan, const Finalist& pose,
+                                           const ModelShapes& model) {
+  std::map<std::uint32_t, Plane> planes;
+  for (const FaceShape& face : model.faces) planes[face.face] = face.plane;
+  std::map<std::uint32_t, Held> by_face;
+  for (std::size_t k = 0; k < pose.lines.size(); ++k) {
+    if (pose.lines[k].sight != Sight::supported) continue;
+    const SightRay& ray = scan.rays[k];
+    Held& held = by_face[pose.lines[k].face];
+    held.area_m2 += ray.area_m2;
+    if (const auto plane = planes.find(pose.lines[k].face); plane != planes.end()) {
+      const Vec3 point = pose.fit.world_from_scan * Vec3(ray.range_m * ray.direction);
+      held.moment_m3 += ray.area_m2 * plane->second.distance(point);
+    }
+  }
+  return by_face;
+}
+
+// The planes of the model that hold the scan, small ones counted half, and how far they are off.
+void count_planes(const std::map<std::uint32_t, Held>& by_face, const ModelShapes& model, double area_m2,
+                  AutomaticAlignment& result) {
+  std::map<std::uint32_t, Held> by_plane;
+  for (const FaceShape& face : model.faces)
+    if (const auto held = by_face.find(face.face); held != by_face.end()) {
+      by_plane[face.plane_index].area_m2 += held->second.area_m2;
+      by_plane[face.plane_index].moment_m3 += held->second.moment_m3;
+    }
+  for (const auto& [plane, held] : by_plane) {
+    if (held.area_m2 < kSmallPlaneShare * area_m2) continue;
+    result.planes += held.area_m2 < kPlaneShare * area_m2 ? 0.5 : 1;
+    result.farthest_m = std::max(result.farthest_m, std::abs(held.offset_m()));
+  }
 }
 
 }  // namespace
@@ -94,6 +126,7 @@ const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
       {"automatic_single", "", &O::least_single, 0, 1, "or one plane this large", {}},
       {"automatic_support", "", &O::least_support, 0, 1, "planar area that must lie on faces, share", {}},
       {"automatic_doubt", "", &O::most_doubt, 0, 1e6, "planes off faces against planes on them", {}},
+      {"automatic_planes", "", &O::least_planes, 0, 100, "planes of the model that must hold the scan", {}},
       {"automatic_through", "", &O::most_through, 0, 1, "planar area that may be seen through faces", {}},
       {"automatic_hold", "", &O::least_hold, 0, 1, "least resistance along any direction, share", {}},
   };
@@ -124,7 +157,10 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.world_from_scan = best.fit.world_from_scan;
   result.has_pose = true;
   result.shares = best.shares;
-  result.faces = faces_of(scan, best);
+  const auto by_face = held_by_face(scan, best, shapes);
+  for (const auto& [face, held] : by_face)
+    if (held.area_m2 >= kSeenShare * scan.area_m2) result.faces.push_back(face);
+  count_planes(by_face, shapes, scan.area_m2, result);
   result.doubt = doubt(scan, best.lines);
   result.rivals = rivals_of(scan, search, chosen, options);
   result.margin = 1;

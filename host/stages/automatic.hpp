@@ -22,8 +22,11 @@ struct AutomaticOptions {
   double least_single = 0.06;
   double least_support = 0.35;  // of the planar area on faces
   double most_doubt = 0.5;      // doubt(): planes off the faces against planes on them, worst direction
-  double most_through = 0.35;   // of the planar area seen through faces
-  double least_hold = 0.002;    // least resistance along any direction, share of the area
+  // Any corner lies on three planes, and one more (the height, say) may fit by chance: so many of the model's
+  // must hold the scan, and where it is less than one more, all of them within `tolerance_m`.
+  double least_planes = 5;
+  double most_through = 0.35;  // of the planar area seen through faces
+  double least_hold = 0.002;   // least resistance along any direction, share of the area
   int seed = 1;
   // Of the scene, not of the option table:
   bool levelled = false;
@@ -46,7 +49,10 @@ struct AutomaticAlignment {
   std::string reason;    // when not: in words, what is missing and what to do
   Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
   bool has_pose = false;
-  double doubt = 0;                  // doubt() of it
+  double doubt = 0;  // doubt() of it
+  // Of the model, under it: with 3 % of the planar area and more on them each, those with 1 % and more half;
+  // and how far the one that is farthest off is, m.
+  double planes = 0, farthest_m = 0;
   SightShares shares;                // under it
   std::vector<std::uint32_t> faces;  // that hold 0.2 % of the planar area and more under it, ascending
   double margin = 0;                 // least gap to a rival, share of the planar area; 1 without rivals

@@ -97,6 +97,18 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "% "
         "may; is it the model of another place?{}",
         100 * shares.through, 100 * options.most_through, kGiveLandmarks);
+  if (best.planes < options.least_planes)
+    return fmt::format(
+        "under the best pose planes of the model hold the scan that count {}, at least {} should (one with 3 "
+        "% "
+        "of the planar area counts 1, with 1 % a half): another place with such a corner would fit as well{}",
+        best.planes, options.least_planes, kGiveLandmarks);
+  if (best.planes < options.least_planes + 1 && best.farthest_m > options.tolerance_m)
+    return fmt::format(
+        "under the best pose few planes of the model hold the scan, and one of them lies {:.0f} mm off, at "
+        "most "
+        "{:.0f} may where they are few: is it the model of another place of nearly the same size?{}",
+        1000 * best.farthest_m, 1000 * options.tolerance_m, kGiveLandmarks);
   if (best.doubt > options.most_doubt && best.doubt > kNothing)
     return fmt::format(
         "under the best pose hardly any planar area that faces along some direction lies on the model's "

@@ -75,8 +75,8 @@ double strength(const Comparison& c, const MarginRule& rule) {
 // A plane right beside a face is a similar room's: clutter seldom lies so.
 constexpr double kBeside = 1.5;
 // What neither is floor or ceiling nor reaches from one to the other may be furniture, or a recess that the
-// model lacks. With 0.5 scans of other, similar rooms are accepted (2 of 300 more).
-constexpr double kClutter = 0.9;
+// model lacks.
+constexpr double kClutter = 0.5;
 
 double doubt(const ScanEvidence& scan, const std::vector<SightLine>& pose) {
   Mat3 on = Mat3::Zero(), off = Mat3::Zero();

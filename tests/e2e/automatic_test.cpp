@@ -90,23 +90,32 @@ TEST(AutomaticScene, real_scans_are_aligned_as_their_landmarks_say) {
   const auto register_to = [&](const fs::path& file, const std::string& out) {
     return run("hybrid register " + file.string() + " --quiet --out " + (scratch / out).string()).exit_code;
   };
-  // Scan 2 sees a wall of 10 m that the proxy lacks, and abstains for it.
-  EXPECT_EQ(register_to(scratch / "scene.toml", "automatic"), 3);
+  // Scan 2 sees a wall of 10 m that the proxy lacks.
+  EXPECT_EQ(register_to(scratch / "scene.toml", "automatic"), 0);
   EXPECT_EQ(register_to(scene / "scene.toml", "landmarks"), 0);
-  EXPECT_EQ(pose_json("automatic", "scan1")["status"], "accepted");
-  EXPECT_NE(pose_json("automatic", "scan2")["reason"].dump().find("lacks walls"), std::string::npos);
-  const auto matrix = [](const nlohmann::json& json) {
-    return pose_from_row_major(json.get<std::array<double, 16>>());
+  const auto pose_of = [&](const std::string& out, const std::string& scan) {
+    return pose_from_row_major(pose_json(out, scan)["world_from_scan"].get<std::array<double, 16>>());
   };
   for (const char* scan : {"scan1", "scan2"}) {
-    // Of the abstained one its best guess, before ICP: it was right.
-    const auto found = pose_json("automatic", scan);
-    const bool accepted = found["status"] == "accepted";
-    const auto apart = difference(matrix(found[accepted ? "world_from_scan" : "best_world_from_scan"]),
-                                  matrix(pose_json("landmarks", scan)["world_from_scan"]));
-    EXPECT_LT(apart.distance_m, accepted ? 0.02 : 0.05) << scan;  // measured of scan 1: 2 um
-    EXPECT_LT(apart.angle_rad * 180 / M_PI, accepted ? 0.2 : 0.5) << scan;
+    EXPECT_EQ(pose_json("automatic", scan)["how"], "automatic");
+    const auto apart = difference(pose_of("automatic", scan), pose_of("landmarks", scan));
+    EXPECT_LT(apart.distance_m, 0.001) << scan;  // measured: 0
+    EXPECT_LT(apart.angle_rad * 180 / M_PI, 0.01) << scan;
   }
+
+  // Scan to scan, without the proxy; not levelled, upside down would be a rival.
+  const std::size_t model = text.find("[model]"), planes = text.find("[planes]"),
+                    view = text.find("[[view]]");
+  text = text.substr(0, model) + text.substr(planes, view - planes);
+  replace_all(text, "levelled = false", "levelled = true");
+  io::write_text(scratch / "scans.toml", text);
+  EXPECT_EQ(register_to(scratch / "scans.toml", "scans"), 0);
+  const auto second_in_first = [&](const std::string& out) {
+    return pose_of(out, "scan1").inverse() * pose_of(out, "scan2");
+  };
+  const auto apart = difference(second_in_first("automatic"), second_in_first("scans"));
+  EXPECT_LT(apart.distance_m, 0.02);  // measured: 0.7 mm
+  EXPECT_LT(apart.angle_rad * 180 / M_PI, 0.2);
 }
 
 }  // namespace hybrid::e2e
