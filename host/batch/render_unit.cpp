@@ -92,6 +92,7 @@ std::vector<std::string> leave_one_out_names(const PhotographSet& photographs) {
   return names;
 }
 
+// The EXR says what its light was multiplied with, so that views can be brought to one exposure.
 void write_view(const std::filesystem::path& stem, const stages::RenderedView& view) {
   std::vector<std::uint32_t> best(view.best.size());  // -1 (no photograph) is stored as 2^32 - 1
   std::transform(view.best.begin(), view.best.end(), best.begin(),
@@ -108,7 +109,8 @@ void write_view(const std::filesystem::path& stem, const stages::RenderedView& v
                  {"N.z", normal + 2, nullptr, 3},
                  {"id", nullptr, view.id.data(), 1},
                  {"coverage", nullptr, view.coverage.data(), 1},
-                 {"best", nullptr, best.data(), 1}});
+                 {"best", nullptr, best.data(), 1}},
+                {{"exposure", Json(view.exposure).dump()}});
   io::write_png(stem.string() + ".png", to_picture(view.colour));
 }
 
@@ -272,6 +274,7 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
                   {"surface_share", static_cast<double>(hit) / pixels}};
   if (!view.path.empty()) figures["path"] = view.path;
   if (view.texture) figures["red_share"] = static_cast<double>(hit - seen) / pixels;
+  if (view.texture && renderer.options().equalise) figures["exposure"] = rendered.exposure;
 
   const bool left_out =
       std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();

@@ -67,7 +67,7 @@ Renderer::BakedChart Renderer::bake(const AtlasChart& chart, const std::vector<s
     surface.cols = static_cast<std::uint32_t>(part.cols);
     const std::vector<float> planes = tile_surface(chart, mask, s.origin, part);
     s.queue.write(surface.surface, std::span<const float>(planes));
-    blend.blend(s.store, occluders, s.everything(occluders), surface, view, used);
+    blend.blend(s.store, occluders, s.everything(occluders), surface, view, used, s.store.linear());
     const device::Rect rect{static_cast<std::size_t>(part.row), static_cast<std::size_t>(part.col),
                             static_cast<std::size_t>(part.rows), static_cast<std::size_t>(part.cols)};
     s.queue.read_rect(blend.seen(), out.coverage.data(), cols, rect);

@@ -68,7 +68,7 @@ Renderer::ColouredRange Renderer::colour_range_image(const RangeImage& image,
     const std::vector<float> planes = tile_surface(image, segmentation, local_from_scan, part);
     s.queue.write(surface.surface, std::span<const float>(planes));
     const PhotoBlendView view{{eye.x(), eye.y(), eye.z()}, scan_step_rad(image)};
-    blend.blend(s.store, occluders, s.geometry("both"), surface, view, used);
+    blend.blend(s.store, occluders, s.geometry("both"), surface, view, used, s.store.linear());
     const device::Rect rect{static_cast<std::size_t>(part.row), static_cast<std::size_t>(part.col),
                             static_cast<std::size_t>(part.rows), static_cast<std::size_t>(part.cols)};
     const auto cols = static_cast<std::size_t>(image.cols);

@@ -6,6 +6,7 @@
 
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
+#include "stages/photo_blend.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -122,6 +123,17 @@ PhotographOverlap overlap(std::size_t first, std::size_t second,
   return found;
 }
 
+// Blended by these, a point's colour is the weighted mean of its photographs' logarithms of gains.
+std::vector<device::Array<float>> log_gain_tables(const RenderState& state) {
+  std::vector<device::Array<float>> tables;
+  for (const auto& gain : state.gains) {
+    std::vector<float> table;
+    for (const double factor : gain) table.insert(table.end(), 256, static_cast<float>(std::log(factor)));
+    tables.push_back(state.queue.array(table));
+  }
+  return tables;
+}
+
 }  // namespace
 
 std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState& state) {
@@ -176,6 +188,39 @@ std::vector<std::array<double, 3>> solve_gains(std::size_t photographs,
     for (std::size_t k = 0; k < 3; ++k)
       gains[i][k] = std::exp(solved(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)));
   return gains;
+}
+
+std::array<double, 3> view_exposure(RenderState& state, const ViewRequest& request,
+                                    const std::vector<std::size_t>& used) {
+  const Photograph grid = coarse(request.camera, coarse_factor(request.camera, 1));
+  const auto capacity =
+      static_cast<std::size_t>(grid.camera.width) * static_cast<std::size_t>(grid.camera.height);
+  const CameraRecord camera = camera_record(grid, state.origin);
+  const DeviceBvh& shown = state.geometry(request.show);
+  SurfaceTile tile(state.queue, capacity);
+  cast_tile(state.queue, shown, camera, {0, 0, grid.camera.height, grid.camera.width}, {0.5f, 0.5f},
+            state.options.surface_tolerance_m, tile);
+
+  RenderOptions options = state.options;
+  if (options.blend != "nearest")
+    options.blend = "linear";  // the lowest band's weights, which hold the light
+  PhotoBlend blend(state.queue, options, capacity);
+  const auto tables = log_gain_tables(state);
+  const PhotoBlendView view{{camera.centre[0], camera.centre[1], camera.centre[2]},
+                            pixel_angle_rad(request.camera.camera)};
+  blend.blend(state.store, state.occluders(request.show), state.everything(shown), tile, view, used, tables);
+  const std::vector<float> logs = state.queue.read(blend.colour());
+  const std::vector<std::uint32_t> seen = state.queue.read(blend.seen());
+
+  std::array<double, 3> sum{}, exposure{1, 1, 1};
+  double pixels = 0;
+  for (std::size_t i = 0; i < tile.count(); ++i) {
+    if (seen[i] == 0) continue;
+    ++pixels;
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += static_cast<double>(logs[3 * i + k]);
+  }
+  for (std::size_t k = 0; k < 3 && pixels > 0; ++k) exposure[k] = std::exp(-sum[k] / pixels);
+  return exposure;
 }
 
 }  // namespace hybrid::stages

@@ -25,4 +25,12 @@ std::vector<std::array<double, 3>> solve_gains(std::size_t photographs,
 // and the mean light around them in each photograph that sees them. Kernels: ray_cast, rank_photos.
 std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState& state);
 
+// What brings a view from the exposure that all photographs have in common to that of the photographs it
+// shows, per channel: exp(-mean of the logarithms of their gains), each pixel counting once and in it each of
+// the photographs `used` as it weighs. From a grid of rays over the whole view, as one tile: no tile size and
+// no thread decides, and along a path of cameras it changes as slowly as the weights do. 1 where no
+// photograph sees anything. Kernels: ray_cast and those of PhotoBlend.
+std::array<double, 3> view_exposure(RenderState& state, const ViewRequest& request,
+                                    const std::vector<std::size_t>& used);
+
 }  // namespace hybrid::stages

@@ -42,7 +42,7 @@ PhotoBlend::PhotoBlend(device::Queue& queue, const RenderOptions& options, std::
 
 void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const DeviceBvh& everything,
                        const SurfaceTile& tile, const PhotoBlendView& view,
-                       const std::vector<std::size_t>& used) {
+                       const std::vector<std::size_t>& used, const std::vector<device::Array<float>>& light) {
   fill(queue_, sums_, blend_planes(mode_) * tile.count(), 0.0f);
   fill(queue_, seen_, tile.count(), std::uint32_t{0});
   fill(queue_, best_, tile.count(), std::int32_t{-1});
@@ -54,9 +54,9 @@ void PhotoBlend::blend(PhotographStore& store, const DeviceBvh& occluders, const
   for (std::size_t index : kept_ > 0 ? ranked_photographs(tile.count()) : used) {
     const PhotographStore::Entry& photograph = store.get(index, everything);
     if (kept_ > 0)
-      add_ranked(store, index, photograph, tile, view);
+      add_ranked(index, photograph, tile, view, light[index]);
     else
-      add(store, index, photograph, occluders, tile, view);
+      add(index, photograph, occluders, tile, view, light[index]);
   }
   const ResolveBlendParams resolve{static_cast<std::uint32_t>(tile.count()), mode_.mode, mode_.bands, 0};
   queue_.launch("resolve_blend", queue_.kernel("resolve_blend"), device::grid(tile.count()), resolve,
@@ -74,8 +74,8 @@ std::vector<std::size_t> PhotoBlend::ranked_photographs(std::size_t points) {
   return {found.begin(), found.end()};
 }
 
-void PhotoBlend::add(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
-                     const DeviceBvh& occluders, const SurfaceTile& tile, const PhotoBlendView& view) {
+void PhotoBlend::add(std::size_t index, const PhotographStore::Entry& photograph, const DeviceBvh& occluders,
+                     const SurfaceTile& tile, const PhotoBlendView& view, const device::Array<float>& light) {
   BlendPhotosParams params{};
   params.camera = photograph.camera;
   for (std::size_t k = 0; k < 3; ++k) params.eye[k] = view.eye[k];
@@ -89,7 +89,7 @@ void PhotoBlend::add(PhotographStore& store, std::size_t index, const Photograph
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.root;
   launch("blend_photos", tile, params, occluders.nodes, occluders.triangles, occluders.spheres, tile.surface,
-         photograph.pixels, photograph.low, store.linear(index), sums_, seen_, best_);
+         photograph.pixels, photograph.low, light, sums_, seen_, best_);
 }
 
 void PhotoBlend::rank(PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
@@ -114,9 +114,9 @@ void PhotoBlend::rank(PhotographStore& store, std::size_t index, const DeviceBvh
          pixels, penalty_, ranked_, seen_);
 }
 
-void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
-                            const PhotographStore::Entry& photograph, const SurfaceTile& tile,
-                            const PhotoBlendView& view) {
+void PhotoBlend::add_ranked(std::size_t index, const PhotographStore::Entry& photograph,
+                            const SurfaceTile& tile, const PhotoBlendView& view,
+                            const device::Array<float>& light) {
   BlendRankedParams params{};
   params.camera = photograph.camera;
   params.cols = tile.cols;
@@ -127,7 +127,7 @@ void PhotoBlend::add_ranked(PhotographStore& store, std::size_t index,
   params.feather_px = photograph.pixel_scale * static_cast<float>(options_.feather_px);
   params.pixel_rad = view.pixel_rad;
   launch("blend_ranked", tile, params, tile.surface, penalty_, ranked_, photograph.pixels, photograph.low,
-         store.linear(index), sums_, best_);
+         light, sums_, best_);
 }
 
 template <typename... Args>

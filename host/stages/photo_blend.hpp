@@ -22,23 +22,26 @@ class PhotoBlend {
   PhotoBlend(device::Queue& queue, const RenderOptions& options, std::size_t capacity);
 
   // Colours of the surface points of `tile`, from the photographs `used`, which must be in increasing order.
+  // `light`: what a byte counts as (3 x 256), per photograph of the scene: PhotographStore::linear(), or
+  // anything else to be mixed by the same weights (not where photographs are split into bands).
   // Kernels: blend_photos once per photograph, or with weights = "ulr" rank_photos and then blend_ranked;
   // resolve_blend.
   void blend(PhotographStore& store, const DeviceBvh& occluders, const DeviceBvh& everything,
-             const SurfaceTile& tile, const PhotoBlendView& view, const std::vector<std::size_t>& used);
+             const SurfaceTile& tile, const PhotoBlendView& view, const std::vector<std::size_t>& used,
+             const std::vector<device::Array<float>>& light);
 
   const device::Array<float>& colour() const { return colour_; }      // linear RGB, interleaved
   const device::Array<std::uint32_t>& seen() const { return seen_; }  // photographs that see the point
   const device::Array<std::int32_t>& best() const { return best_; }   // the heaviest, -1 none
 
  private:
-  void add(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
-           const DeviceBvh& occluders, const SurfaceTile& tile, const PhotoBlendView& view);
+  void add(std::size_t index, const PhotographStore::Entry& photograph, const DeviceBvh& occluders,
+           const SurfaceTile& tile, const PhotoBlendView& view, const device::Array<float>& light);
   void rank(PhotographStore& store, std::size_t index, const DeviceBvh& occluders,
             const DeviceBvh& everything, const SurfaceTile& tile, const PhotoBlendView& view);
   std::vector<std::size_t> ranked_photographs(std::size_t points);
-  void add_ranked(PhotographStore& store, std::size_t index, const PhotographStore::Entry& photograph,
-                  const SurfaceTile& tile, const PhotoBlendView& view);
+  void add_ranked(std::size_t index, const PhotographStore::Entry& photograph, const SurfaceTile& tile,
+                  const PhotoBlendView& view, const device::Array<float>& light);
   template <typename... Args>
   void launch(const char* name, const SurfaceTile& tile, const Args&... args);
 

@@ -38,8 +38,8 @@ class PhotographStore {
   void use_levels(std::vector<int> levels);
   // Kernels: ray_cast and blur_photo when low bands are wanted.
   const Entry& get(std::size_t index, const DeviceBvh& everything);
-  // Linear light of each sRGB byte of a photograph, per channel (3 x 256), on the device.
-  const device::Array<float>& linear(std::size_t index) const { return linear_[index]; }
+  // Linear light of each sRGB byte of each photograph, per channel (3 x 256), on the device.
+  const std::vector<device::Array<float>>& linear() const { return linear_; }
   // Factors of every photograph's linear light, per channel; before the first get(). 1 until then.
   void set_gains(const std::vector<std::array<double, 3>>& gains);
 

@@ -169,16 +169,24 @@ struct ViewPass {
   DeviceBvh markers;
   SurfaceTile surface, marker_surface;
   PhotoBlend blend;
+  std::array<double, 3> exposure{1, 1, 1};
 };
 
 void colour_from_photographs(RenderState& state, ViewPass& pass, TilePixels& pixels) {
   const auto& c = pass.camera.centre;
   const PhotoBlendView view{{c[0], c[1], c[2]}, pixel_angle_rad(pass.request.camera.camera)};
   pass.blend.blend(state.store, state.occluders(pass.request.show), state.everything(pass.shown),
-                   pass.surface, view, pass.used);
+                   pass.surface, view, pass.used, state.store.linear());
   pixels.colour = read_first(state.queue, pass.blend.colour(), pixels.colour.size());
   pixels.seen = read_first(state.queue, pass.blend.seen(), pixels.seen.size());
   pixels.best = read_first(state.queue, pass.blend.best(), pixels.best.size());
+  parallel_for(
+      pixels.seen.size(),
+      [&](std::size_t i) {
+        for (std::size_t k = 0; k < 3 && pixels.seen[i] > 0; ++k)  // red stays red
+          pixels.colour[3 * i + k] *= static_cast<float>(pass.exposure[k]);
+      },
+      4096);
 }
 
 TilePixels render_tile(RenderState& state, ViewPass& pass, const Tile& tile,
@@ -282,7 +290,8 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        &O::equalise,
        0,
        0,
-       "multiply each photograph's channels so that photographs agree where they overlap",
+       "multiply each photograph's channels so that photographs agree where they overlap; a view has the "
+       "exposure of those it shows",
        {}},
       {"levels",
        "",
@@ -349,6 +358,8 @@ RenderedView Renderer::render(const ViewRequest& request) {
   ViewPass pass(*state_, request, capacity);
   if (request.texture) state_->store.use_levels(photograph_levels(*state_, pass.shown, request.camera));
   RenderedView view = empty_view(camera);
+  if (request.texture && state_->options.equalise)
+    view.exposure = pass.exposure = view_exposure(*state_, request, pass.used);
   const int n = state_->options.samples_per_axis;
   for (const Tile& tile : make_tiles(camera.height, camera.width, side))
     for (int sample = 0; sample < n * n; ++sample) {

@@ -34,7 +34,8 @@ struct RenderOptions {
                                       // up to 5 at grazing angles); faces shadow each other exactly
   double unseen_m = 0;       // so far behind its outline what is scanned hides what photographs see, where no
                              // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
-  bool equalise = true;      // gains per photograph and channel that make the photographs' overlaps agree
+  bool equalise = true;      // gains per photograph and channel that make the photographs' overlaps agree; a
+                             // view comes at the exposure of those it shows, all else at one of them all
   bool levels = true;        // photographs finer than the view are halved first, as often as they are
   int photograph_mb = 4096;  // memory for photographs on the device; changes no result
   int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
@@ -89,6 +90,8 @@ struct RenderedView {
                                         // where `cameras` draws one
   std::vector<std::uint32_t> coverage;  // number of photographs that see the pixel's surface point
   std::vector<std::int32_t> best;       // index of the heaviest photograph, -1 none
+  std::array<double, 3> exposure{1, 1, 1};  // what the photographs' light was multiplied with besides their
+                                            // gains (view_exposure); through it, views have one exposure
 };
 
 // A place on a proxy face.
