@@ -1,5 +1,8 @@
 // The synthetic church: its truth is true. One scene with faulty proxy and cameras, made once on one thread
 // and once on two.
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,6 +40,16 @@ class Church : public ::testing::Test {
     scratch_ = nullptr;
   }
   static fs::path folder() { return *scratch_ / "1"; }
+  // A run over it that cuts its openings; made when first asked for.
+  static fs::path opened() {
+    const fs::path out = *scratch_ / "opened";
+    if (fs::exists(out / "summary.json")) return out;
+    const auto made =
+        run("hybrid run " + (folder() / "scene.toml").string() +
+            " --only planes,register,edit,render --set edit.openings=cut --quiet --out " + out.string());
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    return out;
+  }
 
   static Vec3 vector(const nlohmann::json& list) {
     return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
@@ -53,6 +66,20 @@ class Church : public ::testing::Test {
   static inline Scratch* scratch_ = nullptr;
   static inline nlohmann::json truth_;
 };
+
+// The `id` channel of a view.
+std::vector<std::uint32_t> ids_of(const fs::path& exr) {
+  Imf::InputFile file(exr.c_str());
+  const auto window = file.header().dataWindow();
+  const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
+  std::vector<std::uint32_t> ids(width * static_cast<std::size_t>(window.max.y - window.min.y + 1));
+  Imf::FrameBuffer buffer;
+  buffer.insert("id", Imf::Slice::Make(Imf::UINT, ids.data(), window, sizeof(std::uint32_t),
+                                       width * sizeof(std::uint32_t)));
+  file.setFrameBuffer(buffer);
+  file.readPixels(window.min.y, window.max.y);
+  return ids;
+}
 
 }  // namespace
 
@@ -136,6 +163,39 @@ TEST_F(Church, erring_cameras_differ_from_the_truth) {
   for (const auto& camera : truth_["cameras"])
     EXPECT_NE(written.find(camera["name"].get<std::string>()), std::string::npos);
   EXPECT_EQ(truth_["camera_error_px"], 0.5);
+}
+
+TEST_F(Church, panes_close_its_windows_in_views_and_what_is_measured_behind_them_is_stray) {
+  const auto summary = nlohmann::json::parse(io::read_text(opened() / "summary.json"));
+  const auto model = io::read_obj(opened() / "model/edited.obj");
+  std::size_t panes = 0;
+  for (const auto& face : model.faces) panes += face.name.find("-pane-") != std::string::npos;
+  EXPECT_EQ(summary["edit"]["openings"]["panes"], panes);
+  EXPECT_GE(panes, 4u);  // measured: 8
+  for (const auto& scan : summary["scans"])
+    EXPECT_GT(scan["decimation"]["stray"]["through_glass"], 0) << scan["id"];  // 51, 142, 444
+  // The view from outside shows them: an id is 1 + the index of a face.
+  const auto ids = ids_of(opened() / "views/front-textured.exr");
+  const auto shown = std::count_if(ids.begin(), ids.end(), [&](std::uint32_t id) {
+    return id > 0 && id <= model.faces.size() && model.faces[id - 1].name.find("-pane-") != std::string::npos;
+  });
+  EXPECT_GT(shown, 50);  // 120
+}
+
+// Photographs inside are exposed longer than those outside, and the open door joins them.
+TEST_F(Church, views_have_the_exposure_of_the_photographs_they_show) {
+  const auto summary = nlohmann::json::parse(io::read_text(opened() / "summary.json"));
+  const auto of = [](const nlohmann::json& rows, const char* key, const char* name, const char* value) {
+    for (const auto& row : rows)
+      if (row[key] == name) return row[value][1].get<double>();
+    throw std::runtime_error(name);
+  };
+  const auto &gains = summary["equalisation"], &views = summary["views"];
+  const double outside = of(gains, "photograph", "000.jpg", "gain"),
+               inside = of(gains, "photograph", "005.jpg", "gain");
+  EXPECT_GT(outside / inside, 2);  // measured: 2.24 / 0.59
+  EXPECT_NEAR(of(views, "name", "front-textured", "exposure") * outside, 1, 0.05);
+  EXPECT_NEAR(of(views, "name", "nave-textured", "exposure") * inside, 1, 0.05);
 }
 
 TEST(Archive, holds_as_many_scenes_as_asked_and_goes_on_where_it_was_interrupted) {
