@@ -54,7 +54,8 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
     std::vector<std::uint8_t> retained(product.image.count());
     for (std::size_t i = 0; i < retained.size(); ++i)
       retained[i] = product.decimation.fate[i] > stages::kDiscarded &&
-                    product.stray[i] == stages::kNotStray && !product.contour_faces.covered[i];
+                    product.stray[i] == stages::kNotStray &&
+                    (product.contour_faces.covered.empty() || !product.contour_faces.covered[i]);
     std::vector<std::uint8_t> on_contour;
     if (!contours.model.faces.empty())
       on_contour = stages::near_faces(queue, product.image, product.segmentation, contours.model,
@@ -68,6 +69,7 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
           if (!on_contour.empty() && on_contour[i]) return;
           const bool planar = product.segmentation.sample_label[i] != 0;
           const bool on_face =
+              !to_face.empty() &&
               std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
           product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
         },

@@ -184,11 +184,13 @@ class Run {
     });
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
-    if (!run_.model) return;
-    unit("edit", [&] {
-      editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations, *run_.model);
-    });
+    if (run_.model)
+      unit("edit", [&] {
+        editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations,
+                          *run_.model);
+      });
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    if (!run_.model) return;
     if (wants("edit"))
       unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
     if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);

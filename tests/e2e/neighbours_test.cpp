@@ -80,6 +80,14 @@ TEST(Neighbours, scans_without_a_model_are_registered_to_the_first) {
   EXPECT_EQ(summary["joint"]["frame"], "west");
   EXPECT_LT(summary["scans"][1]["truth"]["pose_error_mm"], 0.2);  // measured 0.032
   EXPECT_LT(summary["scans"][1]["truth"]["pose_error_deg"], 0.002);
+
+  // They are reported and exported as well.
+  const auto whole =
+      run("hybrid run " + (scratch / "scene.toml").string() +
+          " --only planes,register,export,report --set export.formats=ply,glb --quiet --out " + out.string());
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_NE(io::read_text(out / "report/index.html").find("Scan to scan"), std::string::npos);
+  EXPECT_GT(std::filesystem::file_size(out / "export/points.ply"), 100000u);
 }
 
 }  // namespace hybrid::e2e
