@@ -23,7 +23,8 @@ struct AutomaticOptions {
   double least_support = 0.35;  // of the planar area on faces
   double most_doubt = 0.5;      // doubt(): planes off the faces against planes on them, worst direction
   // Any corner lies on three planes, and one more (the height, say) may fit by chance: so many of the model's
-  // must hold the scan, and where it is less than one more, all of them within `tolerance_m`.
+  // must hold the scan, and where it is less than one more, all must fit better (0.7 of `tolerance_m` and
+  // `most_doubt`).
   double least_planes = 5;
   double most_through = 0.35;  // of the planar area seen through faces
   double least_hold = 0.002;   // least resistance along any direction, share of the area

@@ -12,6 +12,8 @@ constexpr double kSpan = 0.1;
 constexpr double kNothing = 10;  // so many times as much off the faces as on them: nothing to speak of is on
 constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
+constexpr double kFew = 0.7;  // of what else may be off: where few planes hold a scan, they must fit better
+
 constexpr const char* kGiveLandmarks = "; give 3 or more landmarks (the landmark sheet helps) or a pose";
 
 // Least singular direction of unit normals: near 0 when they all lie in one plane, as those of a corridor
@@ -103,23 +105,25 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "% "
         "of the planar area counts 1, with 1 % a half): another place with such a corner would fit as well{}",
         best.planes, options.least_planes, kGiveLandmarks);
-  if (best.planes < options.least_planes + 1 && best.farthest_m > options.tolerance_m)
+  const double share = best.planes < options.least_planes + 1 ? kFew : 1,
+               most_doubt = share * options.most_doubt;
+  if (share < 1 && best.farthest_m > share * options.tolerance_m)
     return fmt::format(
         "under the best pose few planes of the model hold the scan, and one of them lies {:.0f} mm off, at "
         "most "
         "{:.0f} may where they are few: is it the model of another place of nearly the same size?{}",
-        1000 * best.farthest_m, 1000 * options.tolerance_m, kGiveLandmarks);
-  if (best.doubt > options.most_doubt && best.doubt > kNothing)
+        1000 * best.farthest_m, 1000 * share * options.tolerance_m, kGiveLandmarks);
+  if (best.doubt > most_doubt && best.doubt > kNothing)
     return fmt::format(
         "under the best pose hardly any planar area that faces along some direction lies on the model's "
         "faces: "
         "the scan shows too little of the model to hold it there, or the model lacks walls{}",
         kGiveLandmarks);
-  if (best.doubt > options.most_doubt)
+  if (best.doubt > most_doubt)
     return fmt::format(
         "under the best pose {:.0f} % as much planar area lies off the model's faces as on them, along some "
         "direction; at most {:.0f} % may: is it the model of another place, or one that lacks walls?{}",
-        100 * best.doubt, 100 * options.most_doubt, kGiveLandmarks);
+        100 * best.doubt, 100 * most_doubt, kGiveLandmarks);
   if (fit.least_share < options.least_hold)
     return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
                        fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), kGiveLandmarks);
