@@ -135,7 +135,7 @@ void pass(File& file, batch::ScanProduct& product) {
 template <typename File>
 void pass(File& file, Scan& scan) {
   auto& [name, points, origin, exact, steps, intensity, rgb, grid_rows, grid_cols, row_by_row, range_grid,
-         node, world_from_scan, intensity_limits, crs, crs_records, notes] = scan;
+         node, scanner_is_known, world_from_scan, intensity_limits, crs, crs_records, notes] = scan;
   pass(file, name);
   pass(file, points);
   pass(file, origin);
@@ -146,7 +146,7 @@ void pass(File& file, Scan& scan) {
     pass(file, scale);
     pass(file, offset);
   });
-  all(intensity, rgb, grid_rows, grid_cols, row_by_row);
+  all(intensity, rgb, grid_rows, grid_cols, row_by_row, scanner_is_known);
   pass_optional(file, range_grid, [&](RangeGrid& grid) {
     auto& [elevation_rad, azimuth_rad, wraps, interpolated, interpolated_point] = grid;
     all(elevation_rad, azimuth_rad, wraps, interpolated, interpolated_point);

@@ -64,6 +64,7 @@ struct Scan {
     return static_cast<std::size_t>(slow) * static_cast<std::size_t>(row_by_row ? grid_cols : grid_rows) +
            static_cast<std::size_t>(fast);
   }
+  bool scanner_is_known = false;        // somebody said where it stood: the origin is no guess
   std::optional<Pose> world_from_scan;  // as recorded in the file, if it was
   // Least and greatest value that `intensity` can have, where the format says.
   std::optional<std::array<float, 2>> intensity_limits;

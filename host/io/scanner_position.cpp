@@ -30,6 +30,7 @@ void place_scanner(Scan& scan, const Vec3& scanner) {
         "frame; remove the position",
         scan.name, t.x(), t.y(), t.z());
   }
+  scan.scanner_is_known = true;
   const Vec3 shift = scan.origin - scanner;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   parallel_for(

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/error.hpp"
+#include "core/log.hpp"
 #include "core/parallel.hpp"
+#include "stages/scattered.hpp"
 #include "stages/sweeps.hpp"
 
 namespace hybrid::stages {
@@ -152,9 +155,8 @@ double phase(const SampleAngles& angles, const Sweeps& sweeps, double step) {
          kTurn;
 }
 
-void lay_rows(const SampleAngles& angles, const Sweeps& sweeps, ScanColumns& columns) {
-  columns.elevation_step_rad = elevation_step(angles, sweeps);
-  const double step = columns.elevation_step_rad;
+void lay_rows(const SampleAngles& angles, const Sweeps& sweeps, double step, ScanColumns& columns) {
+  columns.elevation_step_rad = step;
   if (step <= 0) return;
   const double offset = phase(angles, sweeps, step);
   double lowest = kTurn, highest = -kTurn;
@@ -190,6 +192,23 @@ void fill(const SampleAngles& angles, const Sweeps& sweeps, const std::vector<Gr
   });
 }
 
+// Lays columns and rows over the sweeps. None when that makes no grid.
+std::optional<ScanColumns> grid_of(const SampleAngles& angles, Sweeps sweeps, double row_step_rad) {
+  if (sweeps.count() == 0) return std::nullopt;
+  ScanColumns columns;
+  columns.sweeps = sweeps.count();
+  sort_sweeps(angles, sweeps);
+  const Turn turn = around(sweeps);
+  columns.wraps = turn.step_rad > 0 && turn.gap_rad <= kOpenGap * turn.step_rad;
+  const auto groups = lay_out(turn, columns.wraps);
+  lay_rows(angles, sweeps, row_step_rad > 0 ? row_step_rad : elevation_step(angles, sweeps), columns);
+  const double nodes = static_cast<double>(groups.size()) * columns.rows;
+  if (columns.rows < 1 || nodes > kMostNodesPerSample * static_cast<double>(sweeps.samples.size()))
+    return std::nullopt;
+  fill(angles, sweeps, groups, columns);
+  return columns;
+}
+
 }  // namespace
 
 ScanColumns recover_columns(const Scan& scan) {
@@ -199,28 +218,26 @@ ScanColumns recover_columns(const Scan& scan) {
     fail_input("scan {}: expected returns, found none among {} samples", scan.name, scan.points.size());
   Sweeps sweeps = sweeps_of_acquisition(angles);
   if (sweeps.count() == 0) sweeps = sweeps_of_azimuth(angles);
+  if (auto columns = grid_of(angles, std::move(sweeps), 0)) return std::move(*columns);
 
-  ScanColumns columns;
-  columns.sweeps = sweeps.count();
-  std::vector<Group> groups;
-  if (sweeps.count() > 0) {
-    sort_sweeps(angles, sweeps);
-    const Turn turn = around(sweeps);
-    columns.wraps = turn.step_rad > 0 && turn.gap_rad <= kOpenGap * turn.step_rad;
-    groups = lay_out(turn, columns.wraps);
-    lay_rows(angles, sweeps, columns);
-  }
-  const double nodes = static_cast<double>(groups.size()) * columns.rows;
-  if (columns.rows < 1 || nodes > kMostNodesPerSample * static_cast<double>(sweeps.samples.size()))
+  if (!scan.scanner_is_known)
     fail_input(
         "scan {}: no columns found among {} samples: expected the scanner at the origin and samples in the "
         "order of acquisition, column by column, or at all elevations of shared azimuths, found neither; use "
         "an organised file (PTX, PCD with HEIGHT > 1), or say where the scanner stood: scanner = [x, y, z] "
-        "of "
-        "[[scan]], or hybrid planes --scanner x,y,z",
+        "of [[scan]], or hybrid planes --scanner x,y,z",
         scan.name, scan.points.size());
-  fill(angles, sweeps, groups, columns);
-  return columns;
+  ScatteredSweeps scattered = scatter_sweeps(angles);
+  auto columns = grid_of(angles, std::move(scattered.sweeps), scattered.step_rad);
+  if (!columns)
+    fail_input(
+        "scan {}: {} samples lie too few or too unevenly about the scanner's position for a grid: is it "
+        "where "
+        "the scanner stood? (scanner = [x, y, z] of [[scan]], or hybrid planes --scanner x,y,z)",
+        scan.name, scan.points.size());
+  log::info("scan {}: no columns found: laid over {} x {} nodes, {:.4f} degrees apart", scan.name,
+            columns->rows, columns->count(), scattered.step_rad * 360 / kTurn);
+  return std::move(*columns);
 }
 
 }  // namespace hybrid::stages

@@ -26,7 +26,9 @@ struct ScanColumns {
 // Finds the sweeps (from acquisition order, else from clusters of azimuth), lets those closer than half a
 // column share one, adds empty columns where the scan has gaps (the widest gap, when over three columns,
 // stays open and the grid begins after it), and finds the elevation step and the rows' common phase from the
-// samples. Throws ErrorKind::input when there is no return or no column structure.
+// samples. A cloud without column structure whose scanner's position was given (Scan::scanner_is_known) gets
+// an even grid whose step is its samples' own (scattered.hpp). Throws ErrorKind::input when there is no
+// return or no column structure.
 ScanColumns recover_columns(const Scan& scan);
 
 }  // namespace hybrid::stages
