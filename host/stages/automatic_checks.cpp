@@ -13,6 +13,7 @@ constexpr double kNothing = 10;  // so many times as much off the faces as on th
 constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
 constexpr double kFew = 0.7;  // of what else may be off: where few planes hold a scan, they must fit better
+constexpr double kMany = 3;   // planes beyond the least: none of them need lie within the tolerance
 
 constexpr const char* kGiveLandmarks = "; give 3 or more landmarks (the landmark sheet helps) or a pose";
 
@@ -105,14 +106,14 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "% "
         "of the planar area counts 1, with 1 % a half): another place with such a corner would fit as well{}",
         best.planes, options.least_planes, kGiveLandmarks);
-  const double share = best.planes < options.least_planes + 1 ? kFew : 1,
+  const double beyond = best.planes - options.least_planes, share = beyond < 1 ? kFew : 1,
                most_doubt = share * options.most_doubt;
-  if (share < 1 && best.farthest_m > share * options.tolerance_m)
+  if (beyond < kMany && best.farthest_m > share * options.tolerance_m)
     return fmt::format(
-        "under the best pose few planes of the model hold the scan, and one of them lies {:.0f} mm off, at "
-        "most "
-        "{:.0f} may where they are few: is it the model of another place of nearly the same size?{}",
-        1000 * best.farthest_m, 1000 * share * options.tolerance_m, kGiveLandmarks);
+        "under the best pose planes of the model hold the scan that count {}, and one of them lies {:.0f} mm "
+        "off, at most {:.0f} may where they are no more: is it the model of another place of nearly the same "
+        "size?{}",
+        best.planes, 1000 * best.farthest_m, 1000 * share * options.tolerance_m, kGiveLandmarks);
   if (best.doubt > most_doubt && best.doubt > kNothing)
     return fmt::format(
         "under the best pose hardly any planar area that faces along some direction lies on the model's "
