@@ -67,7 +67,7 @@ Trial judge(device::Queue& queue, const stages::ScanEvidence& evidence, const st
 struct Request {
   std::vector<std::string> kinds = {"box", "niche", "hall", "ell", "oblique", "alcoves"};
   int trials = 20, seed = 1, first = 0;
-  double crop = 0.5, proxy_error_m = 0.01;
+  double crop = 0.5, proxy_error_m = 0.01, least_planes = stages::AutomaticOptions().least_planes;
   std::vector<std::filesystem::path> scenes;
   bool levelled = false, other_room = false, verbose = false;
 };
@@ -138,6 +138,7 @@ Json run_kind(device::Queue& queue, const std::string& kind, const Request& requ
     const auto scan = testing::scan_trial_room(queue, room, seed, crop);
     stages::AutomaticOptions options;
     options.levelled = request.levelled;
+    options.least_planes = request.least_planes;
     const auto evidence = stages::gather_evidence(scan.image, scan.segmentation, options.rays, options.seed);
     Pose truth = scan.world_from_scan;
     PolygonModel proxy = room.proxy;
@@ -190,6 +191,7 @@ void run_scene(device::Queue& queue, const std::filesystem::path& folder, const 
           Eigen::AngleAxisd(lean.norm() * std::numbers::pi / 180, lean.normalized());
       stages::AutomaticOptions options;
       options.levelled = request.levelled;
+      options.least_planes = request.least_planes;
       const auto evidence =
           stages::turned(stages::gather_evidence(image, segmentation, options.rays, options.seed), turn);
       Pose true_of_turned = true_pose(truth, id);
@@ -216,6 +218,8 @@ int main(int argc, char** argv) {
                  "every other scan (of a scene all but the first) is cropped to between this share and all")
       ->capture_default_str();
   app.add_option("--proxy-error-m", request.proxy_error_m, "standard deviation")->capture_default_str();
+  app.add_option("--least-planes", request.least_planes, "0: however few planes hold a scan, and how far off")
+      ->capture_default_str();
   app.add_flag("--levelled", request.levelled);
   app.add_flag("--other-room", request.other_room, "the proxy is another room's: nothing is right");
   app.add_flag("--verbose", request.verbose);

@@ -102,9 +102,9 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         100 * shares.through, 100 * options.most_through, kGiveLandmarks);
   if (best.planes < options.least_planes)
     return fmt::format(
-        "under the best pose planes of the model hold the scan that count {}, at least {} should (one with 3 "
-        "% "
-        "of the planar area counts 1, with 1 % a half): another place with such a corner would fit as well{}",
+        "under the best pose planes of the model hold the scan that count {}, at least {} should (one with "
+        "3 % of the planar area counts 1, with 1 % a half): another place with such a corner would fit as "
+        "well{}",
         best.planes, options.least_planes, kGiveLandmarks);
   const double beyond = best.planes - options.least_planes, share = beyond < 1 ? kFew : 1,
                most_doubt = share * options.most_doubt;

@@ -232,8 +232,7 @@ ScanColumns recover_columns(const Scan& scan) {
   if (!columns)
     fail_input(
         "scan {}: {} samples lie too few or too unevenly about the scanner's position for a grid: is it "
-        "where "
-        "the scanner stood? (scanner = [x, y, z] of [[scan]], or hybrid planes --scanner x,y,z)",
+        "where the scanner stood? (scanner = [x, y, z] of [[scan]], or hybrid planes --scanner x,y,z)",
         scan.name, scan.points.size());
   log::info("scan {}: no columns found: laid over {} x {} nodes, {:.4f} degrees apart", scan.name,
             columns->rows, columns->count(), scattered.step_rad * 360 / kTurn);
