@@ -2,27 +2,27 @@
 
 #include <sys/mman.h>
 
-#include <algorithm>
+#include <atomic>
 #include <cstdint>
 
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 
 namespace hybrid {
 
 void prefer_large_pages(void* memory, std::size_t bytes) {
-  constexpr std::uintptr_t kPage = 2 << 20;
+  constexpr std::uintptr_t kPage = 2 << 20, kSmallPage = 4096, kTouched = 2 * kPage;
   // Whole pages inside the memory alone. A system that refuses goes on with ordinary ones.
   const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kPage - 1) / kPage * kPage;
   const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / kPage * kPage;
   if (begin >= end) return;
   madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#ifdef MADV_POPULATE_WRITE
-  constexpr std::uintptr_t kPiece = 16 * kPage;
-  parallel_for((end - begin + kPiece - 1) / kPiece, [&](std::size_t i) {
-    const std::uintptr_t from = begin + i * kPiece;
-    madvise(reinterpret_cast<void*>(from), std::min(kPiece, end - from), MADV_POPULATE_WRITE);
+  // Touched rather than populated by request: page faults of several threads run side by side, while requests
+  // wait for each other wherever memory is mapped at the same time.
+  for_blocks(end - begin, kTouched, [&](std::size_t, std::size_t from, std::size_t to) {
+    for (std::size_t at = from; at < to;
+         at += kSmallPage)  // a write at once: a page that is read comes twice
+      std::atomic_ref(*reinterpret_cast<unsigned char*>(begin + at)).fetch_or(0, std::memory_order_relaxed);
   });
-#endif
 }
 
 }  // namespace hybrid
