@@ -84,8 +84,11 @@ std::vector<std::array<std::uint32_t, 3>> Outline::triangles() {
   begin_clipping();
   std::vector<std::array<std::uint32_t, 3>> found;
   double clipped = 0;
+  // Every other vertex in turn: diagonals grow as slowly as they can, and with them what is near them.
+  std::size_t from = 0;
   while (ring_.size() >= 3) {
-    const std::size_t i = find_ear();
+    const std::size_t i = find_ear(from);
+    from = i + 1;
     if (i == ring_.size()) {
       if (!drop_flat_vertex()) fail_crossing();
       continue;
@@ -255,10 +258,11 @@ Outline::Obstacle Outline::find_obstacle(std::uint32_t a, std::uint32_t b, std::
   return found;
 }
 
-// The first vertex that can be clipped; ring_.size() when none can. What kept a vertex from being an ear
-// mostly still does.
-std::size_t Outline::find_ear() {
-  for (std::size_t i = 0; i < ring_.size(); ++i) {
+// The first vertex from `from` on, round the ring, that can be clipped; ring_.size() when none can. What kept
+// a vertex from being an ear mostly still does.
+std::size_t Outline::find_ear(std::size_t from) {
+  for (std::size_t k = 0; k < ring_.size(); ++k) {
+    const std::size_t i = (from + k) % ring_.size();
     Obstacle& known = obstacle_[ring_[i]];
     if (known.before == before(i) && known.after == after(i) && stands(known)) continue;
     known = find_obstacle(before(i), ring_[i], after(i));

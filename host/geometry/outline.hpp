@@ -82,7 +82,7 @@ class Outline {
   void drop(std::size_t i);
   bool stands(const Obstacle& obstacle) const;
   Obstacle find_obstacle(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
-  std::size_t find_ear();
+  std::size_t find_ear(std::size_t from);
   bool drop_flat_vertex();
   [[noreturn]] void fail_crossing() const;
 

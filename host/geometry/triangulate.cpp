@@ -12,8 +12,6 @@ namespace {
 
 using Ring = std::vector<std::uint32_t>;
 
-constexpr std::size_t kBatch = 16;  // faces
-
 // Twice the area times the normal, about the ring's first vertex: far origins cost no digits.
 Vec3 newell(const PolygonModel& model, const Ring& ring) {
   Vec3 sum = Vec3::Zero();
@@ -90,16 +88,13 @@ double face_area_m2(const PolygonModel& model, const Face& face) {
 std::vector<Triangle> triangulate(const PolygonModel& model) {
   std::vector<std::vector<Triangle>> of_face(model.faces.size());
   std::vector<std::exception_ptr> errors(model.faces.size());
-  parallel_for(
-      model.faces.size(),
-      [&](std::size_t f) {
-        try {
-          of_face[f] = triangles_of(model, f);
-        } catch (const Error&) {
-          errors[f] = std::current_exception();
-        }
-      },
-      kBatch);
+  parallel_for(model.faces.size(), [&](std::size_t f) {
+    try {
+      of_face[f] = triangles_of(model, f);
+    } catch (const Error&) {
+      errors[f] = std::current_exception();
+    }
+  });
   for (const auto& error : errors)
     if (error) std::rethrow_exception(error);
   std::vector<Triangle> triangles;

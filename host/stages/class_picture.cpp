@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -41,6 +43,36 @@ Colour class_colour(std::uint8_t square_class) {
   }
 }
 
+// A monotone function of a positive float whose values are bytes: from a table by the float's upper bits,
+// where it does not change between the floats that share them.
+class MonotoneBytes {
+ public:
+  template <typename Function>
+  explicit MonotoneBytes(const Function& function) : first_(kEntries), last_(kEntries) {
+    parallel_for(
+        kEntries,
+        [&](std::size_t k) {
+          const auto bits = static_cast<std::uint32_t>(k << kShift);
+          first_[k] = k == 0 ? function(std::numeric_limits<float>::denorm_min())
+                             : function(std::bit_cast<float>(bits));
+          last_[k] = function(std::bit_cast<float>(bits | ((1u << kShift) - 1)));
+        },
+        1 << 10);
+  }
+
+  template <typename Function>
+  std::uint8_t at(float value, const Function& function) const {
+    const std::size_t k = std::bit_cast<std::uint32_t>(value) >> kShift;
+    return first_[k] == last_[k] ? first_[k] : function(value);
+  }
+
+ private:
+  static constexpr unsigned kShift = 12;
+  static constexpr std::size_t kEntries = 0x7f800000u >> kShift;  // below infinity
+
+  std::vector<std::uint8_t> first_, last_;
+};
+
 }  // namespace
 
 Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentation) {
@@ -48,6 +80,10 @@ Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentat
     fail(ErrorKind::failed, "class_picture: {} sample labels for an image of {} samples",
          segmentation.sample_label.size(), image.count());
   Image8 picture(image.cols, image.rows, 3);
+  const auto& labels = segmentation.sample_label;
+  std::vector<Colour> pastels(
+      labels.empty() ? 1 : *std::max_element(labels.begin(), labels.end()) + std::size_t{1});
+  for (std::size_t id = 1; id < pastels.size(); ++id) pastels[id] = pastel(static_cast<std::uint32_t>(id));
   parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t r) {
     const int row = static_cast<int>(r);
     for (int col = 0; col < image.cols; ++col) {
@@ -57,7 +93,7 @@ Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentat
                                      static_cast<std::size_t>(segmentation.square_cols) +
                                  static_cast<std::size_t>(col / segmentation.square);
       const std::uint32_t label = segmentation.sample_label[i];
-      const Colour colour = label != 0 ? pastel(label) : class_colour(segmentation.square_class[square]);
+      const Colour colour = label != 0 ? pastels[label] : class_colour(segmentation.square_class[square]);
       std::copy(colour.begin(), colour.end(), picture.at(col, row));
     }
   });
@@ -100,13 +136,16 @@ Image8 range_picture(const RangeImage& image) {
     return std::log(static_cast<double>(*at));
   };
   const double near = percentile(1), far = std::max(percentile(99), near + 1e-6);
+  const auto grey = [&](float range) {
+    const double depth = std::clamp((std::log(static_cast<double>(range)) - near) / (far - near), 0.0, 1.0);
+    return static_cast<std::uint8_t>(std::lround(250 - 215 * depth));
+  };
+  const MonotoneBytes greys(grey);
   parallel_for(
       image.count(),
       [&](std::size_t i) {
-        if (!(image.range_m[i] > 0) || !std::isfinite(image.range_m[i])) return;
-        const double depth =
-            std::clamp((std::log(static_cast<double>(image.range_m[i])) - near) / (far - near), 0.0, 1.0);
-        picture.pixels[i] = static_cast<std::uint8_t>(std::lround(250 - 215 * depth));
+        if (image.range_m[i] > 0 && std::isfinite(image.range_m[i]))
+          picture.pixels[i] = greys.at(image.range_m[i], grey);
       },
       1 << 14);
   return picture;

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/error.hpp"
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 #include "stages/contour_polygons.hpp"
 #include "stages/stray_samples.hpp"
 
@@ -19,25 +19,46 @@ constexpr std::int64_t kMargin_nm = 1'000'000;  // around them
 struct Extent {
   int row0 = 0, row1 = -1, col0 = 0, col1 = -1;  // both ends included
   std::int64_t samples = 0, explained = 0;
+
+  void add(const Extent& other) {
+    if (other.samples == 0) return;
+    if (samples == 0) {
+      *this = other;
+      return;
+    }
+    row0 = std::min(row0, other.row0);
+    row1 = std::max(row1, other.row1);
+    col0 = std::min(col0, other.col0);
+    col1 = std::max(col1, other.col1);
+    samples += other.samples;
+    explained += other.explained;
+  }
 };
+
+constexpr std::size_t kRows = 64;  // of the image, looked at together
 
 std::vector<Extent> find_extents(const RangeImage& image, const PlaneSegmentation& segmentation,
                                  const std::vector<std::uint8_t>& explained) {
-  std::vector<Extent> extents(segmentation.superclusters.size());
-  for (int row = 0; row < image.rows; ++row)
-    for (int col = 0; col < image.cols; ++col) {
-      const std::size_t i = image.index(row, col);
-      const std::uint32_t label = segmentation.sample_label[i];
-      if (label == 0 || image.mask[i] != kMeasured) continue;
-      Extent& e = extents[label - 1];
-      if (e.samples == 0) e.row0 = row, e.col0 = e.col1 = col;
-      e.row1 = row;
-      e.col0 = std::min(e.col0, col);
-      e.col1 = std::max(e.col1, col);
-      ++e.samples;
-      e.explained += explained[i] != 0;
+  struct Extents : std::vector<Extent> {
+    Extents& operator+=(const Extents& other) {
+      resize(std::max(size(), other.size()));
+      for (std::size_t k = 0; k < other.size(); ++k) (*this)[k].add(other[k]);
+      return *this;
     }
-  return extents;
+  };
+  const auto of_rows = [&](std::size_t begin, std::size_t end) {
+    Extents extents;
+    extents.resize(segmentation.superclusters.size());
+    for (auto row = static_cast<int>(begin); row < static_cast<int>(end); ++row)
+      for (int col = 0; col < image.cols; ++col) {
+        const std::size_t i = image.index(row, col);
+        const std::uint32_t label = segmentation.sample_label[i];
+        if (label != 0 && image.mask[i] == kMeasured)
+          extents[label - 1].add({row, row, col, col, 1, explained[i] != 0});
+      }
+    return extents;
+  };
+  return sum_blocks<Extents>(static_cast<std::size_t>(image.rows), of_rows, kRows);
 }
 
 struct Judge {
@@ -210,11 +231,11 @@ ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentati
 void discard_covered(const std::vector<std::uint8_t>& covered, Decimation& decimation) {
   if (covered.size() != decimation.fate.size())
     fail(ErrorKind::failed, "discard_covered: {} flags for {} nodes", covered.size(), decimation.fate.size());
-  for (std::size_t i = 0; i < covered.size(); ++i)
-    if (decimation.fate[i] == kUnexplained && covered[i]) {
-      decimation.fate[i] = kDiscarded;
-      decimation.discarded += 1;
-    }
+  decimation.discarded += static_cast<std::int64_t>(count_if_parallel(covered.size(), [&](std::size_t i) {
+    if (decimation.fate[i] != kUnexplained || !covered[i]) return false;
+    decimation.fate[i] = kDiscarded;
+    return true;
+  }));
 }
 
 }  // namespace hybrid::stages

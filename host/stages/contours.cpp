@@ -1,12 +1,13 @@
 #include "stages/contours.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nanoflann.hpp>
 #include <numbers>
 #include <unordered_map>
 
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 #include "stages/contour_mask.hpp"
 #include "stages/contour_rings.hpp"
 #include "stages/simple_rings.hpp"
@@ -35,6 +36,8 @@ using Tree =
 // nodes of the mask's edge. A contour point is half a node off the edge, so no other member is nearer to it
 // than kBand - 1/2 nodes; one of these is, unless dropouts emptied the band there.
 constexpr int kBand = 3;
+constexpr std::size_t kRows = 32;               // looked at together
+constexpr std::uint32_t kOutside = 0xffffffff;  // no label
 
 // All nodes up to `reach` rows and columns away have this node's label.
 template <typename Label>
@@ -56,13 +59,35 @@ std::vector<std::vector<std::uint64_t>> rim_samples(const RangeImage& image, con
                                                     const std::vector<std::uint32_t>& mask,
                                                     std::size_t label_count) {
   const auto cleaned = [&](std::size_t i) { return mask[i]; };
+  const auto cols = static_cast<std::size_t>(image.cols);
   std::vector<std::vector<std::uint64_t>> rows(static_cast<std::size_t>(image.rows));
-  parallel_for(rows.size(), [&](std::size_t r) {
-    const int row = static_cast<int>(r);
-    for (int col = 0; col < image.cols; ++col)
-      if (member(image.index(row, col)) != 0 && !within(image, member, row, col, 1) &&
-          !within(image, cleaned, row, col, kBand))
-        rows[r].push_back(image.index(row, col));
+  for_blocks(rows.size(), kRows, [&](std::size_t, std::size_t begin, std::size_t end) {
+    // The labels of three rows, with a column more on each side.
+    std::array<std::vector<std::uint32_t>, 3> lines;
+    const auto fill = [&](int row) {
+      auto& line = lines[static_cast<std::size_t>(row + 3) % 3];
+      line.assign(cols + 2, kOutside);
+      if (row < 0 || row >= image.rows) return;
+      for (std::size_t col = 0; col < cols; ++col) line[col + 1] = member(image.index(row, 0) + col);
+      if (!image.wraps) return;
+      line[0] = line[cols];
+      line[cols + 1] = line[1];
+    };
+    fill(static_cast<int>(begin) - 1);
+    fill(static_cast<int>(begin));
+    for (std::size_t r = begin; r < end; ++r) {
+      fill(static_cast<int>(r) + 1);
+      const std::uint32_t *above = lines[(r + 2) % 3].data(), *at = lines[r % 3].data(),
+                          *below = lines[(r + 1) % 3].data();
+      for (std::size_t col = 0; col < cols; ++col) {
+        const std::uint32_t label = at[col + 1];
+        if (label == 0) continue;
+        bool surrounded = at[col] == label && at[col + 2] == label;
+        for (std::size_t c = col; c < col + 3; ++c) surrounded &= above[c] == label && below[c] == label;
+        if (!surrounded && !within(image, cleaned, static_cast<int>(r), static_cast<int>(col), kBand))
+          rows[r].push_back(image.index(static_cast<int>(r), static_cast<int>(col)));
+      }
+    }
   });
   std::vector<std::vector<std::uint64_t>> of_label(label_count);
   for (const auto& row : rows)

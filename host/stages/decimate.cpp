@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/parallel_blocks.hpp"
 #include "geometry/tiles.hpp"
 #include "shared/params_decimate.h"
 
@@ -64,10 +65,12 @@ Decimation decimate(device::Queue& queue, const RangeImage& image, const PlaneSe
                  label, flags, square_class, fate);
     queue.read_rect(fate, result.fate.data(), width, rect);
   }
-  for (const std::uint8_t fate : result.fate) {
-    result.measured += fate != kNoSample;
-    result.discarded += fate == kDiscarded;
-  }
+  const auto count = [&](const auto& take) {
+    return static_cast<std::int64_t>(
+        count_if_parallel(result.fate.size(), [&](std::size_t i) { return take(result.fate[i]); }));
+  };
+  result.measured = count([](std::uint8_t fate) { return fate != kNoSample; });
+  result.discarded = count([](std::uint8_t fate) { return fate == kDiscarded; });
   result.measured += static_cast<std::int64_t>(image.extra.size());
   return result;
 }
@@ -76,11 +79,11 @@ void keep_unexplained(const std::vector<std::uint8_t>& explained, Decimation& de
   if (explained.size() != decimation.fate.size())
     fail(ErrorKind::failed, "keep_unexplained: {} flags for {} nodes", explained.size(),
          decimation.fate.size());
-  for (std::size_t i = 0; i < explained.size(); ++i)
-    if (decimation.fate[i] == kDiscarded && !explained[i]) {
-      decimation.fate[i] = kUnexplained;
-      decimation.discarded -= 1;
-    }
+  decimation.discarded -= static_cast<std::int64_t>(count_if_parallel(explained.size(), [&](std::size_t i) {
+    if (decimation.fate[i] != kDiscarded || explained[i]) return false;
+    decimation.fate[i] = kUnexplained;
+    return true;
+  }));
 }
 
 }  // namespace hybrid::stages

@@ -25,8 +25,11 @@ constexpr int kSides = 4;
 std::optional<std::uint32_t> beyond(const RangeImage& image, std::uint32_t i, int side, int steps) {
   const int row = static_cast<int>(i) / image.cols + steps * ((side == 1) - (side == 3));
   int col = static_cast<int>(i) % image.cols + steps * ((side == 0) - (side == 2));
-  if (image.wraps) col = (col + image.cols) % image.cols;
-  if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return std::nullopt;
+  if (row < 0 || row >= image.rows) return std::nullopt;
+  if (col < 0 || col >= image.cols) {
+    if (!image.wraps) return std::nullopt;
+    col = (col + image.cols) % image.cols;
+  }
   return static_cast<std::uint32_t>(image.index(row, col));
 }
 
@@ -142,8 +145,10 @@ bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_
   for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, image.rows - 1); ++r)
     for (int step = -kReach; step <= kReach; ++step) {
       int c = col + step;
-      if (image.wraps) c = (c + image.cols) % image.cols;
-      if (c < 0 || c >= image.cols) continue;
+      if (c < 0 || c >= image.cols) {
+        if (!image.wraps) continue;
+        c = (c + image.cols) % image.cols;
+      }
       const std::size_t other = image.index(r, c);
       if (use[other] == kBlocked &&
           std::abs(blocked_normal(static_cast<std::uint32_t>(other)).dot(plane.normal)) >

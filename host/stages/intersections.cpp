@@ -24,8 +24,11 @@ std::vector<Pair> neighbouring_samples(const RangeImage& image, const std::vecto
   std::vector<std::vector<Pair>> of_row(static_cast<std::size_t>(image.rows));
   // 0 outside the image and where nothing was measured.
   const auto label_at = [&](int row, int col) -> std::uint32_t {
-    if (image.wraps) col = (col + image.cols) % image.cols;
-    if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return 0;
+    if (col < 0 || col >= image.cols) {
+      if (!image.wraps) return 0;
+      col = (col + image.cols) % image.cols;
+    }
+    if (row < 0 || row >= image.rows) return 0;
     const std::size_t i = image.index(row, col);
     return image.mask[i] == kMeasured ? labels[i] : 0;
   };
@@ -38,6 +41,7 @@ std::vector<Pair> neighbouring_samples(const RangeImage& image, const std::vecto
       // one, a few of its samples lie on the other as well: behind the samples of a pair lie more of their
       // planes.
       for (const auto& [down, right] : {std::pair(0, 1), std::pair(1, 0)}) {
+        if (label_at(row + down, col + right) == label) continue;  // as most are
         if (label_at(row - kDepth * down, col - kDepth * right) != label) continue;
         for (int step = 1; step <= reach; ++step) {
           const int to_row = row + step * down, to_col = col + step * right;

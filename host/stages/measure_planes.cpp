@@ -1,4 +1,5 @@
 #include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,6 +27,23 @@ struct Band {
   std::vector<Sum> sums;
 };
 
+// A run of samples with one label, for sums that are formed faster of many at once.
+constexpr int kRun = 64;
+struct Run {
+  std::array<std::size_t, kRun> sample;
+  std::size_t count = 0;
+};
+
+// Adds a run, sample by sample where the sum cannot do better.
+template <typename Sum, typename Of>
+void add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels, const Run& run, const Of& of,
+             Sum& sum) {
+  if constexpr (requires { sum.add_run(image, labels, run, of); })
+    sum.add_run(image, labels, run, of);
+  else
+    for (std::size_t k = 0; k < run.count; ++k) sum.add(image, labels, run.sample[k], of);
+}
+
 // Forms Sum::add(image, labels, sample, plane) per band of `square` rows anchored at row 0 and label, of
 // every `stride`th sample, then merges the bands from top to bottom: the same bits for any number of threads.
 template <typename Sum, typename Planes>
@@ -39,16 +57,26 @@ std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::ve
     const int first = static_cast<int>(b) * square;
     const std::size_t begin = image.index(first, 0);
     const std::size_t end = image.index(std::min(first + square, image.rows), 0);
+    Run run;
+    std::uint32_t of_run = 0;
+    const auto end_run = [&] {
+      if (run.count == 0) return;
+      if (slot[of_run] < 0) {
+        slot[of_run] = static_cast<int>(band.sums.size());
+        band.labels.push_back(of_run);
+        band.sums.emplace_back();
+      }
+      add_run(image, labels, run, planes[of_run - 1], band.sums[static_cast<std::size_t>(slot[of_run])]);
+      run.count = 0;
+    };
     for (std::size_t i = begin; i < end; i += stride) {
       const std::uint32_t label = labels[i];
       if (label == 0 || image.mask[i] != kMeasured) continue;
-      if (slot[label] < 0) {
-        slot[label] = static_cast<int>(band.sums.size());
-        band.labels.push_back(label);
-        band.sums.emplace_back();
-      }
-      band.sums[static_cast<std::size_t>(slot[label])].add(image, labels, i, planes[label - 1]);
+      if (label != of_run || run.count == run.sample.size()) end_run();
+      of_run = label;
+      run.sample[run.count++] = i;
     }
+    end_run();
   });
   std::vector<Sum> total(planes.size());
   for (const auto& band : bands)
@@ -58,10 +86,10 @@ std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::ve
 
 // Whether another surface begins at the next node: which of the two a sample there belongs to depends on
 // where the planes were thought to be, so that it says little about where they are, and that with a bias.
-bool at_border(const RangeImage& image, const Labels& labels, std::size_t i) {
+bool at_border(const RangeImage& image, const Labels& labels, std::size_t i, std::size_t col) {
   const auto cols = static_cast<std::size_t>(image.cols);
   const auto differs = [&](std::size_t j) { return labels[j] != labels[i] && image.mask[j] != kEmpty; };
-  const std::size_t col = i % cols, first = i - col;
+  const std::size_t first = i - col;
   return (i >= cols && differs(i - cols)) || (i + cols < labels.size() && differs(i + cols)) ||
          differs(col > 0 ? i - 1 : first + cols - 1) || differs(col + 1 < cols ? i + 1 : first);
 }
@@ -124,25 +152,41 @@ struct RayEquations {
     Vec3 m;
     const RangeNoise* noise;  // null: not wanted
   };
-  void add(const RangeImage& image, const Labels& labels, std::size_t i, const Frame& frame) {
+  void add_run(const RangeImage& image, const Labels& labels, const Run& run, const Frame& frame) {
     if (frame.noise == nullptr) return;
-    const Vec3 point = image.point(i);
-    const double range = point.norm(), reached = frame.m.dot(point);
-    const double residual = range * (1 - reached);
-    const double sigma = frame.noise->at(range, std::abs(frame.axes.row(0).dot(point)) / range);
-    const double u = residual / (kBiweight * sigma);
-    if (!(std::abs(u) < 1)) return;
-    const double within = 1 - u * u, weight = within * within / (sigma * sigma);
-    const Vec3 slope = range * (frame.axes * point);
-    const double terms[11] = {slope.x() * slope.x(),   slope.x() * slope.y(),
-                              slope.x() * slope.z(),   slope.y() * slope.y(),
-                              slope.y() * slope.z(),   slope.z() * slope.z(),
-                              slope.x() * residual,    slope.y() * residual,
-                              slope.z() * residual,    1,
-                              (1 - 5 * u * u) / within};
-    Sums& to = at_border(image, labels, i) ? border : inner;
-    for (std::size_t k = 0; k < to.of.size(); ++k) to.of[k] += weight * terms[k];
-    to.samples += 1;
+    using Values = Eigen::Array<double, kRun, 1>;
+    Values x = Values::Zero(), y = Values::Zero(), z = Values::Zero();
+    for (std::size_t k = 0; k < run.count; ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      x[at] = image.x[run.sample[k]];
+      y[at] = image.y[run.sample[k]];
+      z[at] = image.z[run.sample[k]];
+    }
+    const auto dot = [&](const auto& v) -> Values { return v[0] * x + (v[1] * y + v[2] * z); };
+    const Values range = (x * x + (y * y + z * z)).sqrt(), along = dot(frame.axes.row(0));
+    const Values residual = range * (1 - dot(frame.m));
+    const Values sigma = frame.noise->at<kRun>(range, along.abs() / range);
+    const Values u = residual / (kBiweight * sigma), within = 1 - u * u;
+    const Values weight = within * within / (sigma * sigma), newton = weight * ((1 - (5 * u) * u) / within);
+    const Values a = range * along, b = range * dot(frame.axes.row(1)), c = range * dot(frame.axes.row(2));
+    const auto cols = static_cast<std::size_t>(image.cols);
+    const std::size_t row_begin = run.sample[0] / cols * cols;
+    for (std::size_t k = 0; k < run.count; ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      if (!(std::abs(u[at]) < 1) || !(range[at] > 0)) continue;
+      std::size_t col = run.sample[k] - row_begin;
+      while (col >= cols) col -= cols;
+      Sums& to = at_border(image, labels, run.sample[k], col) ? border : inner;
+      const double w = weight[at], r = residual[at];
+      const std::array<double, 11> terms = {w * (a[at] * a[at]), w * (a[at] * b[at]),
+                                            w * (a[at] * c[at]), w * (b[at] * b[at]),
+                                            w * (b[at] * c[at]), w * (c[at] * c[at]),
+                                            w * (a[at] * r),     w * (b[at] * r),
+                                            w * (c[at] * r),     w,
+                                            newton[at]};
+      for (std::size_t t = 0; t < terms.size(); ++t) to.of[t] += terms[t];
+      to.samples += 1;
+    }
   }
   void merge(const RayEquations& other) {
     inner.add(other.inner, 1);
@@ -159,17 +203,23 @@ struct RayEquations {
 };
 
 struct Measures {
+  struct Frame {
+    Plane plane;
+    const std::vector<double>* solid_angle;  // of a node of each row
+  };
+
   std::int64_t samples = 0;
   Vec3 first = Vec3::Zero();
   double squares = 0, area = 0;
 
-  void add(const RangeImage& image, const Labels&, std::size_t i, const Plane& plane) {
+  void add(const RangeImage& image, const Labels&, std::size_t i, const Frame& frame) {
     const Vec3 point = image.point(i);
-    const double distance = plane.distance(point);
+    const double distance = frame.plane.distance(point);
+    const double solid_angle = (*frame.solid_angle)[i / static_cast<std::size_t>(image.cols)];
     samples += 1;
     first += point;
     squares += distance * distance;
-    area += solid_angle(image, i) * point.squaredNorm() / std::max(cosine(point, plane), kAreaCosine);
+    area += solid_angle * point.squaredNorm() / std::max(cosine(point, frame.plane), kAreaCosine);
   }
   void merge(const Measures& other) {
     samples += other.samples;
@@ -178,14 +228,17 @@ struct Measures {
     area += other.area;
   }
   // Half the way to the neighbouring rows; columns by their mean step.
-  static double solid_angle(const RangeImage& image, std::size_t i) {
-    const int row = static_cast<int>(i / static_cast<std::size_t>(image.cols));
+  static std::vector<double> solid_angles(const RangeImage& image) {
     const auto at = [&](int r) {
       return image.elevation_rad[static_cast<std::size_t>(std::clamp(r, 0, image.rows - 1))];
     };
-    const double rows = row > 0 && row + 1 < image.rows ? 2 : 1;
-    const double height = std::abs(at(row - 1) - at(row + 1)) / rows;
-    return height * std::abs(image.azimuth_step_rad()) * std::cos(at(row));
+    std::vector<double> angles;
+    for (int row = 0; row < image.rows; ++row) {
+      const double rows = row > 0 && row + 1 < image.rows ? 2 : 1;
+      const double height = std::abs(at(row - 1) - at(row + 1)) / rows;
+      angles.push_back(height * std::abs(image.azimuth_step_rad()) * std::cos(at(row)));
+    }
+    return angles;
   }
 };
 
@@ -240,7 +293,10 @@ void polish_planes(const RangeImage& image, int square, const std::vector<std::u
 std::vector<Supercluster> measure_planes(const RangeImage& image, int square,
                                          const std::vector<std::uint32_t>& labels,
                                          const std::vector<Plane>& planes) {
-  const auto sums = sum_by_label<Measures>(image, square, labels, planes);
+  const auto solid_angles = Measures::solid_angles(image);
+  std::vector<Measures::Frame> frames;
+  for (const Plane& plane : planes) frames.push_back({plane, &solid_angles});
+  const auto sums = sum_by_label<Measures>(image, square, labels, frames);
   std::vector<Supercluster> result(planes.size());
   for (std::size_t i = 0; i < planes.size(); ++i) {
     result[i].plane = planes[i];

@@ -6,7 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/large_vector.hpp"
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 #include "geometry/placed_range_image.hpp"
 #include "stages/grid_tables.hpp"
 
@@ -28,7 +28,7 @@ class GridSamples {
     assign_large(sample_, nodes, kNoSource);
     const auto in_grid = [&](std::size_t i) { return scan.node[i] < nodes && is_return(scan.point(i)); };
     std::atomic<std::size_t> returns = 0, placed = 0;
-    for_blocks(scan.node.size(), [&](std::size_t, std::size_t first, std::size_t end) {
+    for_blocks(scan.node.size(), kBlock, [&](std::size_t, std::size_t first, std::size_t end) {
       std::size_t found = 0;
       for (std::size_t i = first; i < end; ++i) {
         if (!is_return(scan.point(i))) continue;
@@ -39,7 +39,7 @@ class GridSamples {
       }
       returns += found;
     });
-    for_blocks(nodes, [&](std::size_t, std::size_t first, std::size_t end) {
+    for_blocks(nodes, kBlock, [&](std::size_t, std::size_t first, std::size_t end) {
       const auto at = sample_.begin();
       placed += (end - first) -
                 static_cast<std::size_t>(std::count(at + static_cast<std::ptrdiff_t>(first),
@@ -47,7 +47,7 @@ class GridSamples {
     });
     if (placed == returns) return;
     // Of several returns at a node the first takes it, whichever thread came first.
-    for_blocks(scan.node.size(), [&](std::size_t, std::size_t first, std::size_t end) {
+    for_blocks(scan.node.size(), kBlock, [&](std::size_t, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) {
         if (!in_grid(i)) continue;
         const std::atomic_ref<std::uint32_t> holder(sample_[scan.node[i]]);
@@ -58,7 +58,7 @@ class GridSamples {
       }
     });
     std::vector<std::vector<std::uint32_t>> left((scan.node.size() + kBlock - 1) / kBlock);
-    for_blocks(scan.node.size(), [&](std::size_t block, std::size_t first, std::size_t end) {
+    for_blocks(scan.node.size(), kBlock, [&](std::size_t block, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i)
         if (in_grid(i) ? sample_[scan.node[i]] != i : is_return(scan.point(i)))
           left[block].push_back(static_cast<std::uint32_t>(i));
@@ -85,13 +85,6 @@ class GridSamples {
 
  private:
   static constexpr std::size_t kBlock = 1 << 14;
-
-  template <typename Body>  // body(block, first, end)
-  static void for_blocks(std::size_t count, const Body& body) {
-    parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
-      body(block, block * kBlock, std::min((block + 1) * kBlock, count));
-    });
-  }
 
   const Scan& scan_;
   std::vector<std::uint32_t> sample_;  // per node; empty: the samples are in the grid's order

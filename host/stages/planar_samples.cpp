@@ -1,7 +1,9 @@
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "core/error.hpp"
@@ -14,6 +16,10 @@ namespace {
 
 // Grazing samples would stand for areas they hardly know: at most 20 times the area seen head on.
 constexpr double kMinCosine = 0.05;
+
+// Nodes of a row that are looked at together.
+constexpr int kChunk = 64;
+using Chunk = Eigen::Array<double, kChunk, 1>;
 
 // Half the way to both neighbours; the image's other step where there is only one row or column.
 double step_at(const std::vector<double>& angles, int i, double fallback) {
@@ -38,17 +44,24 @@ struct Areas {
   const PlaneSegmentation& segmentation;
   std::vector<double> of_row, of_col;  // their product: the node's solid angle
 
-  // Area in m2 the node stands for; 0 for nodes that are no measured planar samples.
-  double operator()(int row, int col) const {
-    const std::size_t i = image.index(row, col);
-    const std::uint32_t label = segmentation.sample_label[i];
-    if (label == 0 || image.mask[i] != kMeasured) return 0;
-    const Vec3 p = image.point(i);
-    const double range = p.norm();
-    if (!(range > 0)) return 0;
-    const double cosine = std::abs(segmentation.superclusters[label - 1].plane.normal.dot(p)) / range;
-    return range * range * of_row[static_cast<std::size_t>(row)] * of_col[static_cast<std::size_t>(col)] /
-           std::max(cosine, kMinCosine);
+  // Area in m2 that each of the nodes from `col` on stands for, as many as are in the row; 0 for nodes that
+  // are no measured planar samples.
+  Chunk of_chunk(int row, int col) const {
+    Chunk x = Chunk::Zero(), y = x, z = x, along = x, angle = x;
+    const int count = std::min(kChunk, image.cols - col);
+    for (int k = 0; k < count; ++k) {
+      const std::size_t i = image.index(row, col + k);
+      const std::uint32_t label = segmentation.sample_label[i];
+      if (label == 0 || image.mask[i] != kMeasured) continue;
+      const Vec3 p = image.point(i);
+      x[k] = p.x(), y[k] = p.y(), z[k] = p.z();
+      along[k] = segmentation.superclusters[label - 1].plane.normal.dot(p);
+      angle[k] = of_col[static_cast<std::size_t>(col + k)];
+    }
+    const Chunk range = (x * x + (y * y + z * z)).sqrt();
+    const Chunk area =
+        range * range * of_row[static_cast<std::size_t>(row)] * angle / (along.abs() / range).max(kMinCosine);
+    return (range > 0).select(area, 0.0);
   }
 };
 
@@ -57,32 +70,41 @@ struct Chosen {
   double area;
 };
 
-// Draws of one row whose share of the area begins at `before`: draw k lies in [k, k + 1) shares.
-std::vector<Chosen> draw_row(const Areas& area_of, int row, double before, double share, std::uint32_t seed) {
+// Draws of one row, the areas of whose chunks are known and whose share of the area begins at `before`: draw
+// k lies in [k, k + 1) shares.
+std::vector<Chosen> draw_row(const Areas& areas, int row, std::span<const double> chunk_area, double before,
+                             double share, std::uint32_t seed) {
   std::vector<Chosen> chosen;
-  double end = before;
   auto next = static_cast<std::uint64_t>(std::max(std::floor(before / share) - 1, 0.0));
   const auto place = [&](std::uint64_t k) {
     return (static_cast<double>(k) + random_bits(seed, static_cast<std::uint32_t>(k), 0) / 4294967296.0) *
            share;
   };
   while (place(next) < before) ++next;
-  for (int col = 0; col < area_of.image.cols; ++col) {
-    const double area = area_of(row, col);
-    if (area == 0) continue;
-    end += area;
-    int draws = 0;
-    for (; place(next) < end; ++next) ++draws;
-    if (draws > 0) chosen.push_back({area_of.image.index(row, col), draws * share});
+  double next_place = place(next);
+  for (int col = 0; col < areas.image.cols; col += kChunk) {
+    double end = before;
+    before += chunk_area[static_cast<std::size_t>(col / kChunk)];
+    if (next_place >= before) continue;  // as in most
+    const Chunk area = areas.of_chunk(row, col);
+    for (int k = 0; k < kChunk; ++k) {
+      if (area[k] == 0) continue;
+      end += area[k];
+      int draws = 0;
+      for (; next_place < end; next_place = place(++next)) ++draws;
+      if (draws > 0) chosen.push_back({areas.image.index(row, col + k), draws * share});
+    }
   }
   return chosen;
 }
 
-std::vector<Chosen> all_of_row(const Areas& area_of, int row) {
+std::vector<Chosen> all_of_row(const Areas& areas, int row) {
   std::vector<Chosen> chosen;
-  for (int col = 0; col < area_of.image.cols; ++col)
-    if (const double area = area_of(row, col); area > 0)
-      chosen.push_back({area_of.image.index(row, col), area});
+  for (int col = 0; col < areas.image.cols; col += kChunk) {
+    const Chunk area = areas.of_chunk(row, col);
+    for (int k = 0; k < kChunk; ++k)
+      if (area[k] > 0) chosen.push_back({areas.image.index(row, col + k), area[k]});
+  }
   return chosen;
 }
 
@@ -93,15 +115,19 @@ PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmenta
   if (segmentation.sample_label.size() != image.count())
     fail(ErrorKind::failed, "choose_planar_samples: {} labels for {} nodes", segmentation.sample_label.size(),
          image.count());
-  const Areas area_of(image, segmentation);
-  const auto rows = static_cast<std::size_t>(image.rows);
-  std::vector<double> row_area(rows), before(rows);
+  const Areas areas(image, segmentation);
+  const auto rows = static_cast<std::size_t>(image.rows),
+             chunks = static_cast<std::size_t>((image.cols + kChunk - 1) / kChunk);
+  std::vector<double> row_area(rows), before(rows), chunk_area(rows * chunks);
   std::vector<std::size_t> row_count(rows);
   parallel_for(rows, [&](std::size_t row) {
-    for (int col = 0; col < image.cols; ++col) {
-      const double area = area_of(static_cast<int>(row), col);
-      row_area[row] += area;
-      row_count[row] += area > 0;
+    for (std::size_t c = 0; c < chunks; ++c) {
+      const Chunk area = areas.of_chunk(static_cast<int>(row), static_cast<int>(c) * kChunk);
+      double sum = 0;
+      for (int k = 0; k < kChunk; ++k) sum += area[k];
+      chunk_area[row * chunks + c] = sum;
+      row_area[row] += sum;
+      row_count[row] += static_cast<std::size_t>((area > 0).count());
     }
   });
   std::exclusive_scan(row_area.begin(), row_area.end(), before.begin(), 0.0);
@@ -112,9 +138,10 @@ PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmenta
   std::vector<std::vector<Chosen>> by_row(rows);
   parallel_for(rows, [&](std::size_t row) {
     if (row_count[row] == 0) return;
-    by_row[row] = all ? all_of_row(area_of, static_cast<int>(row))
-                      : draw_row(area_of, static_cast<int>(row), before[row], total / max_samples,
-                                 static_cast<std::uint32_t>(seed));
+    by_row[row] =
+        all ? all_of_row(areas, static_cast<int>(row))
+            : draw_row(areas, static_cast<int>(row), std::span(chunk_area).subspan(row * chunks, chunks),
+                       before[row], total / max_samples, static_cast<std::uint32_t>(seed));
   });
   std::vector<Chosen> chosen;
   for (const auto& row : by_row) chosen.insert(chosen.end(), row.begin(), row.end());

@@ -32,8 +32,10 @@ class WholeField {
     for (int r = std::max(row - reach, 0); r <= std::min(row + reach, image_.rows - 1); ++r)
       for (int step = -reach; step <= reach; ++step) {
         int c = col + step;
-        if (image_.wraps) c = (c + cols) % cols;
-        if (c < 0 || c >= cols) continue;
+        if (c < 0 || c >= cols) {
+          if (!image_.wraps) continue;
+          c = (c + cols) % cols;
+        }
         const auto other = static_cast<std::uint32_t>(image_.index(r, c));
         if (use_[other] != kFree) continue;
         const std::uint32_t mark = marks().of(other);

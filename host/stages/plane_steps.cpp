@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "core/parallel.hpp"
@@ -124,20 +125,42 @@ double excess_scatter(const CellGrid& grid) {
   return std::max(1.0, *middle / kMedianOfNormal);
 }
 
+// window_sigmas of every window of one shape, by its upper left cell, where all its cells have one label, as
+// most have; NaN elsewhere.
+std::vector<double> sigmas_of_one_label(const CellGrid& grid, const Window& window) {
+  std::vector<double> sigmas(grid.cells.size(), std::numeric_limits<double>::quiet_NaN());
+  parallel_for(static_cast<std::size_t>(std::max(grid.rows - window.rows + 1, 0)),
+               [&](std::size_t window_row) {
+                 const int row = static_cast<int>(window_row);
+                 for (int col = 0; col + window.cols <= grid.cols; ++col) {
+                   const std::uint32_t label = grid.cells[grid.index(row, col)].label;
+                   bool one = label != 0;
+                   for (int r = row; r < row + window.rows; ++r)
+                     for (int c = col; c < col + window.cols; ++c)
+                       one &= grid.cells[grid.index(r, c)].label == label;
+                   if (one) sigmas[grid.index(row, col)] = window_sigmas(grid, label, row, col, window);
+                 }
+               });
+  return sigmas;
+}
+
 // Marks the cells that some window around them finds off their plane.
 void mark_cells(CellGrid& grid, double excess) {
+  std::array<std::vector<double>, std::size(kWindows)> known;
+  for (std::size_t k = 0; k < known.size(); ++k) known[k] = sigmas_of_one_label(grid, kWindows[k]);
   parallel_for(static_cast<std::size_t>(grid.rows), [&](std::size_t cell_row) {
     const int row = static_cast<int>(cell_row);
     for (int col = 0; col < grid.cols; ++col) {
       Cell& cell = grid.cells[grid.index(row, col)];
       if (cell.label == 0) continue;
       double most = 0;
-      for (const Window& window : kWindows)
-        for (int r = row - window.rows + 1; r <= row; ++r)
-          for (int c = col - window.cols + 1; c <= col; ++c)
-            if (const double sigmas = window_sigmas(grid, cell.label, r, c, window);
-                std::abs(sigmas) > std::abs(most) && sigmas * double{cell.sum} > 0)
-              most = sigmas;
+      for (std::size_t k = 0; k < known.size(); ++k)
+        for (int r = std::max(row - kWindows[k].rows + 1, 0); r <= row; ++r)
+          for (int c = std::max(col - kWindows[k].cols + 1, 0); c <= col; ++c) {
+            double sigmas = known[k][grid.index(r, c)];
+            if (std::isnan(sigmas)) sigmas = window_sigmas(grid, cell.label, r, c, kWindows[k]);
+            if (std::abs(sigmas) > std::abs(most) && sigmas * double{cell.sum} > 0) most = sigmas;
+          }
       if (std::abs(most) >= kProposal * excess) cell.sign = most > 0 ? 1 : -1;
     }
   });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel_blocks.hpp"
+
 namespace hybrid::stages {
 namespace {
 
@@ -25,29 +27,46 @@ struct Scatter {
   }
 };
 
+// By label, in order.
+std::vector<std::vector<std::size_t>> samples_of_small_planes(const std::vector<std::uint32_t>& labels,
+                                                              const PlaneRegions& regions) {
+  constexpr std::size_t kBlock = 1 << 18;
+  std::vector<std::vector<std::size_t>> of_block((labels.size() + kBlock - 1) / kBlock);
+  for_blocks(labels.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (labels[i] != 0 && regions.regions[labels[i] - 1].small) of_block[block].push_back(i);
+  });
+  std::vector<std::vector<std::size_t>> samples(regions.regions.size() + 1);
+  for (const auto& block : of_block)
+    for (const std::size_t i : block) samples[labels[i]].push_back(i);
+  return samples;
+}
+
 std::vector<Scatter> small_plane_scatter(const RangeImage& image, const RangeNoise& noise,
                                          const std::vector<Plane>& planes,
                                          const std::vector<std::uint32_t>& labels,
                                          const PlaneRegions& regions) {
-  std::vector<Scatter> scatters(regions.regions.size() + 1);
   const auto residual = [&](const Plane& plane, std::size_t i) {
     const Vec3 point = image.point(i);
     const double range = point.norm(), cosine = std::abs(plane.normal.dot(point)) / range;
     return plane.distance(point) / (noise.at(range, cosine) * cosine);
   };
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const std::uint32_t id = labels[i];
-    if (id == 0 || !regions.regions[id - 1].small) continue;
-    Scatter& scatter = scatters[id];
-    const double own = residual(planes[id - 1], i);
-    scatter.residuals.push_back(static_cast<float>(std::abs(own)));
-    scatter.squares += own * own;
-    for (const std::size_t j : {i + 1, i + static_cast<std::size_t>(image.cols)})
-      if (j < labels.size() && labels[j] == id) {
-        scatter.products += own * residual(planes[id - 1], j);
-        scatter.neighbours += 1;
-      }
-  }
+  const std::vector<std::vector<std::size_t>> samples = samples_of_small_planes(labels, regions);
+  std::vector<Scatter> scatters(samples.size());
+  parallel_for(samples.size(), [&](std::size_t label) {
+    Scatter& scatter = scatters[label];
+    const auto id = static_cast<std::uint32_t>(label);
+    for (const std::size_t i : samples[label]) {
+      const double own = residual(planes[id - 1], i);
+      scatter.residuals.push_back(static_cast<float>(std::abs(own)));
+      scatter.squares += own * own;
+      for (const std::size_t j : {i + 1, i + static_cast<std::size_t>(image.cols)})
+        if (j < labels.size() && labels[j] == id) {
+          scatter.products += own * residual(planes[id - 1], j);
+          scatter.neighbours += 1;
+        }
+    }
+  });
   return scatters;
 }
 

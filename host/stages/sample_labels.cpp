@@ -5,12 +5,13 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 #include "geometry/tiles.hpp"
 
 namespace hybrid::stages {
 namespace {
 
+constexpr std::size_t kParts = 16;     // of a tile, compared side by side
 constexpr float kLabelCosine = 0.05f;  // c of the inlier test: steeper weights let grazing rays reach too far
 
 // Offsets of the 5 x 5 neighbourhood, the nearest first, ties row by row.
@@ -32,6 +33,17 @@ std::vector<LabelPlane> label_planes(const std::vector<Plane>& planes) {
     result[i].label = static_cast<std::uint32_t>(i + 1);
   }
   return result;
+}
+
+// Counts what a row's labels lose and gain.
+void take_row(const std::uint32_t* after, std::uint32_t* before, std::size_t cols,
+              std::vector<std::int64_t>& moved) {
+  for (std::size_t col = 0; col < cols; ++col) {
+    if (before[col] == after[col]) continue;
+    moved[before[col]] += 1;
+    moved[after[col]] += 1;
+    before[col] = after[col];
+  }
 }
 
 }  // namespace
@@ -88,7 +100,7 @@ std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& 
   auto tile_labels = queue.array<std::uint32_t>(largest);
 
   std::vector<std::uint32_t> found(largest);
-  std::vector<std::int64_t> moved(planes.size() + 1);
+  std::vector<std::vector<std::int64_t>> moved(kParts, std::vector<std::int64_t>(planes.size() + 1));
   const auto width = static_cast<std::size_t>(image.cols);
   for (const Tile& tile : tiles) {
     const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
@@ -109,18 +121,17 @@ std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& 
     queue.launch("label_samples", queue.kernel("label_samples"), device::grid(rect.cols, rect.rows), params,
                  x, y, z, candidates, own_plane, plane_table, tile_labels);
     queue.read_rect(tile_labels, found.data(), rect.cols, {0, 0, rect.rows, rect.cols});
-    for (std::size_t row = 0; row < rect.rows; ++row) {
-      const std::uint32_t* after = &found[row * rect.cols];
-      std::uint32_t* before = &labels[(rect.row + row) * width + rect.col];
-      for (std::size_t col = 0; col < rect.cols; ++col) {
-        if (before[col] == after[col]) continue;
-        moved[before[col]] += 1;
-        moved[after[col]] += 1;
-        before[col] = after[col];
-      }
-    }
+    const std::size_t rows = (rect.rows + kParts - 1) / kParts;
+    for_blocks(rect.rows, rows, [&](std::size_t part, std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row)
+        take_row(&found[row * rect.cols], &labels[(rect.row + row) * width + rect.col], rect.cols,
+                 moved[part]);
+    });
   }
-  return moved;
+  std::vector<std::int64_t> of_all(planes.size() + 1);
+  for (const auto& part : moved)
+    for (std::size_t label = 0; label < of_all.size(); ++label) of_all[label] += part[label];
+  return of_all;
 }
 
 }  // namespace hybrid::stages
