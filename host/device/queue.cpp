@@ -1,11 +1,40 @@
 #include "device/queue.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "core/interrupt.hpp"
+#include "core/parallel.hpp"
 #include "device/program.hpp"
 
 namespace hybrid::device {
+
+namespace {
+
+constexpr std::size_t kCopied = 1 << 18;  // bytes, by one thread at a time
+
+// On a CPU the device's memory is the host's: rows are copied on the host's threads, where the driver's
+// command would take one.
+void copy_mapped_rect(cl_command_queue queue, cl_mem memory, void* image, std::size_t element_bytes,
+                      std::size_t image_cols, const Rect& rect, bool to_device) {
+  const std::size_t row_bytes = rect.cols * element_bytes;
+  cl_int code = CL_SUCCESS;
+  void* mapped = clEnqueueMapBuffer(queue, memory, CL_TRUE, to_device ? CL_MAP_WRITE : CL_MAP_READ, 0,
+                                    rect.rows * row_bytes, 0, nullptr, nullptr, &code);
+  check(code, "map a tile");
+  parallel_for(
+      rect.rows,
+      [&](std::size_t row) {
+        char* of_image =
+            static_cast<char*>(image) + ((rect.row + row) * image_cols + rect.col) * element_bytes;
+        char* of_device = static_cast<char*>(mapped) + row * row_bytes;
+        std::memcpy(to_device ? of_device : of_image, to_device ? of_image : of_device, row_bytes);
+      },
+      std::max<std::size_t>(kCopied / row_bytes, 1));
+  check(clEnqueueUnmapMemObject(queue, memory, mapped, 0, nullptr, nullptr), "unmap a tile");
+}
+
+}  // namespace
 
 Queue::Queue(const std::string& choice) : device_(choose_device(choice)) {
   cl_int code = CL_SUCCESS;
@@ -66,6 +95,8 @@ void Queue::read_bytes(cl_mem source, void* bytes, std::size_t size, std::size_t
 void Queue::copy_rect(cl_mem memory, void* image, std::size_t element_bytes, std::size_t image_cols,
                       const Rect& rect, bool to_device) {
   if (rect.rows == 0 || rect.cols == 0) return;
+  if (device_.is_cpu)
+    return copy_mapped_rect(queue_, memory, image, element_bytes, image_cols, rect, to_device);
   const std::size_t zero[3] = {0, 0, 0};
   const std::size_t host_origin[3] = {rect.col * element_bytes, rect.row, 0};
   const std::size_t region[3] = {rect.cols * element_bytes, rect.rows, 1};
