@@ -56,19 +56,27 @@ void OutputFile::fail(int reason) {
 void OutputFile::write(const void* bytes, std::size_t count) {
   if (failure_ != 0) fail(failure_);
   const char* from = static_cast<const char*>(bytes);
+  if (count >= kBuffer_bytes) {
+    flush();
+    write_through(from, count);
+    return;
+  }
   buffer_.insert(buffer_.end(), from, from + count);
   if (buffer_.size() >= kBuffer_bytes) flush();
 }
 
-void OutputFile::flush() {
-  std::size_t done = 0;
-  while (done < buffer_.size()) {
-    const ssize_t written = ::write(descriptor_, buffer_.data() + done, buffer_.size() - done);
+void OutputFile::write_through(const char* bytes, std::size_t count) {
+  for (std::size_t done = 0; done < count;) {
+    const ssize_t written = ::write(descriptor_, bytes + done, count - done);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail(written < 0 ? errno : EIO);
     done += static_cast<std::size_t>(written);
   }
-  flushed_ += buffer_.size();
+  flushed_ += count;
+}
+
+void OutputFile::flush() {
+  write_through(buffer_.data(), buffer_.size());
   buffer_.clear();
 }
 

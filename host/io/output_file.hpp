@@ -28,6 +28,7 @@ class OutputFile {
 
  private:
   void flush();
+  void write_through(const char* bytes, std::size_t count);
   [[noreturn]] void fail(int reason);
 
   std::filesystem::path file_;
