@@ -1,7 +1,5 @@
 #include "io/exr_parts.hpp"
 
-#include <ImfPartType.h>
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -122,42 +120,6 @@ std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int cou
         });
   }
   return static_cast<std::uint64_t>(std::count(lost.begin(), lost.end(), true));
-}
-
-std::vector<Imf::Header> ExrPartsWriter::headers_of(const Imf::Header& header,
-                                                    const std::vector<ExrPart>& parts) {
-  std::vector<Imf::Header> headers;
-  for (const ExrPart& part : parts) {
-    Imf::ChannelList channels;
-    for (const std::string& name : part.channels)
-      if (const Imf::Channel* channel = header.channels().findChannel(name)) channels.insert(name, *channel);
-    if (channels.begin() == channels.end()) continue;
-    Imf::Header own(header.displayWindow(), header.dataWindow());
-    if (headers.empty()) own = header;
-    own.setTileDescription(header.tileDescription());
-    own.setName(part.name);
-    own.setType(Imf::TILEDIMAGE);
-    own.compression() = part.compression;
-    own.zipCompressionLevel() = 1;  // half the time of the default for a tenth more of what little they take
-    own.channels() = channels;
-    headers.push_back(own);
-  }
-  return headers;
-}
-
-ExrPartsWriter::ExrPartsWriter(Imf::OStream& stream, const Imf::Header& header,
-                               const std::vector<ExrPart>& parts, int threads)
-    : headers_(headers_of(header, parts)),
-      file_(stream, headers_.data(), static_cast<int>(headers_.size()), false, threads) {
-  for (std::size_t i = 0; i < headers_.size(); ++i) parts_.emplace_back(file_, static_cast<int>(i));
-}
-
-void ExrPartsWriter::write(const Imf::FrameBuffer& buffer, int row, int count) {
-  for (Imf::TiledOutputPart& part : parts_) {
-    const int side = static_cast<int>(part.tileYSize());
-    part.setFrameBuffer(buffer);
-    part.writeTiles(0, part.numXTiles() - 1, row / side, (row + count - 1) / side);
-  }
 }
 
 }  // namespace hybrid::io

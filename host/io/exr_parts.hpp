@@ -2,12 +2,9 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
-#include <ImfMultiPartOutputFile.h>
 #include <ImfTiledInputPart.h>
-#include <ImfTiledOutputPart.h>
 
 #include <filesystem>
 #include <memory>
@@ -51,30 +48,6 @@ class ExrParts {
   std::vector<Part> parts_;
   Imf::Header header_;
   int first_ = 0, last_ = 0, band_rows_ = 0;
-};
-
-// Channels that compress alike.
-struct ExrPart {
-  std::string name;
-  Imf::Compression compression;
-  std::vector<std::string> channels;
-};
-
-// Writes an image in parts, each with its own compression, in bands of whole tiles from the top. A part none
-// of whose channels is in the header is left out; the attributes go into the first.
-class ExrPartsWriter {
- public:
-  ExrPartsWriter(Imf::OStream& stream, const Imf::Header& header, const std::vector<ExrPart>& parts,
-                 int threads);
-
-  void write(const Imf::FrameBuffer& buffer, int row, int count);
-
- private:
-  static std::vector<Imf::Header> headers_of(const Imf::Header& header, const std::vector<ExrPart>& parts);
-
-  std::vector<Imf::Header> headers_;
-  Imf::MultiPartOutputFile file_;
-  std::vector<Imf::TiledOutputPart> parts_;
 };
 
 }  // namespace hybrid::io

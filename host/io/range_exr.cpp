@@ -15,6 +15,7 @@
 #include "io/exr_parts.hpp"
 #include "io/exr_stream.hpp"
 #include "io/exr_threads.hpp"
+#include "io/exr_tile_writer.hpp"
 #include "io/input_file.hpp"
 #include "io/output.hpp"
 #include "io/range_checksum.hpp"
@@ -200,7 +201,7 @@ void write_range_exr(const std::filesystem::path& file, const RangeImage& image,
   const Imf::Header header = make_header(file.string(), image, attributes);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     write_exr_stream(temporary, [&](ExrStream& stream) {
-      ExrPartsWriter out(stream, header, parts(), start_exr_threads());
+      ExrTileWriter out(stream, header, parts());
       // OpenEXR's slices are not const; writing only reads them.
       RangeExrBand band(const_cast<RangeImage&>(image));
       constexpr int kRows = kRangeTile_px;
@@ -209,6 +210,7 @@ void write_range_exr(const std::filesystem::path& file, const RangeImage& image,
         band.take_from_image();
         out.write(slices, row, std::min(kRows, image.rows - row));
       }
+      out.finish();
     });
   });
 }

@@ -1,8 +1,10 @@
 #include "io/exr_parts.hpp"
 
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfStringAttribute.h>
+#include <ImfTiledOutputPart.h>
 #include <gtest/gtest.h>
 
 #include "io/exr_scan.hpp"
