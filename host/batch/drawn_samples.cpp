@@ -52,10 +52,14 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
     const auto near =
         static_cast<float>(std::min(kNoiseSigmas * std::hypot(product.sigma_m, worst_sigma_m), kFreeReach_m));
     std::vector<std::uint8_t> retained(product.image.count());
-    for (std::size_t i = 0; i < retained.size(); ++i)
-      retained[i] = product.decimation.fate[i] > stages::kDiscarded &&
-                    product.stray[i] == stages::kNotStray &&
-                    (product.contour_faces.covered.empty() || !product.contour_faces.covered[i]);
+    parallel_for(
+        retained.size(),
+        [&](std::size_t i) {
+          retained[i] = product.decimation.fate[i] > stages::kDiscarded &&
+                        product.stray[i] == stages::kNotStray &&
+                        (product.contour_faces.covered.empty() || !product.contour_faces.covered[i]);
+        },
+        1 << 14);
     std::vector<std::uint8_t> on_contour;
     if (!contours.model.faces.empty())
       on_contour = stages::near_faces(queue, product.image, product.segmentation, contours.model,

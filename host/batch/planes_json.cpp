@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/parallel_blocks.hpp"
+
 namespace hybrid::batch {
 namespace {
 
@@ -95,14 +97,16 @@ Json scan_figures(const ScanProduct& product) {
   const auto& image = product.image;
   const auto& fate = product.decimation.fate;
   const auto& classes = product.segmentation.square_class;
-  const auto masked = [&](SampleMask mask) { return std::count(image.mask.begin(), image.mask.end(), mask); };
+  const auto masked = [&](SampleMask mask) {
+    return count_if_parallel(image.mask.size(), [&](std::size_t i) { return image.mask[i] == mask; });
+  };
   const auto classed = [&](SquareClass kind) { return std::count(classes.begin(), classes.end(), kind); };
-  const auto fated = [&](stages::SampleFate kind) { return std::count(fate.begin(), fate.end(), kind); };
+  const auto fated = [&](stages::SampleFate kind) {
+    return count_if_parallel(fate.size(), [&](std::size_t i) { return fate[i] == kind; });
+  };
   const auto strays = [&](stages::Stray kind) {
-    std::int64_t count = 0;
-    for (std::size_t i = 0; i < fate.size(); ++i)
-      count += fate[i] > stages::kDiscarded && product.stray[i] == kind;
-    return count;
+    return count_if_parallel(
+        fate.size(), [&](std::size_t i) { return fate[i] > stages::kDiscarded && product.stray[i] == kind; });
   };
   const auto extra = static_cast<std::int64_t>(image.extra.size());
   Json figures = {

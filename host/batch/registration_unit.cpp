@@ -7,6 +7,7 @@
 #include "batch/automatic_json.hpp"
 #include "batch/face_json.hpp"
 #include "core/log.hpp"
+#include "core/parallel_blocks.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
 
@@ -56,6 +57,7 @@ stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& mo
 // A supercluster within 30 degrees of vertical is a wall from this area on; below it stands furniture.
 constexpr double kLeastWallM2 = 1;
 constexpr float kNear_m = 0.10f, kNearer_m = 0.05f;  // of a face: shares of the walls' samples
+constexpr std::size_t kBlock = 1 << 18;              // samples, looked at together
 
 // Per label, whether it is a wall's.
 std::vector<std::uint8_t> walls(const ScanProduct& product, const Pose& world_from_scan) {
@@ -71,17 +73,30 @@ std::vector<std::uint8_t> walls(const ScanProduct& product, const Pose& world_fr
 template <typename NearSteps>
 WallShare wall_share(const ScanProduct& product, const std::vector<std::uint8_t>& wall,
                      const NearSteps& near_steps) {
+  struct Counts {
+    std::int64_t samples = 0, near = 0, nearer = 0;
+    Counts& operator+=(const Counts& other) {
+      samples += other.samples;
+      near += other.near;
+      nearer += other.nearer;
+      return *this;
+    }
+  };
+  const Counts counts = sum_blocks<Counts>(product.image.count(), [&](std::size_t begin, std::size_t end) {
+    Counts own;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (product.image.mask[i] != kMeasured || !wall[product.segmentation.sample_label[i]]) continue;
+      ++own.samples;
+      own.near += near_steps(i) >= 1;
+      own.nearer += near_steps(i) >= 2;
+    }
+    return own;
+  });
   WallShare share;
-  std::int64_t near = 0, nearer = 0;
-  for (std::size_t i = 0; i < product.image.count(); ++i) {
-    if (product.image.mask[i] != kMeasured || !wall[product.segmentation.sample_label[i]]) continue;
-    ++share.samples;
-    near += near_steps(i) >= 1;
-    nearer += near_steps(i) >= 2;
-  }
-  if (share.samples > 0) {
-    share.within_10cm = static_cast<double>(near) / static_cast<double>(share.samples);
-    share.within_5cm = static_cast<double>(nearer) / static_cast<double>(share.samples);
+  share.samples = counts.samples;
+  if (counts.samples > 0) {
+    share.within_10cm = static_cast<double>(counts.near) / static_cast<double>(counts.samples);
+    share.within_5cm = static_cast<double>(counts.nearer) / static_cast<double>(counts.samples);
   }
   return share;
 }
@@ -90,7 +105,9 @@ WallShare share_before(device::Queue& queue, const stages::ProxyModel& model, co
                        const Pose& start) {
   const auto wall = walls(product, start);
   std::vector<std::uint8_t> of_wall(product.image.count());
-  for (std::size_t i = 0; i < of_wall.size(); ++i) of_wall[i] = wall[product.segmentation.sample_label[i]];
+  for_blocks(of_wall.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) of_wall[i] = wall[product.segmentation.sample_label[i]];
+  });
   const auto near = stages::near_faces(queue, product.image, product.segmentation, model, start,
                                        kCompatibleDeg, {kNear_m, kNearer_m}, of_wall);
   return wall_share(product, wall, [&](std::size_t i) { return near[i]; });
@@ -100,9 +117,10 @@ WallShare share_before(device::Queue& queue, const stages::ProxyModel& model, co
 void give_back_unexplained(const ScanRegistration& registration, const StageOptions& options,
                            ScanProduct& product) {
   std::vector<std::uint8_t> explained(product.image.count());
-  std::transform(
-      registration.signed_distance_m.begin(), registration.signed_distance_m.end(), explained.begin(),
-      [&](float distance) { return static_cast<std::uint8_t>(std::abs(distance) <= options.explain_m); });
+  for_blocks(explained.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      explained[i] = std::abs(registration.signed_distance_m[i]) <= options.explain_m;
+  });
   stages::keep_unexplained(explained, product.decimation);
   product.contour_faces =
       stages::unexplained_contours(product.image, product.segmentation, explained, product.stray,

@@ -1,9 +1,12 @@
 #include "batch/residuals.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "batch/picture_marks.hpp"
+#include "core/median.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -21,11 +24,25 @@ Ink ink_of(double distance_m) {
   return ink;
 }
 
-double median_of(std::vector<float>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+constexpr auto kBins =
+    static_cast<std::size_t>(2 * ResidualHistogram::kReach_m / ResidualHistogram::kBin_m + 0.5);
+
+struct Counts {
+  std::array<std::int64_t, kBins> bins{};
+  std::int64_t behind = 0, before = 0, without_face = 0;
+
+  Counts& operator+=(const Counts& other) {
+    for (std::size_t b = 0; b < kBins; ++b) bins[b] += other.bins[b];
+    behind += other.behind;
+    before += other.before;
+    without_face += other.without_face;
+    return *this;
+  }
+};
+
+// In bins; below 0 or from kBins on: beyond the histogram.
+double place_of(double distance_m) {
+  return (distance_m + ResidualHistogram::kReach_m) / ResidualHistogram::kBin_m;
 }
 
 void fill(Image8& picture, int x0, int y0, int x1, int y1, const Ink& ink) {
@@ -68,28 +85,39 @@ void draw_legend(Image8& picture, int left, int top, const ResidualHistogram& hi
 }  // namespace
 
 ResidualHistogram residual_histogram(const ScanProduct& product, const std::vector<float>& distance_m) {
-  using H = ResidualHistogram;
-  H histogram;
-  histogram.counts.assign(static_cast<std::size_t>(std::lround(2 * H::kReach_m / H::kBin_m)), 0);
-  std::vector<float> near;
-  for (std::size_t i = 0; i < product.image.count(); ++i) {
-    if (product.image.mask[i] != kMeasured || product.segmentation.sample_label[i] == 0) continue;
-    const double d = distance_m[i];
-    const double bin = std::floor((d + H::kReach_m) / H::kBin_m);
-    if (std::isnan(d))
-      ++histogram.without_face;
-    else if (bin < 0)
-      ++histogram.behind;
-    else if (bin >= static_cast<double>(histogram.counts.size()))
-      ++histogram.before;
-    else {
-      ++histogram.counts[static_cast<std::size_t>(bin)];
-      near.push_back(distance_m[i]);
+  const auto counted = [&](std::size_t i) {
+    return product.image.mask[i] == kMeasured && product.segmentation.sample_label[i] != 0;
+  };
+  const Counts counts = sum_blocks<Counts>(product.image.count(), [&](std::size_t begin, std::size_t end) {
+    Counts own;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!counted(i)) continue;
+      const double place = place_of(distance_m[i]);
+      if (std::isnan(place))
+        ++own.without_face;
+      else if (place < 0)
+        ++own.behind;
+      else if (place >= static_cast<double>(kBins))
+        ++own.before;
+      else
+        ++own.bins[static_cast<std::size_t>(place)];
     }
-  }
-  histogram.median_m = median_of(near);
-  for (float& d : near) d = std::abs(d - static_cast<float>(histogram.median_m));
-  histogram.sigma_m = 1.4826 * median_of(near);
+    return own;
+  });
+  ResidualHistogram histogram;
+  histogram.counts.assign(counts.bins.begin(), counts.bins.end());
+  histogram.behind = counts.behind;
+  histogram.before = counts.before;
+  histogram.without_face = counts.without_face;
+  const auto near = [&](std::size_t i) {
+    const double place = counted(i) ? place_of(distance_m[i]) : -1;
+    return place >= 0 && place < static_cast<double>(kBins) ? distance_m[i]
+                                                            : std::numeric_limits<float>::quiet_NaN();
+  };
+  const float median_m = parallel_median(distance_m.size(), near);
+  histogram.median_m = median_m;
+  histogram.sigma_m = 1.4826 * parallel_median(distance_m.size(),
+                                               [&](std::size_t i) { return std::abs(near(i) - median_m); });
   return histogram;
 }
 
@@ -115,7 +143,8 @@ Image8 residual_picture(const ScanProduct& product, const std::vector<float>& di
   Image8 picture(width, rows * enlarge + kLegend, 3);
   fill(picture, 0, 0, picture.width, picture.height, kPaper);
   const int left = (width - cols * enlarge) / 2;
-  for (int row = 0; row < rows; ++row)
+  parallel_for(static_cast<std::size_t>(rows), [&](std::size_t r) {
+    const int row = static_cast<int>(r);
     for (int col = 0; col < cols; ++col) {
       const std::size_t i = image.index(row * thin, col * thin);
       const double d = distance_m[i];
@@ -123,6 +152,7 @@ Image8 residual_picture(const ScanProduct& product, const std::vector<float>& di
       fill(picture, left + col * enlarge, row * enlarge, left + (col + 1) * enlarge, (row + 1) * enlarge,
            ink);
     }
+  });
   draw_legend(picture, (width - legend) / 2, rows * enlarge + kMargin, histogram);
   return picture;
 }

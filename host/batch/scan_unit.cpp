@@ -1,6 +1,7 @@
 #include "batch/scan_unit.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 
@@ -162,25 +163,26 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
   const auto& image = product.image;
   if (product.recorded_pose)  // unless a better one is given
     attributes.try_emplace("world_from_scan", nlohmann::json(row_major(*product.recorded_pose)).dump());
-  // Encoding takes longer than the disk, and most encoders run on one thread.
+  // Encoding takes longer than the disk: first those that run on one thread, then those that share all.
   const std::function<void()> writers[] = {
-      [&] { io::write_range_exr(folder / "range.exr", image, attributes); },
-      [&] { write_extra(folder, scan); },
-      [&] { io::write_png(folder / "range.png", stages::range_picture(image)); },
       [&] {
         auto picture = stages::class_picture(image, product.segmentation);
         io::write_png(folder / "classes.png", picture);
         stages::draw_intersections(image, product.intersections, picture);
         io::write_png(folder / "intersections.png", picture);
       },
+      [&] { io::write_png(folder / "range.png", stages::range_picture(image)); },
       [&] {
         io::write_exr(folder / "labels.exr", image.cols, image.rows,
                       {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
       },
       [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); },
       [&] { io::write_text(folder / "intersections.obj", intersections_obj(product)); },
-      [&] { write_orthophotos(folder, product); }};
-  parallel_for(std::size(writers), [&](std::size_t i) { writers[i](); });
+      [&] { write_extra(folder, scan); },
+      [&] { write_orthophotos(folder, product); },
+      [&] { io::write_range_exr(folder / "range.exr", image, attributes); }};
+  std::atomic<std::size_t> next = 0;
+  parallel_for(std::size(writers), [&](std::size_t) { writers[next++](); });
 }
 
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,

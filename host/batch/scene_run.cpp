@@ -3,6 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <future>
+#include <map>
 
 #include "batch/coverage_unit.hpp"
 #include "batch/drawn_samples.hpp"
@@ -18,6 +20,7 @@
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
+#include "core/parallel.hpp"
 #include "io/obj.hpp"
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
@@ -99,8 +102,9 @@ class Run {
     return request_.scene_views ? static_cast<int>(run_.scene.views.size()) : 0;
   }
 
-  void add_input(const fs::path& file) {
-    const auto print = io::fingerprint(file);
+  void add_input(const fs::path& file) { add_input(file, io::fingerprint(file)); }
+  void add_input(const fs::path& file, const io::FileFingerprint& print) {
+    hashes_[file] = print.xxh3;
     inputs_.push_back(
         {{"file", relative_name(file, run_.scene)}, {"bytes", print.bytes}, {"xxh3", print.xxh3}});
   }
@@ -134,14 +138,16 @@ class Run {
   void process_file(const io::SceneScan& entry) {
     const std::string name = entry.id.empty() ? entry.file.filename().string() : entry.id;
     std::vector<io::ScanEntry> scans;
+    std::future<io::FileFingerprint> print;  // taken beside the reading, where there are threads
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      auto listed = list_scene_scans(entry, request_.salvage);
-      add_input(entry.file);
-      scans = std::move(listed);
+      scans = list_scene_scans(entry, request_.salvage);
+      print = std::async(thread_count() > 1 ? std::launch::async : std::launch::deferred,
+                         [&] { return io::fingerprint(entry.file); });
     });
     for (std::size_t i = 0; i < scans.size(); ++i)
       process(names_->next(entry, static_cast<int>(i), static_cast<int>(scans.size())), entry, scans[i]);
+    if (print.valid()) unit("scan " + name, [&] { add_input(entry.file, print.get()); });
   }
 
   void process(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
@@ -272,8 +278,9 @@ class Run {
   }
 
   std::map<std::string, std::string> exr_attributes(std::size_t i) const {
-    std::map<std::string, std::string> attributes = {{"source", relative_name(entries_[i].file, run_.scene)},
-                                                     {"hash", io::fingerprint(entries_[i].file).xxh3}};
+    std::map<std::string, std::string> attributes = {{"source", relative_name(entries_[i].file, run_.scene)}};
+    if (const auto hash = hashes_.find(entries_[i].file); hash != hashes_.end())
+      attributes["hash"] = hash->second;
     if (!run_.scene.crs.empty()) attributes["crs"] = run_.scene.crs;
     if (run_.registrations[i])
       attributes["world_from_scan"] = Json(row_major(run_.registrations[i]->world_from_scan())).dump();
@@ -442,6 +449,7 @@ class Run {
   std::vector<std::size_t> indices_;    // one per product: which scan of its file
   std::optional<ScanNames> names_;
   std::optional<io::SceneTruth> truth_;
+  std::map<fs::path, std::string> hashes_;  // of the inputs
   Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, equalisation_, joint_;
   SceneRun run_;
 };

@@ -94,7 +94,7 @@ TEST(BadMachine, hybrid_planes_on_a_full_disk) {
                                        (mini_scene() / "s.ply").string() + " --threads 1 --quiet --out " +
                                        folder + "/out; code=$?\n" + "find " + folder +
                                        "/out -name '.*' -o -name summary.json; exit $code\n");
-  expect_failure(outcome, 75, {"range.exr", "the disk is full"});
+  expect_failure(outcome, 75, {"planes.json", "the disk is full"});
   EXPECT_EQ(outcome.out, "");
 }
 
