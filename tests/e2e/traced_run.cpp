@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -70,33 +71,46 @@ bool is_moment(pid_t process, const Moment& moment) {
   return target != 0 && !moment.renames.empty() && text_at(process, target, 4096).ends_with(moment.renames);
 }
 
-// Waits for the process; nothing when the minute is over.
-std::optional<int> wait_for(pid_t process) {
-  int status = 0;
-  if (waitpid(process, &status, __WALL) == process) return status;
-  return std::nullopt;
+struct Stop {
+  pid_t thread;
+  int status;
+};
+
+// Of any thread; nothing when the minute is over.
+std::optional<Stop> next_stop() {
+  Stop stop{};
+  stop.thread = waitpid(-1, &stop.status, __WALL);
+  if (stop.thread < 0) return std::nullopt;
+  return stop;
+}
+
+// The signal that a stopped thread is to get: tracing's own stops are none.
+int pass_on(int status, bool is_new) {
+  const int stop = WSTOPSIG(status);
+  const bool own = stop == SIGTRAP || stop == (SIGTRAP | 0x80) || (is_new && stop == SIGSTOP);
+  return own ? 0 : stop;
 }
 
 std::optional<int> end_of(pid_t process, const Moment& moment, int signal) {
-  auto status = wait_for(process);  // the stop at its start
-  if (status && WIFSTOPPED(*status))
-    ptrace(PTRACE_SETOPTIONS, process, nullptr, PTRACE_O_TRACESYSGOOD | PTRACE_O_EXITKILL);
-  bool traced = true;
-  int pass_on = 0;
-  while (status && WIFSTOPPED(*status)) {
-    if (WSTOPSIG(*status) == (SIGTRAP | 0x80) && is_moment(process, moment)) {
-      kill(process, signal);
-      ptrace(PTRACE_DETACH, process, nullptr, nullptr);
-      traced = false;
-    } else {
-      const int stop = WSTOPSIG(*status);
-      pass_on = stop == SIGTRAP || stop == (SIGTRAP | 0x80) ? 0 : stop;
-      ptrace(PTRACE_SYSCALL, process, nullptr, pass_on);
+  std::set<pid_t> threads;
+  bool signalled = false;
+  while (const auto stop = next_stop()) {
+    const auto [thread, status] = *stop;
+    if (!WIFSTOPPED(status)) {
+      if (thread == process) return status;
+      continue;
     }
-    status = wait_for(process);
-    if (!traced) break;
+    const bool is_new = threads.insert(thread).second;
+    if (thread == process && is_new)
+      ptrace(PTRACE_SETOPTIONS, process, nullptr,
+             PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_EXITKILL);
+    if (!signalled && WSTOPSIG(status) == (SIGTRAP | 0x80) && is_moment(thread, moment)) {
+      kill(process, signal);
+      signalled = true;
+    }
+    ptrace(signalled ? PTRACE_CONT : PTRACE_SYSCALL, thread, nullptr, pass_on(status, is_new));
   }
-  return status;
+  return std::nullopt;
 }
 
 extern "C" void on_alarm(int) {}

@@ -8,7 +8,7 @@ namespace hybrid::e2e {
 
 // A moment in a run, exact to the system call, so that a signal needs no sleep and no hook in the program.
 struct Moment {
-  std::string prints;   // the main thread is about to print this on stderr, or
+  std::string prints;   // a thread is about to print this on stderr, or
   std::string renames;  // to rename a file to a path that ends so
 };
 
