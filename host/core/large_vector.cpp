@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "core/paged_arrays.hpp"
 #include "core/parallel_blocks.hpp"
 
 namespace hybrid {
@@ -14,7 +15,7 @@ void prefer_large_pages(void* memory, std::size_t bytes) {
   // Whole pages inside the memory alone. A system that refuses goes on with ordinary ones.
   const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kPage - 1) / kPage * kPage;
   const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / kPage * kPage;
-  if (begin >= end) return;
+  if (begin >= end || paged_arrays::is_ours(memory)) return;
   madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
   // Touched rather than populated by request: page faults of several threads run side by side, while requests
   // wait for each other wherever memory is mapped at the same time.

@@ -6,7 +6,8 @@ namespace hybrid {
 
 // Asks the system for large pages for this memory, where it gives them on request, and for all of them at
 // once, on all threads: touching ordinary ones one by one for the first time costs more than filling them.
-// Changes nothing else.
+// Changes nothing else. Arrays under a MemoryBudget are left alone: their pages come as they are filled, no
+// faster than others can go.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 // values.assign(count, value) on such pages.

@@ -111,6 +111,9 @@ void* make(std::size_t bytes) noexcept {
       ++refusals;
       return nullptr;
     }
+    // Page by page: else the kernel maps what lies around a touched page with it, and what is filled column
+    // by column, rows apart, is in memory as a whole again as soon as it is taken out.
+    madvise(at(begin), whole, MADV_RANDOM);
     s.arrays.emplace(begin, whole);
     s.next = begin + whole;
     return at(begin);

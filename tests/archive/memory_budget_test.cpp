@@ -74,6 +74,19 @@ TEST(MemoryBudget, only_large_arrays_made_under_it_are_in_files) {
   EXPECT_EQ(paged_arrays::trim(kMiB), 0u);  // nothing is left
 }
 
+TEST(MemoryBudget, only_touched_pages_are_in_memory) {
+  const e2e::Scratch folder;
+  const MemoryBudget budget(1024 * kMiB, folder.path());
+  std::vector<std::uint64_t> array(kCount);
+  ASSERT_TRUE(paged_arrays::is_ours(array.data()));
+  paged_arrays::trim(kCount * sizeof array[0]);
+  const std::uint64_t before = resident_memory().file_bytes;
+  std::size_t touched = 0;
+  for (std::size_t i = 0; i < kCount; i += (64 << 10) / sizeof array[0], ++touched) array[i] += i;
+  const std::uint64_t more = resident_memory().file_bytes - before;
+  EXPECT_LT(more, 2 * touched * 4096) << touched << " pages";
+}
+
 TEST(MemoryBudget, an_array_without_room_for_a_file_stays_in_memory) {
   const e2e::Scratch folder;
   const MemoryBudget budget(1024 * kMiB, folder.path());
