@@ -11,8 +11,9 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kFloodSigmas = 3;
-constexpr double kLeastCosine = 0.02;  // as window_planes' seeds
-constexpr int kSparseReach = 2;        // samples
+constexpr double kLeastCosine = 0.02;       // as window_planes' seeds
+constexpr int kSparseReach = 2;             // samples
+constexpr std::uint8_t kEnoughFloods = 16;  // of too few samples each, over one sample
 
 // Marks of samples while one plane floods: 0, one of these, or the number of the fit that rejected the
 // sample: the same fit need not be asked again.
@@ -178,7 +179,7 @@ std::uint32_t BlockFloods::local(std::uint32_t sample) const {
 }
 
 bool BlockFloods::is_open(std::uint32_t sample) const {
-  return marks_[local(sample)] != kWall && !covered_[local(sample)];
+  return marks_[local(sample)] != kWall && covered_[local(sample)] < kEnoughFloods;
 }
 
 // What flood() asks of a field; the rim of walls spares it asking where the block ends.
@@ -211,8 +212,11 @@ std::size_t BlockFloods::flood(const WindowSeed& seed, std::size_t least) {
   const auto samples = stages::flood(field, noise_, reach_of(seed), std::move(start));
   for (const std::uint32_t i : marked_) marks_[i] = 0;
   marked_.clear();
-  if (samples.size() >= least)
-    for (const std::uint32_t i : samples) covered_[i] = 1;
+  const bool large = samples.size() >= least;
+  for (const std::uint32_t i : samples)
+    covered_[i] = large                         ? kEnoughFloods
+                  : covered_[i] < kEnoughFloods ? static_cast<std::uint8_t>(covered_[i] + 1)
+                                                : covered_[i];
   return samples.size();
 }
 

@@ -63,9 +63,10 @@ class BlockFloods {
  public:
   BlockFloods(const RangeImage& image, const std::vector<std::uint8_t>& use, const RangeNoise& noise,
               const Tile& limits);
-  // Within the limits: whether it is free, and no flood covered it.
+  // Within the limits: whether it is free and worth another flood: no large one covered it, nor so many small
+  // ones that the next will hardly be larger. So the work per sample has a bound, however large `least` is.
   bool is_open(std::uint32_t sample) const;
-  // Samples of the flood; it covers them when there are at least `least`.
+  // Samples of the flood, which is large from `least` on.
   std::size_t flood(const WindowSeed& seed, std::size_t least);
 
  private:
@@ -79,7 +80,7 @@ class BlockFloods {
   int width_;
   std::vector<FloodSample> samples_;
   std::vector<std::uint32_t> marks_, marked_;
-  std::vector<std::uint8_t> covered_;
+  std::vector<std::uint8_t> covered_;  // by how many floods, up to enough
 };
 
 }  // namespace hybrid::stages
