@@ -16,7 +16,7 @@ CameraFile read_colmap(const fs::path& folder) {
   CameraFile result;
   if (binary || (!text && (has("cameras.bin") || has("images.bin")))) {
     result = read_colmap_binary(folder);
-    if (text) result.notes.push_back("the binary model was read; there is a text model beside it");
+    if (text) result.notes.emplace_back("the binary model was read; there is a text model beside it");
   } else {
     result = read_colmap_text(folder);
   }

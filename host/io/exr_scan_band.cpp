@@ -70,13 +70,13 @@ ExrScanChannels find_exr_scan_channels(const std::string& file, const Imf::Heade
   if (!found.points && !present.empty())
     found.notes.push_back("channel" + present + " without" + missing + ": not used, range is");
   if (header.compression() == Imf::PXR24_COMPRESSION)
-    found.notes.push_back("compression PXR24 kept 16 significant bits of every float: 0.1 mm at 8 m");
+    found.notes.emplace_back("compression PXR24 kept 16 significant bits of every float: 0.1 mm at 8 m");
   found.mask = has_mask(file, header);
   found.source = has_whole(header, "source");
   found.intensity = has_whole(header, "intensity");
   found.colour = has_light(header, "R") && has_light(header, "G") && has_light(header, "B");
   if (!found.colour && (has_whole(header, "R") || has_whole(header, "G") || has_whole(header, "B")))
-    found.notes.push_back("colours are not used: expected R, G and B as half or float, linear light");
+    found.notes.emplace_back("colours are not used: expected R, G and B as half or float, linear light");
   return found;
 }
 
