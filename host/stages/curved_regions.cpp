@@ -1,19 +1,24 @@
 #include "stages/curved_regions.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <unordered_set>
 
 #include "core/parallel.hpp"
+#include "stages/bending.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kMostSamples = 4000;  // of a region in the quadratic fit
-constexpr std::size_t kFewestHeights = 30;
-constexpr double kLeastGain = 30;           // fall of chi2 for 3 more parameters
-constexpr double kLeastShareGained = 0.01;  // of the squared residuals
+constexpr std::size_t kMostSamples = 40000;  // of a region in the quadratic fit
+constexpr double kShareFaint =
+    0.001;  // of the squared residuals, where the surface goes on beyond the region and bends there
+constexpr double kShareBeyond = 0.3;  // ... of the centroids of the squares there
+constexpr int kRings = 4;             // squares
+constexpr double kLeastGrowth = 2;    // of the number of squares within those
+constexpr double kLikeCurvature = 2;  // factor between here and there
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
 constexpr double kBulgeScatter = 0.3;    // rms of a parabola about its mean, over its height: 2 / (3 sqrt 5)
@@ -41,49 +46,11 @@ PlaneHeights heights(const RangeImage& image, const SquarePlanes& squares, const
     const int row = static_cast<int>(square) / grid.cols * n + inside / n;
     const int col = static_cast<int>(square) % grid.cols * n + inside % n;
     if (row >= image.rows || col >= image.cols || !on_plane(row, col)) continue;
-    const Vec3 point = image.point(image.index(row, col)), arm = point - region.fit.centroid;
     samples.add(
-        {arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), region.fit.plane.distance(point)},
+        region.fit.in_frame(image.point(image.index(row, col))),
         {on_plane(row, col + 1), on_plane(row + 1, col), on_plane(row, col - 1), on_plane(row - 1, col)});
   }
   return samples;
-}
-
-struct HeightFits {
-  double linear = 0, quadratic = 0;  // sums of squared residuals
-  double curvature = 0;              // 1/m, the larger principal one
-  bool determined = false;
-};
-
-// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares, and its linear part alone.
-HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
-  HeightFits fits;
-  Vec2 scale = Vec2::Zero();  // of its own for each axis: strips are narrow
-  for (const Vec3& s : heights) scale = scale.cwiseMax(s.head<2>().cwiseAbs());
-  if (!(scale.minCoeff() > 0)) return fits;
-  using Vec6 = Eigen::Matrix<double, 6, 1>;
-  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Vec6 right = Vec6::Zero();
-  double squares = 0;
-  for (const Vec3& s : heights) {
-    const double a = s.x() / scale.x(), b = s.y() / scale.y();
-    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
-    normal += row * row.transpose();
-    right += row * s.z();
-    squares += s.z() * s.z();
-  }
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal);
-  // Samples in two lines fix no quadratic.
-  fits.determined = solver.vectorD().minCoeff() > 1e-3 * solver.vectorD().maxCoeff();
-  const Vec6 quadratic = solver.solve(right);
-  const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
-  fits.linear = squares - linear.dot(right.head<3>());
-  fits.quadratic = squares - quadratic.dot(right);
-  const double aa = 2 * quadratic[3] / (scale.x() * scale.x()),
-               bb = 2 * quadratic[5] / (scale.y() * scale.y());
-  const double ab = quadratic[4] / (scale.x() * scale.y());
-  fits.curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab));
-  return fits;
 }
 
 double angle_between(const Vec3& a, const Vec3& b) {
@@ -160,37 +127,45 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
          std::abs(bend) > kBendSigmas * std::sqrt(variance);
 }
 
+// Where the surface goes on beyond the region, kRings squares far without an edge: its squares' centroids in
+// the region's frame. Their noise is that of many samples, and they reach further than a narrow strip.
+std::vector<Vec3> heights_beyond(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+                                 const SuperclusterOptions& options, const PlaneRegion& region) {
+  std::vector<std::uint32_t> reached;
+  std::copy_if(region.squares.begin(), region.squares.end(), std::back_inserter(reached),
+               [&](std::uint32_t square) { return squares.squares[square].state == SQUARE_PLANAR; });
+  const std::size_t own = reached.size();
+  std::unordered_set<std::uint32_t> seen(reached.begin(), reached.end());
+  std::size_t from = 0;
+  for (int ring = 0; ring < kRings; ++ring)
+    for (const std::size_t to = reached.size(); from < to; ++from)
+      for (int direction = 0; direction < 4; ++direction) {
+        const std::int64_t neighbour = grid.neighbour(reached[from], direction);
+        if (neighbour == SquareGrid::kNone) continue;
+        const auto other = static_cast<std::uint32_t>(neighbour);
+        if (in_contact(image, squares, options, squares.squares[reached[from]], squares.squares[other]) &&
+            seen.insert(other).second)
+          reached.push_back(other);
+      }
+  std::vector<Vec3> heights;
+  if (static_cast<double>(reached.size()) < kLeastGrowth * static_cast<double>(own)) return heights;
+  for (const std::uint32_t square : reached)
+    heights.push_back(region.fit.in_frame(square_centroid(squares.squares[square])));
+  return heights;
+}
+
+// A narrow strip of a wide vault bends by less than its noise: by less than rims of flat faces may seem to.
+// It is curved when it does bend, however faintly, and the surface around goes on and bends as much.
+bool bends(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
+           const SuperclusterOptions& options, const PlaneRegion& region) {
+  const Bend here = heights(image, squares, grid, options, region).bend(options.min_curvature);
+  if (here.share >= kLeastShareBent || here.share < kShareFaint) return here.share >= kLeastShareBent;
+  const Bend beyond = bend_of(heights_beyond(image, squares, grid, options, region), options.min_curvature);
+  return beyond.share >= kShareBeyond && beyond.curvature < kLikeCurvature * here.curvature &&
+         here.curvature < kLikeCurvature * beyond.curvature;
+}
+
 }  // namespace
-
-bool can_bend(const std::vector<Vec3>& heights) {
-  return heights.size() >= kFewestHeights && fit_quadratic(heights).determined;
-}
-
-bool bends(const std::vector<Vec3>& heights, double min_curvature) {
-  if (heights.size() < kFewestHeights) return false;
-  const HeightFits fits = fit_quadratic(heights);
-  if (!fits.determined) return false;
-  const double variance =
-      std::max(fits.quadratic, 1e-12 * fits.linear) / static_cast<double>(heights.size() - 6);
-  const double fall = fits.linear - fits.quadratic;
-  return variance > 0 && fall >= kLeastGain * variance && fall >= kLeastShareGained * fits.linear &&
-         fits.curvature > min_curvature;
-}
-
-void PlaneHeights::add(const Vec3& height, const std::array<bool, 4>& neighbours) {
-  all.push_back(height);
-  for (std::size_t side = 0; side < neighbours.size(); ++side)
-    if (neighbours[side]) trimmed[side].push_back(height);
-  if (neighbours[0] && neighbours[1] && neighbours[2] && neighbours[3]) inner.push_back(height);
-}
-
-bool PlaneHeights::bend(double min_curvature) const {
-  const auto may_bend = [&](const std::vector<Vec3>& part) {
-    return !can_bend(part) || bends(part, min_curvature);
-  };
-  return bends(all, min_curvature) && may_bend(inner) &&
-         std::all_of(trimmed.begin(), trimmed.end(), may_bend);
-}
 
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions) {
@@ -203,9 +178,7 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
     if (region.curved || region.squares.empty()) return;
     Verdict& verdict = verdicts[i];
     verdict.facet = is_facet(image, squares, grid, options, regions, static_cast<std::uint32_t>(i + 1));
-    verdict.curved = verdict.facet;
-    if (verdict.facet) return;
-    verdict.curved = heights(image, squares, grid, options, region).bend(options.min_curvature);
+    verdict.curved = verdict.facet || bends(image, squares, grid, options, region);
   });
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     regions.regions[i].curved |= verdicts[i].curved;

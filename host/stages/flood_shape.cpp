@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "stages/curved_regions.hpp"
+#include "stages/bending.hpp"
 #include "stages/step_sharing.hpp"
 
 namespace hybrid::stages {
@@ -107,16 +107,15 @@ bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRe
   const std::size_t stride = (flood.samples.size() + kMostHeights - 1) / kMostHeights;
   PlaneHeights heights;
   for (std::size_t k = 0; k < flood.samples.size(); k += stride) {
-    const Vec3 arm = image.point(flood.samples[k]) - region.fit.centroid;
     std::array<bool, kSides> neighbours{};
     for (int side = 0; side < kSides; ++side) {
       const auto next = beyond(image, flood.samples[k], side, 1);
       neighbours[static_cast<std::size_t>(side)] = next && covers(flood, *next);
     }
-    heights.add({arm.dot(region.fit.axis[0]), arm.dot(region.fit.axis[1]), arm.dot(region.fit.plane.normal)},
-                neighbours);
+    heights.add(region.fit.in_frame(image.point(flood.samples[k])), neighbours);
   }
-  return scattered ? bends(heights.all, min_curvature) : heights.bend(min_curvature);
+  const Bend bend = scattered ? bend_of(heights.all, min_curvature) : heights.bend(min_curvature);
+  return bend.share >= kLeastShareBent;
 }
 
 bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood, double sigma_m,

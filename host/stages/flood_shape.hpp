@@ -12,7 +12,7 @@ namespace hybrid::stages {
 // Moments, plane and axes of the flood's samples; no squares.
 PlaneRegion region_of_flood(const RangeImage& image, const PlaneFlood& flood);
 
-// The flood bends (curved_regions.hpp): all of it where its scatter is more than the noise explains, else
+// The flood bends (bending.hpp): all of it where its scatter is more than the noise explains, else
 // also without its rim.
 bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRegion& region,
                  double min_curvature, bool scattered);

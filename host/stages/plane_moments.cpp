@@ -25,6 +25,11 @@ void PlaneMoments::merge(const PlaneMoments& other) {
   weight = total;
 }
 
+Vec3 PlaneFit::in_frame(const Vec3& point) const {
+  const Vec3 arm = point - centroid;
+  return {arm.dot(axis[0]), arm.dot(axis[1]), arm.dot(plane.normal)};
+}
+
 double PlaneFit::offset_sigma_m(const Vec3& point) const {
   const Vec3 arm = point - centroid;
   double variance = 1 / weight;

@@ -24,6 +24,8 @@ struct PlaneFit {
   double weight = 0;
   double rms_m = 0;
 
+  // (a, b, height): along the axes, from the centroid, and above the plane, m.
+  Vec3 in_frame(const Vec3& point) const;
   // Standard deviation of the plane's offset at `point`, m.
   double offset_sigma_m(const Vec3& point) const;
   // Standard deviation of the normal's worse direction, rad.

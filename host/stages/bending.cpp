@@ -1,0 +1,98 @@
+#include "stages/bending.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace hybrid::stages {
+namespace {
+
+constexpr std::size_t kFewestHeights = 30;
+constexpr double kLeastGain = 30;          // fall of chi2 for 3 more parameters
+constexpr double kLeastPivot = 1e-3;       // of the largest; samples in two lines fix no quadratic
+constexpr double kLeastOfCurvature = 0.5;  // for a part of a plane that bends
+
+struct HeightFits {
+  double linear = 0, quadratic = 0;  // sums of squared residuals
+  double curvature = 0;              // 1/m, the larger principal one
+  bool determined = false;
+};
+
+// height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares, and its linear part alone.
+HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
+  HeightFits fits;
+  // Along the samples' own axes, each in units of its own reach: strips are narrow, at any angle.
+  Vec2 mean = Vec2::Zero();
+  Eigen::Matrix2d products = Eigen::Matrix2d::Zero();
+  for (const Vec3& s : heights) {
+    mean += s.head<2>();
+    products += s.head<2>() * s.head<2>().transpose();
+  }
+  mean /= static_cast<double>(heights.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(products / static_cast<double>(heights.size()) -
+                                                           mean * mean.transpose());
+  if (!(own.eigenvalues()[0] > 0)) return fits;
+  const Eigen::Matrix2d turn = own.eigenvectors().transpose();
+  Vec2 scale = Vec2::Zero();
+  for (const Vec3& s : heights) scale = scale.cwiseMax((turn * (s.head<2>() - mean)).cwiseAbs());
+  using Vec6 = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+  Vec6 right = Vec6::Zero();
+  double squares = 0;
+  for (const Vec3& s : heights) {
+    const Vec2 arm = turn * (s.head<2>() - mean);
+    const double a = arm.x() / scale.x(), b = arm.y() / scale.y();
+    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
+    normal += row * row.transpose();
+    right += row * s.z();
+    squares += s.z() * s.z();
+  }
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal);
+  fits.determined = solver.vectorD().minCoeff() > kLeastPivot * solver.vectorD().maxCoeff();
+  const Vec6 quadratic = solver.solve(right);
+  const Vec3 linear = normal.topLeftCorner<3, 3>().ldlt().solve(right.head<3>());
+  fits.linear = squares - linear.dot(right.head<3>());
+  fits.quadratic = squares - quadratic.dot(right);
+  const double aa = 2 * quadratic[3] / (scale.x() * scale.x()),
+               bb = 2 * quadratic[5] / (scale.y() * scale.y());
+  const double ab = quadratic[4] / (scale.x() * scale.y());
+  fits.curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab));
+  return fits;
+}
+
+}  // namespace
+
+Bend bend_of(const std::vector<Vec3>& heights, double min_curvature) {
+  Bend bend;
+  if (heights.size() < kFewestHeights) return bend;
+  const HeightFits fits = fit_quadratic(heights);
+  bend.determined = fits.determined;
+  bend.curvature = fits.curvature;
+  const double variance =
+      std::max(fits.quadratic, 1e-12 * fits.linear) / static_cast<double>(heights.size() - 6);
+  const double fall = fits.linear - fits.quadratic;
+  if (bend.determined && variance > 0 && fall >= kLeastGain * variance && bend.curvature > min_curvature)
+    bend.share = fall / fits.linear;
+  return bend;
+}
+
+void PlaneHeights::add(const Vec3& height, const std::array<bool, 4>& neighbours) {
+  all.push_back(height);
+  for (std::size_t side = 0; side < neighbours.size(); ++side)
+    if (neighbours[side]) trimmed[side].push_back(height);
+  if (neighbours[0] && neighbours[1] && neighbours[2] && neighbours[3]) inner.push_back(height);
+}
+
+Bend PlaneHeights::bend(double min_curvature) const {
+  Bend whole = bend_of(all, min_curvature);
+  const auto limit_by = [&](const std::vector<Vec3>& part) {
+    if (whole.share == 0) return;
+    const Bend bend = bend_of(part, kLeastOfCurvature * min_curvature);
+    if (bend.determined) whole.share = std::min(whole.share, bend.share);
+  };
+  limit_by(inner);
+  for (const auto& part : trimmed) limit_by(part);
+  return whole;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,81 @@
+#include "stages/bending.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kCurvature = 0.36;  // a vault of 2.8 m
+constexpr double kMinCurvature = 0.15;
+
+// A strip, length x width (m), at `angle` to the axes, of a cylinder along it, with noise.
+std::vector<Vec3> strip(double length, double width, double angle, double curvature, double noise_m,
+                        int count) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> along(-length / 2, length / 2), across(-width / 2, width / 2);
+  std::normal_distribution<double> noise(0, noise_m);
+  std::vector<Vec3> heights;
+  for (int k = 0; k < count; ++k) {
+    const double u = along(random), v = across(random);
+    heights.push_back({u * std::cos(angle) - v * std::sin(angle), u * std::sin(angle) + v * std::cos(angle),
+                       0.5 * curvature * v * v + noise(random)});
+  }
+  return heights;
+}
+
+TEST(Bending, AStripOfACylinderBendsAtAnyAngle) {
+  for (const double angle : {0.0, 0.3, 0.785, 1.2}) {
+    const Bend bend = bend_of(strip(2, 0.2, angle, kCurvature, 0.0005, 4000), kMinCurvature);
+    EXPECT_GT(bend.share, 0.3) << angle;
+    EXPECT_NEAR(bend.curvature, kCurvature, 0.03) << angle;
+  }
+}
+
+TEST(Bending, BendsWhereverTheSamplesCrowd) {
+  auto heights = strip(2, 0.2, 0.4, kCurvature, 0.0005, 400);
+  const auto dense = strip(0.1, 0.02, 0.4, kCurvature, 0.0005, 4000);
+  heights.insert(heights.end(), dense.begin(), dense.end());
+  const Bend bend = bend_of(heights, kMinCurvature);
+  EXPECT_TRUE(bend.determined);
+  EXPECT_GT(bend.share, 0.05);
+  EXPECT_NEAR(bend.curvature, kCurvature, 0.1);
+}
+
+TEST(Bending, NoiseAndShallowBendsAreNone) {
+  EXPECT_EQ(bend_of(strip(2, 0.2, 0.3, 0, 0.002, 4000), kMinCurvature).share, 0);
+  EXPECT_EQ(bend_of(strip(2, 0.2, 0.3, 0.1, 0.0001, 4000), kMinCurvature).share, 0);
+  EXPECT_EQ(bend_of(strip(2, 0.2, 0.3, kCurvature, 0.0005, 20), kMinCurvature).share, 0);
+}
+
+TEST(Bending, OneLineOrTwoTellNothing) {
+  std::vector<Vec3> one, two;
+  for (int k = 0; k < 200; ++k) {
+    const double u = 0.005 * k - 0.5;
+    one.push_back({u, 0, 0.5 * u * u});
+    for (const double v : {-0.05, 0.05}) two.push_back({u, v, 0.5 * v * v + 1e-4 * std::sin(12.9898 * k)});
+  }
+  for (const auto* lines : {&one, &two}) {
+    EXPECT_FALSE(bend_of(*lines, kMinCurvature).determined);
+    EXPECT_EQ(bend_of(*lines, kMinCurvature).share, 0);
+  }
+}
+
+// A flat strip whose outermost samples on one side lie beyond an edge seems to bend; without them it does
+// not.
+TEST(Bending, ARimDoesNotBendAPlane) {
+  PlaneHeights heights;
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> noise(0, 0.0005);
+  for (int row = 0; row < 200; ++row)
+    for (int col = 0; col < 8; ++col)
+      heights.add({0.01 * row, 0.01 * col, noise(random) + (col == 7 ? 0.003 : 0)},
+                  {col<7, row<199, col> 0, row> 0});
+  EXPECT_GE(bend_of(heights.all, kMinCurvature).share, kLeastShareBent);
+  EXPECT_EQ(heights.bend(kMinCurvature).share, 0);
+}
+
+}  // namespace
+}  // namespace hybrid::stages
