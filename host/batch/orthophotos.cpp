@@ -60,8 +60,8 @@ void write_orthophotos(const std::filesystem::path& folder, const ScanProduct& p
     if (!photo) return;
     draw_contours(planes[i], *photo);
     const std::string file = fmt::format("{:04}.png", planes[i].id);
-    io::write_png(folder / "planes" / file, photo->picture);
     described[i] = describe(*photo, planes[i], file);
+    io::write_png(folder / "planes" / file, std::move(photo->picture));
   });
   Json list = Json::array();
   for (Json& entry : described)

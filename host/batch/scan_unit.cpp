@@ -166,10 +166,10 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
   // Encoding takes longer than the disk: first those that run on one thread, then those that share all.
   const std::function<void()> writers[] = {
       [&] {
-        auto picture = stages::class_picture(image, product.segmentation);
-        io::write_png(folder / "classes.png", picture);
+        io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));
+        auto picture = stages::class_picture(image, product.segmentation);  // sooner than keeping it
         stages::draw_intersections(image, product.intersections, picture);
-        io::write_png(folder / "intersections.png", picture);
+        io::write_png(folder / "intersections.png", std::move(picture));
       },
       [&] { io::write_png(folder / "range.png", stages::range_picture(image)); },
       [&] {

@@ -37,8 +37,9 @@ struct PictureSize {
 };
 PictureSize picture_size(const std::filesystem::path& file);
 
-// 1, 3 or 4 channels, sRGB, alpha not premultiplied; no metadata that changes between runs.
-void write_png(const std::filesystem::path& file, const Image8& image);
+// 1, 3 or 4 channels, sRGB, alpha not premultiplied; no metadata that changes between runs. A picture
+// that is handed over (std::move), with room for a byte more per row, is filtered in place.
+void write_png(const std::filesystem::path& file, Image8 image);
 
 // 1 or 3 channels, sRGB; quality 1 to 100. For pictures that are looked at, never measured.
 void write_jpeg(const std::filesystem::path& file, const Image8& image, int quality);

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/error.hpp"
@@ -30,25 +32,27 @@ std::uint8_t paeth(int left, int above, int corner) {
   return static_cast<std::uint8_t>(across <= down && across <= both ? left : down <= both ? above : corner);
 }
 
-// A row as the deflated stream has it: the filter's number, then what the filter leaves.
-void append_row(const Image8& image, int y, Filter filter, Bytes& to) {
+// The picture as the deflated stream has it: before each row the filter's number, in each what the filter
+// leaves. In place, from the last sample to the first, since large pictures are many megabytes.
+Bytes filtered(Image8 image, Filter filter) {
   const auto step = static_cast<std::size_t>(image.channels),
              width = static_cast<std::size_t>(image.width) * step;
-  const std::uint8_t* row = image.pixels.data() + static_cast<std::size_t>(y) * width;
-  to.push_back(filter);
-  if (filter == kAsTheyAre) {
-    to.insert(to.end(), row, row + width);
-    return;
+  const auto height = static_cast<std::size_t>(image.height);
+  Bytes rows = std::move(image.pixels);
+  rows.resize(height * (width + 1));
+  const Bytes nothing(width);
+  for (std::size_t y = height; y-- > 0;) {
+    std::uint8_t* row = rows.data() + y * (width + 1) + 1;
+    std::memmove(row, rows.data() + y * width, width);
+    row[-1] = filter;
+    if (filter == kAsTheyAre) continue;
+    const std::uint8_t* above = y == 0 ? nothing.data() : rows.data() + (y - 1) * width;
+    for (std::size_t i = width; i-- > step;)
+      row[i] = static_cast<std::uint8_t>(row[i] - paeth(row[i - step], above[i], above[i - step]));
+    for (std::size_t i = 0; i < std::min(step, width); ++i)
+      row[i] = static_cast<std::uint8_t>(row[i] - above[i]);
   }
-  const Bytes nothing(y == 0 ? width : 0);
-  const std::uint8_t* above = y == 0 ? nothing.data() : row - width;
-  const std::size_t begin = to.size();
-  to.resize(begin + width);
-  std::uint8_t* out = to.data() + begin;
-  for (std::size_t i = 0; i < std::min(step, width); ++i)
-    out[i] = static_cast<std::uint8_t>(row[i] - above[i]);
-  for (std::size_t i = step; i < width; ++i)
-    out[i] = static_cast<std::uint8_t>(row[i] - paeth(row[i - step], above[i], above[i - step]));
+  return rows;
 }
 
 // Room for the worst case, of which pages that are not written to cost nothing.
@@ -68,15 +72,23 @@ Deflated deflated(const Bytes& rows) {
   return result;
 }
 
-Filter better_filter(const Image8& image) {
-  std::size_t bytes[2];
-  for (const Filter filter : {kAsTheyAre, kPaeth}) {
-    Bytes rows;
-    for (int y = 0; y < image.height; ++y)
-      if (y % kApart < kLookedAt) append_row(image, y, filter, rows);
-    bytes[filter == kPaeth] = deflated(rows).size;
+// The first rows of each kApart, in one picture.
+Image8 excerpt(const Image8& image) {
+  Image8 looked_at(image.width, 0, image.channels);
+  const auto width = static_cast<std::ptrdiff_t>(image.width) * image.channels;
+  for (int y = 0; y < image.height; y += kApart) {
+    const auto first = image.pixels.begin() + y * width;
+    const int rows = std::min(kLookedAt, image.height - y);
+    looked_at.pixels.insert(looked_at.pixels.end(), first, first + rows * width);
+    looked_at.height += rows;
   }
-  return bytes[1] < bytes[0] ? kPaeth : kAsTheyAre;
+  return looked_at;
+}
+
+Filter better_filter(const Image8& image) {
+  const Image8 looked_at = excerpt(image);
+  const auto bytes = [&](Filter filter) { return deflated(filtered(looked_at, filter)).size; };
+  return bytes(kPaeth) < bytes(kAsTheyAre) ? kPaeth : kAsTheyAre;
 }
 
 void put(std::uint32_t value, std::uint8_t* to) {
@@ -96,25 +108,21 @@ void write_chunk(OutputFile& out, std::string_view name, std::span<const std::ui
 
 }  // namespace
 
-void write_png(const std::filesystem::path& file, const Image8& image) {
+void write_png(const std::filesystem::path& file, Image8 image) {
   if (image.width < 1 || image.height < 1 ||
       (image.channels != 1 && image.channels != 3 && image.channels != 4))
     fail(ErrorKind::failed, "{}: expected a picture of 1, 3 or 4 channels, found {} x {} with {}",
          file.string(), image.width, image.height, image.channels);
+  const int width = image.width, height = image.height, channels = image.channels;
   const Filter filter = better_filter(image);
-  const Deflated compressed = [&] {
-    Bytes rows;
-    rows.reserve(image.pixels.size() + static_cast<std::size_t>(image.height));
-    for (int y = 0; y < image.height; ++y) append_row(image, y, filter, rows);
-    return deflated(rows);
-  }();
+  const Deflated compressed = deflated(filtered(std::move(image), filter));
   const std::span<const std::uint8_t> data(compressed.bytes.get(), compressed.size);
 
   std::uint8_t header[13] = {};
-  put(static_cast<std::uint32_t>(image.width), header);
-  put(static_cast<std::uint32_t>(image.height), header + 4);
+  put(static_cast<std::uint32_t>(width), header);
+  put(static_cast<std::uint32_t>(height), header + 4);
   header[8] = 8;  // bits a channel
-  header[9] = image.channels == 1 ? 0 : image.channels == 3 ? 2 : 6;
+  header[9] = channels == 1 ? 0 : channels == 3 ? 2 : 6;
   const std::uint8_t rendering_intent = 0;
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);

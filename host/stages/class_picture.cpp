@@ -73,13 +73,25 @@ class MonotoneBytes {
   std::vector<std::uint8_t> first_, last_;
 };
 
+// Black, with a byte to spare for each row: io::write_png filters large pictures in place then.
+Image8 black_picture(const RangeImage& image, int channels) {
+  Image8 picture;
+  picture.width = image.cols;
+  picture.height = image.rows;
+  picture.channels = channels;
+  const std::size_t count = image.count() * static_cast<std::size_t>(channels);
+  picture.pixels.reserve(count + static_cast<std::size_t>(image.rows));
+  picture.pixels.resize(count);
+  return picture;
+}
+
 }  // namespace
 
 Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentation) {
   if (segmentation.sample_label.size() != image.count())
     fail(ErrorKind::failed, "class_picture: {} sample labels for an image of {} samples",
          segmentation.sample_label.size(), image.count());
-  Image8 picture(image.cols, image.rows, 3);
+  Image8 picture = black_picture(image, 3);
   const auto& labels = segmentation.sample_label;
   std::vector<Colour> pastels(
       labels.empty() ? 1 : *std::max_element(labels.begin(), labels.end()) + std::size_t{1});
@@ -125,7 +137,7 @@ void draw_intersections(const RangeImage& image, const std::vector<Intersection>
 }
 
 Image8 range_picture(const RangeImage& image) {
-  Image8 picture(image.cols, image.rows, 1);
+  Image8 picture = black_picture(image, 1);
   std::vector<float> ranges;
   for (std::size_t i = 0; i < image.count(); i += 1 + image.count() / kManySamples)
     if (const float range = image.range_m[i]; range > 0 && std::isfinite(range)) ranges.push_back(range);
