@@ -167,8 +167,8 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
   const std::function<void()> writers[] = {
       [&] {
         io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));
-        auto picture =
-            stages::class_picture(image, product.segmentation);  // again: keeping it costs memory at the peak
+        // Drawn again: keeping it costs memory at the peak.
+        auto picture = stages::class_picture(image, product.segmentation);
         stages::draw_intersections(image, product.intersections, picture);
         io::write_png(folder / "intersections.png", std::move(picture));
       },
