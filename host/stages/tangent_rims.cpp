@@ -15,9 +15,11 @@
 namespace hybrid::stages {
 namespace {
 
-// Of a scan whose squares have kSquare samples a side, in samples; denser scans are looked at every few
-// samples.
+// In samples, of a scan whose squares have kSquare samples a side and whose steps are kStep_rad or more;
+// denser scans are looked at every few samples.
 constexpr int kSquare = 7, kTile = 32, kInwards = 14, kOnwards = 6;
+constexpr int kMostStride = 8;
+constexpr double kStep_rad = 0.0018;
 constexpr std::size_t kFewest = 12;  // samples of a rim
 constexpr double kContinuitySigmas = 3;
 constexpr double kMostWidth = 0.35;     // of a rim, against its length
@@ -237,7 +239,9 @@ std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const Rang
                                              std::vector<std::uint32_t>& labels,
                                              const std::vector<Plane>& planes, const PlaneRegions& regions,
                                              int square) {
-  const int stride = std::clamp((square + kSquare / 2) / kSquare, 1, 8);
+  const double step_rad = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const auto dense = static_cast<int>(std::lround(std::min(kStep_rad / step_rad, 1.0 * kMostStride)));
+  const int stride = std::clamp(std::max((square + kSquare / 2) / kSquare, dense), 1, kMostStride);
   const RimFinder finder(image, noise, excess, labels, planes, regions, stride);
   const auto tiles = make_tiles(image.rows, image.cols, kTile * stride);
   std::vector<std::vector<std::vector<std::uint32_t>>> trimmed(tiles.size());

@@ -11,22 +11,32 @@ namespace {
 constexpr int kRows = 96, kCols = 160, kSpring = 50;  // rows above kSpring are the vault's
 constexpr double kSigma_m = 0.002, kSpacing_m = 0.03;
 
+struct Sampling {
+  int rows = kRows, cols = kCols, spring = kSpring;
+  double spacing_m = kSpacing_m;
+};
+
 // A wall 5 m ahead, seen head on, and what stands on it from row kSpring upwards: `height` of the metres
 // above that row, towards the scanner. Samples within three sigmas and 5 mm of the wall carry its label.
 template <typename Height>
 struct Wall {
-  explicit Wall(const Height& height, unsigned seed = 1) : image(make_range_image(kRows, kCols)) {
+  explicit Wall(const Height& height, unsigned seed = 1, const Sampling& of = {})
+      : image(make_range_image(of.rows, of.cols)), spring(of.spring) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0, kSigma_m);
     labels.assign(image.count(), 0);
-    for (int row = 0; row < kRows; ++row)
-      for (int col = 0; col < kCols; ++col) {
+    for (int row = 0; row < of.rows; ++row)
+      image.elevation_rad[static_cast<std::size_t>(row)] = std::atan(of.spacing_m * (of.rows / 2 - row) / 5);
+    for (int col = 0; col < of.cols; ++col)
+      image.azimuth_rad[static_cast<std::size_t>(col)] = std::atan(of.spacing_m * (col - of.cols / 2) / 5);
+    for (int row = 0; row < of.rows; ++row)
+      for (int col = 0; col < of.cols; ++col) {
         const std::size_t i = image.index(row, col);
-        const double over = height(kSpacing_m * std::max(0, kSpring - row)) + noise(random);
+        const double over = height(of.spacing_m * std::max(0, of.spring - row)) + noise(random);
         image.mask[i] = kMeasured;
         image.x[i] = static_cast<float>(5 - over);
-        image.y[i] = static_cast<float>(kSpacing_m * (col - kCols / 2));
-        image.z[i] = static_cast<float>(kSpacing_m * (kRows / 2 - row));
+        image.y[i] = static_cast<float>(of.spacing_m * (col - of.cols / 2));
+        image.z[i] = static_cast<float>(of.spacing_m * (of.rows / 2 - row));
         labels[i] = std::abs(over) <= 3 * kSigma_m + 0.005;
       }
     regions.regions.resize(1);
@@ -37,13 +47,14 @@ struct Wall {
   // With the wall's label, of the vault's rows and of the wall's.
   std::pair<int, int> labelled() const {
     std::pair<int, int> count;
-    for (int row = 0; row < kRows; ++row)
-      for (int col = 0; col < kCols; ++col)
-        (row < kSpring ? count.first : count.second) += labels[image.index(row, col)] == 1;
+    for (int row = 0; row < image.rows; ++row)
+      for (int col = 0; col < image.cols; ++col)
+        (row < spring ? count.first : count.second) += labels[image.index(row, col)] == 1;
     return count;
   }
 
   RangeImage image;
+  int spring;
   std::vector<std::uint32_t> labels;
   std::vector<Plane> planes = {{-Vec3::UnitX(), -5}};
   stages::PlaneRegions regions;
@@ -65,6 +76,17 @@ TEST(TangentRims, a_vault_takes_what_is_its_own) {
     EXPECT_LT(after.first, before.first / 3);
     EXPECT_GT(after.second, before.second - 2 * kCols);
   }
+}
+
+// On a fine grid the vault rises over a hundred rows before it leaves the wall's noise.
+TEST(TangentRims, a_fine_grid_is_looked_at_over_the_same_angle) {
+  Wall wall(vault, 1, {480, 480, 250, 0.00225});
+  const auto before = wall.labelled();
+  ASSERT_GT(before.first, 100 * 480);
+  wall.trim();
+  const auto after = wall.labelled();
+  EXPECT_LT(after.first, before.first / 2);
+  EXPECT_GT(after.second, before.second - 10 * 480);
 }
 
 // A soffit or another wall begins at a crease, however shallow; nothing is taken from either.
