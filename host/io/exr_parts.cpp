@@ -1,5 +1,6 @@
 #include "io/exr_parts.hpp"
 
+#include <ImfPartType.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,8 +11,10 @@ namespace {
 
 constexpr int kBandRows = 256;  // of every compression, a whole number of blocks of lines
 
+// Of a part in tiles; 0 of one in lines, whatever its header says of tiles.
 int tile_rows(const Imf::Header& header) {
-  return static_cast<int>(header.tileDescription().ySize);
+  const bool tiled = header.hasType() ? Imf::isTiled(header.type()) : header.hasTileDescription();
+  return tiled ? static_cast<int>(header.tileDescription().ySize) : 0;
 }
 
 // What a part reads of the buffer. Slices of other channels would be filled with zeros.
@@ -35,8 +38,7 @@ void ExrParts::open() {
   first_ = header_.dataWindow().min.y;
   last_ = header_.dataWindow().max.y;
   band_rows_ = kBandRows;
-  if (header_.hasTileDescription())
-    band_rows_ = tile_rows(header_) * std::max(1, kBandRows / tile_rows(header_));
+  if (const int rows = tile_rows(header_); rows > 0) band_rows_ = rows * std::max(1, kBandRows / rows);
   Imf::ChannelList seen;
   for (int i = 0; i < file_->parts(); ++i) {
     const Imf::Header& header = file_->header(i);
@@ -47,8 +49,8 @@ void ExrParts::open() {
         part.channels.insert(at.name(), at.channel());
       }
     // Tiles of several levels are read as lines: the library then takes the finest.
-    if (header.hasTileDescription() && header.tileDescription().mode == Imf::ONE_LEVEL &&
-        band_rows_ % tile_rows(header) == 0)
+    const int rows = tile_rows(header);
+    if (rows > 0 && band_rows_ % rows == 0 && header.tileDescription().mode == Imf::ONE_LEVEL)
       part.tiles.emplace(*file_, i);
     else
       part.lines.emplace(*file_, i);

@@ -27,14 +27,16 @@ constexpr const char* kColumns[] = {
 struct Line {
   TextPlace place;  // where it starts
   std::array<double, kMostColumns> values{};
-  std::size_t numbers = 0;
+  std::size_t numbers = 0;  // 0 too where it holds commas alone
+  bool end = false;         // nothing follows any more
 };
 
 // The next line that holds something.
 Line read_line(TextCursor& cursor) {
   cursor.skip_blank_lines();
   Line line{{cursor.offset(), cursor.line()}};
-  if (!cursor.at_end()) line.numbers = cursor.read_numbers(line.values);
+  line.end = cursor.at_end();
+  if (!line.end) line.numbers = cursor.read_numbers(line.values);
   return line;
 }
 
@@ -85,8 +87,7 @@ ScanEntry list_counted(InputFile& input, TextCursor& cursor, const Line& count_l
   entry.line = place.line;
   if (entry.samples == 0) return entry;
   const Line first = read_line(cursor);
-  if (first.numbers == 0)
-    fail_points_missing(input.name(), first.place.line, entry.samples, count_line.place.line, 0);
+  if (first.end) fail_points_missing(input.name(), first.place.line, entry.samples, count_line.place.line, 0);
   entry.structure = kColumns[check_columns(input.name(), first)];
   const PassedRows points = pass_rows(input, place, input.size(), entry.samples);
   if (points.rows < entry.samples)
@@ -107,7 +108,7 @@ void check_scans(const InputFile& input, std::size_t scans, std::uint64_t line) 
 std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, Line line) {
   std::vector<ScanEntry> entries;
   TextPlace place;
-  for (std::uint64_t count_line = 0; line.numbers > 0; line = read_line(cursor)) {
+  for (std::uint64_t count_line = 0; !line.end; line = read_line(cursor)) {
     try {
       if (line.numbers != 1)
         fail_input(
@@ -235,7 +236,7 @@ std::vector<ScanEntry> list_pts(const std::filesystem::path& file, const ReadOpt
   InputFile input(file);
   TextCursor cursor(input, start_of_text(input));
   const Line first = read_line(cursor);
-  if (first.numbers == 0)
+  if (first.end)
     fail_input(
         "{}: line {}: expected the number of points or a point, found the end of the file; copy or export it "
         "again",
