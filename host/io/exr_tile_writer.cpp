@@ -170,25 +170,23 @@ void ExrTileWriter::write(const Imf::FrameBuffer& buffer, int row, int count) {
   for (std::size_t part = 0; part < parts_.size(); ++part)
     for (int y = row / side_; y * side_ < row + count; ++y)
       for (int x = 0; x < across_; ++x) tiles.push_back({part, x, y});
-  struct Encoded {
-    Tile tile;
-    Bytes chunk;
-  };
+  // By tile, those being written only: what a pipeline passes on is lost for good when a write fails.
+  std::vector<Bytes> chunks(tiles.size());
   std::size_t next = 0;
   tbb::parallel_pipeline(
       static_cast<std::size_t>(kPerThread * thread_count()),
-      tbb::make_filter<void, Tile>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-        if (next == tiles.size()) {
-          control.stop();
-          return Tile{};
-        }
-        return tiles[next++];
-      }) & tbb::make_filter<Tile, Encoded>(tbb::filter_mode::parallel, [&](const Tile& tile) {
-        return Encoded{tile, encode(buffer, tile)};
-      }) & tbb::make_filter<Encoded, void>(tbb::filter_mode::serial_in_order, [&](const Encoded& encoded) {
-        const auto number = static_cast<std::size_t>(encoded.tile.y * across_ + encoded.tile.x);
-        parts_[encoded.tile.part].tile_at[number] = stream_.tellp();
-        stream_.write(encoded.chunk.data(), static_cast<int>(encoded.chunk.size()));
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+        if (next < tiles.size()) return next++;
+        control.stop();
+        return next;
+      }) & tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel, [&](std::size_t k) {
+        chunks[k] = encode(buffer, tiles[k]);
+        return k;
+      }) & tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order, [&](std::size_t k) {
+        const Tile& tile = tiles[k];
+        const Bytes chunk = std::move(chunks[k]);
+        parts_[tile.part].tile_at[static_cast<std::size_t>(tile.y * across_ + tile.x)] = stream_.tellp();
+        stream_.write(chunk.data(), static_cast<int>(chunk.size()));
       }));
 }
 
