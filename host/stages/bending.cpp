@@ -11,6 +11,7 @@ constexpr std::size_t kFewestHeights = 30;
 constexpr double kLeastGain = 30;          // fall of chi2 for 3 more parameters
 constexpr double kLeastPivot = 1e-3;       // of the largest; samples in two lines fix no quadratic
 constexpr double kLeastOfCurvature = 0.5;  // for a part of a plane that bends
+constexpr double kAsSharp = 0.5;           // of the curvature with the rim
 
 struct HeightFits {
   double linear = 0, quadratic = 0;  // sums of squared residuals
@@ -92,6 +93,12 @@ Bend PlaneHeights::bend(double min_curvature) const {
   };
   limit_by(inner);
   for (const auto& part : trimmed) limit_by(part);
+  if (whole.share > 0) {
+    const Bend bend = bend_of(core, kLeastOfCurvature * min_curvature);
+    const double sharp = kAsSharp * bend_of(inner, 0).curvature;
+    if (bend.determined && (bend.share > 0 || bend.curvature < sharp))
+      whole.share = std::min(whole.share, bend.share);
+  }
   return whole;
 }
 

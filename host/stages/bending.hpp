@@ -25,11 +25,14 @@ struct PlaneHeights {
   std::vector<Vec3> all;
   std::vector<Vec3> inner;                   // whose four neighbours on the grid are the plane's too
   std::array<std::vector<Vec3>, 4> trimmed;  // that have a neighbour of the plane's on that side
+  // Of a dense scan, that lie deeper than the first samples beyond an edge can; may be left empty.
+  std::vector<Vec3> core;
 
   // `neighbours`: the plane holds the node to the right, below, left, above.
   void add(const Vec3& height, const std::array<bool, 4>& neighbours);
   // The bend of all; its share is the least of those of all, of what is left without the outermost samples of
-  // one side, and without those of all sides, as far as they can show a bend.
+  // one side, and without those of all sides, as far as they can show a bend. The core's counts, too, unless
+  // it is too small to be significant and yet as sharp: then the whole bends, and not its rim alone.
   Bend bend(double min_curvature) const;
 };
 

@@ -13,6 +13,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kMostSamples = 40000;  // of a region in the quadratic fit
+constexpr double kMostRim = 8;               // samples
 constexpr double kShareFaint =
     0.001;  // of the squared residuals, where the surface goes on beyond the region and bends there
 constexpr double kShareBeyond = 0.3;  // ... of the centroids of the squares there
@@ -32,12 +33,17 @@ PlaneHeights heights(const RangeImage& image, const SquarePlanes& squares, const
   const int n = squares.square;
   const std::size_t total = region.squares.size() * static_cast<std::size_t>(n * n);
   const std::size_t stride = (total + kMostSamples - 1) / kMostSamples;
-  const double noise = options.label_sigmas * std::max(squares.sigma_m, region.fit.rms_m);
+  const double reach_m =
+      options.label_sigmas * std::max(squares.sigma_m, region.fit.rms_m) + options.waviness_m;
+  // So many samples of a face that stands on this one lie on both.
+  const double spacing_m =
+      region.fit.centroid.norm() * std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const int rim = static_cast<int>(std::lround(std::min(reach_m / std::max(spacing_m, 1e-9), kMostRim)));
   const auto on_plane = [&](int row, int col) {
     if (image.wraps) col = (col + image.cols) % image.cols;
     if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return false;
     const double height = region.fit.plane.distance(image.point(image.index(row, col)));
-    return std::abs(height) <= noise + options.waviness_m;  // false for NaN
+    return std::abs(height) <= reach_m;  // false for NaN
   };
   PlaneHeights samples;
   for (std::size_t at = 0; at < total; at += stride) {
@@ -46,9 +52,12 @@ PlaneHeights heights(const RangeImage& image, const SquarePlanes& squares, const
     const int row = static_cast<int>(square) / grid.cols * n + inside / n;
     const int col = static_cast<int>(square) % grid.cols * n + inside % n;
     if (row >= image.rows || col >= image.cols || !on_plane(row, col)) continue;
-    samples.add(
-        region.fit.in_frame(image.point(image.index(row, col))),
-        {on_plane(row, col + 1), on_plane(row + 1, col), on_plane(row, col - 1), on_plane(row - 1, col)});
+    const Vec3 height = region.fit.in_frame(image.point(image.index(row, col)));
+    samples.add(height, {on_plane(row, col + 1), on_plane(row + 1, col), on_plane(row, col - 1),
+                         on_plane(row - 1, col)});
+    if (rim > 1 && on_plane(row, col + rim) && on_plane(row + rim, col) && on_plane(row, col - rim) &&
+        on_plane(row - rim, col))
+      samples.core.push_back(height);
   }
   return samples;
 }

@@ -77,5 +77,38 @@ TEST(Bending, ARimDoesNotBendAPlane) {
   EXPECT_EQ(heights.bend(kMinCurvature).share, 0);
 }
 
+// Where samples are dense, several rows beyond an edge are within the plane's noise. The core has none.
+TEST(Bending, ADeepRimDoesNotBendAPlane) {
+  PlaneHeights heights;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0, 0.0005);
+  for (int row = 0; row < 200; ++row)
+    for (int col = 0; col < 16; ++col) {
+      const Vec3 height(0.005 * row, 0.005 * col, noise(random) + (col > 12 ? 0.001 * (col - 12) : 0));
+      heights.add(height, {col<15, row<199, col> 0, row> 0});
+      if (std::min(col, row) > 2 && col < 13 && row < 197) heights.core.push_back(height);
+    }
+  PlaneHeights without = heights;
+  without.core.clear();
+  EXPECT_GE(without.bend(kMinCurvature).share, kLeastShareBent);
+  EXPECT_EQ(heights.bend(kMinCurvature).share, 0);
+}
+
+// A core too small to be sure of its bend does not clear a strip of a vault.
+TEST(Bending, AVaultBendsThoughItsCoreIsSmall) {
+  PlaneHeights heights;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> noise(0, 0.0005);
+  for (int row = 0; row < 200; ++row)
+    for (int col = 0; col < 16; ++col) {
+      const double v = 0.005 * (col - 7.5);
+      const Vec3 height(0.005 * row, v, noise(random) + 0.5 * v * v / 3);
+      heights.add(height, {col<15, row<199, col> 0, row> 0});
+      if (std::min(col, row) > 3 && col < 12 && row < 196) heights.core.push_back(height);
+    }
+  EXPECT_EQ(bend_of(heights.core, kMinCurvature).share, 0);
+  EXPECT_GE(heights.bend(kMinCurvature).share, kLeastShareBent);
+}
+
 }  // namespace
 }  // namespace hybrid::stages
