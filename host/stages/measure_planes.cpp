@@ -14,6 +14,9 @@ namespace {
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
 constexpr double kBiweight = 3.5;      // standard deviations beyond which a sample has no say
 constexpr double kBorderBias = 0.15;   // of their noise, by which the samples at a plane's border err alike
+// Of a plane's border: so near to its edge a face that stands on it passes for the plane. More than two
+// samples leave too little of narrow planes.
+constexpr double kBorder_m = 0.0075, kMostBorder = 2;
 constexpr double kLongestStep = 2;
 constexpr std::size_t kStrideBeforeLast = 3;
 constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
@@ -84,14 +87,15 @@ std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::ve
   return total;
 }
 
-// Whether another surface begins at the next node: which of the two a sample there belongs to depends on
+// Whether another surface begins within `reach` nodes: which of the two a sample there belongs to depends on
 // where the planes were thought to be, so that it says little about where they are, and that with a bias.
-bool at_border(const RangeImage& image, const Labels& labels, std::size_t i, std::size_t col) {
+bool at_border(const RangeImage& image, const Labels& labels, std::size_t i, std::size_t col,
+               std::size_t reach) {
   const auto cols = static_cast<std::size_t>(image.cols);
   const auto differs = [&](std::size_t j) { return labels[j] != labels[i] && image.mask[j] != kEmpty; };
-  const std::size_t first = i - col;
-  return (i >= cols && differs(i - cols)) || (i + cols < labels.size() && differs(i + cols)) ||
-         differs(col > 0 ? i - 1 : first + cols - 1) || differs(col + 1 < cols ? i + 1 : first);
+  const std::size_t first = i - col, rows = reach * cols;
+  return (i >= rows && differs(i - rows)) || (i + rows < labels.size() && differs(i + rows)) ||
+         differs(first + (col + cols - reach) % cols) || differs(first + (col + reach) % cols);
 }
 
 double cosine(const Vec3& point, const Plane& plane) {
@@ -171,12 +175,15 @@ struct RayEquations {
     const Values a = range * along, b = range * dot(frame.axes.row(1)), c = range * dot(frame.axes.row(2));
     const auto cols = static_cast<std::size_t>(image.cols);
     const std::size_t row_begin = run.sample[0] / cols * cols;
+    const double border_nodes_m = kBorder_m / std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+    const Values reach = (border_nodes_m / range + 0.5).max(1.0).min(kMostBorder);
     for (std::size_t k = 0; k < run.count; ++k) {
       const auto at = static_cast<Eigen::Index>(k);
       if (!(std::abs(u[at]) < 1) || !(range[at] > 0)) continue;
       std::size_t col = run.sample[k] - row_begin;
       while (col >= cols) col -= cols;
-      Sums& to = at_border(image, labels, run.sample[k], col) ? border : inner;
+      Sums& to =
+          at_border(image, labels, run.sample[k], col, static_cast<std::size_t>(reach[at])) ? border : inner;
       const double w = weight[at], r = residual[at];
       const std::array<double, 11> terms = {w * (a[at] * a[at]), w * (a[at] * b[at]),
                                             w * (a[at] * c[at]), w * (b[at] * b[at]),
