@@ -130,4 +130,14 @@ PlaneRegions grow_regions(const SquarePlanes& squares, const SquareGrid& grid, c
   return result;
 }
 
+void join_regions(PlaneRegions& regions, std::uint32_t winner, std::uint32_t loser) {
+  PlaneRegion& a = regions.regions[winner - 1];
+  PlaneRegion& b = regions.regions[loser - 1];
+  for (const std::uint32_t square : b.squares) regions.of_square[square] = winner;
+  a.squares.insert(a.squares.end(), b.squares.begin(), b.squares.end());
+  a.moments.merge(b.moments);
+  a.fit = fit_plane(a.moments);
+  b = PlaneRegion();
+}
+
 }  // namespace hybrid::stages

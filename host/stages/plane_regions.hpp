@@ -32,6 +32,9 @@ using SquareLinks = std::vector<float>;
 PlaneRegions grow_regions(const SquarePlanes& squares, const SquareGrid& grid, const SquareLinks& links,
                           const SuperclusterOptions& options);
 
+// The winner takes the loser's squares, which stays behind empty. By index + 1.
+void join_regions(PlaneRegions& regions, std::uint32_t winner, std::uint32_t loser);
+
 // Moments of a planar square's inliers.
 PlaneMoments square_moments(const SquareRecord& square);
 inline Vec3 square_normal(const SquareRecord& square) {

@@ -13,6 +13,7 @@
 #include "stages/interleaving.hpp"
 #include "stages/plane_steps.hpp"
 #include "stages/refuted_planes.hpp"
+#include "stages/rejoin_planes.hpp"
 #include "stages/sample_labels.hpp"
 #include "stages/small_planes.hpp"
 #include "stages/tangent_rims.hpp"
@@ -222,6 +223,12 @@ PlaneSegmentation segment(device::Queue& queue, const RangeImage& image, const S
   if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence))
     if (const auto moved = much_moved(compete(), regions, squares.square); !moved.empty())
       polish_planes(image, squares.square, labels, squares.noise, planes, 1, moved);
+  auto grown = rejoin_planes(image, squares, grid, options, planes, labels, regions, presence);
+  if (!grown.empty()) {
+    const auto moved = much_moved(compete(), regions, squares.square);
+    grown.insert(grown.end(), moved.begin(), moved.end());
+    polish_planes(image, squares.square, labels, squares.noise, planes, 1, grown);
+  }
   auto [changed, excess] = split_steps(image, grid, squares.square, squares.noise,
                                        {least, options.waviness_m}, labels, planes, regions);
   const auto trimmed =
