@@ -16,6 +16,7 @@ constexpr double kAsSharp = 0.5;           // of the curvature with the rim
 struct HeightFits {
   double linear = 0, quadratic = 0;  // sums of squared residuals
   double curvature = 0;              // 1/m, the larger principal one
+  double spread = 0;                 // of it, for residuals of 1 m
   bool determined = false;
 };
 
@@ -57,6 +58,8 @@ HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
   const double aa = 2 * quadratic[3] / (scale.x() * scale.x()),
                bb = 2 * quadratic[5] / (scale.y() * scale.y());
   const double ab = quadratic[4] / (scale.x() * scale.y());
+  const Vec6 narrow = Vec6::Unit(3);  // eigenvalues come in increasing order
+  fits.spread = 2 * std::sqrt(narrow.dot(solver.solve(narrow))) / (scale.x() * scale.x());
   fits.curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab));
   return fits;
 }
@@ -71,6 +74,7 @@ Bend bend_of(const std::vector<Vec3>& heights, double min_curvature) {
   bend.curvature = fits.curvature;
   const double variance =
       std::max(fits.quadratic, 1e-12 * fits.linear) / static_cast<double>(heights.size() - 6);
+  bend.sigma = fits.spread * std::sqrt(variance);
   const double fall = fits.linear - fits.quadratic;
   if (bend.determined && variance > 0 && fall >= kLeastGain * variance && bend.curvature > min_curvature)
     bend.share = fall / fits.linear;

@@ -10,6 +10,7 @@ namespace hybrid::stages {
 struct Bend {
   double share = 0;         // of the squared residuals explained by it; 0 when it is not significant
   double curvature = 0;     // 1/m, the larger principal one
+  double sigma = 0;         // of the curvature across the samples' narrower extent, 1/m
   bool determined = false;  // samples enough to tell, not in one line or two
 };
 

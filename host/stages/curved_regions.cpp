@@ -22,6 +22,8 @@ constexpr double kLeastGrowth = 2;    // of the number of squares within those
 constexpr double kLikeCurvature = 2;  // factor between here and there
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
+constexpr double kFlat = 0.25;              // of the curvature that the turn of the neighbours would make
+constexpr std::size_t kFewestOfCore = 400;  // samples
 constexpr double kBulgeScatter = 0.3;    // rms of a parabola about its mean, over its height: 2 / (3 sqrt 5)
 constexpr double kMostBulge = 2;         // times the scatter
 constexpr std::size_t kWidestFacet = 8;  // squares; a strip w squares wide has w / 2 squares per rim edge
@@ -132,8 +134,14 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
   const double width = std::sqrt(12 * region.fit.spread[0] / region.fit.weight);
   const double bulge = std::abs(bend) / std::max(reach, 1e-9) * width * width / 8;
   if (kBulgeScatter * bulge > kMostBulge * region.fit.rms_m) return false;
-  return contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
-         std::abs(bend) > kBendSigmas * std::sqrt(variance);
+  if (!(contacts > options.max_crease_share * rim && std::abs(bend) > kCreaseFrom * contacts &&
+        std::abs(bend) > kBendSigmas * std::sqrt(variance)))
+    return false;
+  const PlaneHeights samples = heights(image, squares, grid, options, region);
+  const Bend own = bend_of(samples.core.size() >= kFewestOfCore ? samples.core : samples.inner, 0);
+  const bool flat = own.determined &&
+                    own.curvature + kBendSigmas * own.sigma < kFlat * std::abs(bend) / std::max(reach, 1e-9);
+  return !flat;
 }
 
 // Where the surface goes on beyond the region, kRings squares far without an edge: its squares' centroids in

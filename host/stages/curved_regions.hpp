@@ -11,7 +11,8 @@ namespace hybrid::stages {
 // - more than max_crease_share of its rim is in continuous contact with planar squares that, on the
 //   mean, bend away from it (or towards it) by 2.5 to 30 degrees: the next facets. Only narrow regions are
 //   asked. Contact with a region many times larger does not count: that is a wall with a shallow kink; nor do
-//   squares that straddle a small step or a corner.
+//   squares that straddle a small step or a corner; and a region whose own samples bend by less than a
+//   quarter of that turn is flat.
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
                          const SuperclusterOptions& options, PlaneRegions& regions);
 

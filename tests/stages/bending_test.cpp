@@ -34,6 +34,20 @@ TEST(Bending, AStripOfACylinderBendsAtAnyAngle) {
   }
 }
 
+TEST(Bending, SaysHowWellItKnowsTheCurvature) {
+  double squares = 0;
+  constexpr int kTrials = 50;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    auto heights = strip(1, 0.1, 0.7, kCurvature, 0, 1000);
+    std::mt19937_64 random(static_cast<std::uint64_t>(trial));
+    std::normal_distribution<double> noise(0, 0.0002);
+    for (Vec3& height : heights) height.z() += noise(random);
+    const Bend bend = bend_of(heights, 0);
+    squares += std::pow((bend.curvature - kCurvature) / bend.sigma, 2);
+  }
+  EXPECT_NEAR(std::sqrt(squares / kTrials), 1, 0.3);
+}
+
 TEST(Bending, BendsWhereverTheSamplesCrowd) {
   auto heights = strip(2, 0.2, 0.4, kCurvature, 0.0005, 400);
   const auto dense = strip(0.1, 0.02, 0.4, kCurvature, 0.0005, 4000);
