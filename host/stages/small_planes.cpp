@@ -214,7 +214,7 @@ std::vector<std::uint32_t> squares_of(const PlaneFlood& flood, const RangeImage&
 }  // namespace
 
 std::int64_t least_plane_samples(const RangeImage& image, const SuperclusterOptions& options) {
-  return std::max<std::int64_t>(options.min_plane_samples, static_cast<std::int64_t>(image.count() / 100000));
+  return std::max<std::int64_t>(options.min_plane_samples, static_cast<std::int64_t>(image.count() / 200000));
 }
 
 SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& image,

@@ -22,7 +22,7 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
                                     const SuperclusterOptions& options, PlaneRegions& regions,
                                     std::vector<Plane>& planes);
 
-// Least samples of a small plane: options.min_plane_samples, and one in 100,000 of the image's.
+// Least samples of a small plane: options.min_plane_samples, and one in 200,000 of the image's.
 std::int64_t least_plane_samples(const RangeImage& image, const SuperclusterOptions& options);
 
 }  // namespace hybrid::stages

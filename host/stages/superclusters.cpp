@@ -11,6 +11,7 @@
 #include "stages/coplanar_merge.hpp"
 #include "stages/curved_regions.hpp"
 #include "stages/interleaving.hpp"
+#include "stages/mixed_rims.hpp"
 #include "stages/plane_steps.hpp"
 #include "stages/refuted_planes.hpp"
 #include "stages/rejoin_planes.hpp"
@@ -148,13 +149,13 @@ std::vector<std::uint32_t> number_regions(const std::vector<Supercluster>& measu
   return id;
 }
 
-// Regions + 1 that gained or lost more than one of a thousand of their samples, about.
+// Regions + 1 that gained or lost more than one of `many` of their samples, about.
 std::vector<std::uint32_t> much_moved(const std::vector<std::int64_t>& moved, const PlaneRegions& regions,
-                                      int square) {
+                                      int square, std::int64_t many = 1000) {
   std::vector<std::uint32_t> labels;
   for (std::uint32_t label = 1; label < moved.size(); ++label) {
     const auto samples = std::ssize(regions.regions[label - 1].squares) * square * square;
-    if (1000 * moved[label] > samples) labels.push_back(label);
+    if (many * moved[label] > samples) labels.push_back(label);
   }
   return labels;
 }
@@ -234,6 +235,10 @@ PlaneSegmentation segment(device::Queue& queue, const RangeImage& image, const S
   const auto trimmed =
       trim_tangent_rims(image, squares.noise, excess, labels, planes, regions, squares.square);
   changed.insert(changed.end(), trimmed.begin(), trimmed.end());
+  // The fit holds little to rims (polish_planes): only planes of which they are much are fitted again.
+  const auto of_mixed =
+      much_moved(trim_mixed_rims(image, squares.noise, planes, regions, labels), regions, squares.square, 50);
+  changed.insert(changed.end(), of_mixed.begin(), of_mixed.end());
   if (!changed.empty()) polish_planes(image, squares.square, labels, squares.noise, planes, 1, changed);
   own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
