@@ -20,6 +20,8 @@
 namespace hybrid::stages {
 namespace {
 
+constexpr double kStep_rad = 0.001;
+constexpr int kMostStride = 8;
 constexpr float kWindowShare = 0.7f;      // of a window's samples, as METHOD 2 asks of a square
 constexpr float kWindowSigmas = 4;        // of chi2's standard deviation
 constexpr float kWindowCosine = 0.02f;    // noise along rays nearer to grazing leaves no plane
@@ -31,6 +33,45 @@ constexpr double kSameNormal = 0.998;     // cosine
 constexpr double kFollowing = 2;          // standard deviations
 constexpr double kMostBesideCurved = 0.3;
 constexpr double kMostWorse = 30;  // chi2 of the three numbers that two planes have more than one
+
+// Every `stride`th row and column. Of a scan with smaller steps than kStep_rad windows of a few samples say
+// little: their noise is wider than they are.
+struct Thinned {
+  RangeImage image;  // points and mask only
+  std::vector<std::uint32_t> labels;
+};
+
+int thinning(const RangeImage& image) {
+  const double step_rad = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  return step_rad > 0 ? std::clamp(static_cast<int>(kStep_rad / step_rad), 1, kMostStride) : 1;
+}
+
+Thinned thin(const RangeImage& image, const std::vector<std::uint32_t>& labels, int stride) {
+  Thinned thinned;
+  RangeImage& to = thinned.image;
+  to.rows = (image.rows + stride - 1) / stride;
+  to.cols = (image.cols + stride - 1) / stride;
+  to.wraps = image.wraps;
+  for (int row = 0; row < to.rows; ++row)
+    to.elevation_rad.push_back(image.elevation_rad[static_cast<std::size_t>(row * stride)]);
+  for (int col = 0; col < to.cols; ++col)
+    to.azimuth_rad.push_back(image.azimuth_rad[static_cast<std::size_t>(col * stride)]);
+  for (auto* values : {&to.x, &to.y, &to.z}) resize_large(*values, to.count());
+  resize_large(to.mask, to.count());
+  resize_large(thinned.labels, to.count());
+  parallel_for(static_cast<std::size_t>(to.rows), [&](std::size_t row) {
+    for (int col = 0; col < to.cols; ++col) {
+      const std::size_t i = to.index(static_cast<int>(row), col),
+                        from = image.index(static_cast<int>(row) * stride, col * stride);
+      to.x[i] = image.x[from];
+      to.y[i] = image.y[from];
+      to.z[i] = image.z[from];
+      to.mask[i] = image.mask[from];
+      thinned.labels[i] = labels[from];
+    }
+  });
+  return thinned;
+}
 
 std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
                                        const PlaneRegions& regions) {
@@ -133,15 +174,18 @@ std::vector<Candidate> try_seeds(const RangeImage& image, const std::vector<std:
   return candidates;
 }
 
-std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int side, std::uint32_t sample) {
-  const auto cols = static_cast<std::uint32_t>(image.cols), n = static_cast<std::uint32_t>(side);
-  return sample / cols / n * static_cast<std::uint32_t>(grid.cols) + sample % cols / n;
+// Of a sample of an image with every `stride`th row and column.
+std::uint32_t square_of(const RangeImage& image, const SquareGrid& grid, int side, int stride,
+                        std::uint32_t sample) {
+  const auto cols = static_cast<std::uint32_t>(image.cols), n = static_cast<std::uint32_t>(side),
+             every = static_cast<std::uint32_t>(stride);
+  return sample / cols * every / n * static_cast<std::uint32_t>(grid.cols) + sample % cols * every / n;
 }
 
 // Squares found the flood's plane on their own, too few for a supercluster.
-bool squares_found(const PlaneRegions& regions, const PlaneFlood& flood, double waviness_m) {
+bool squares_found(const PlaneRegions& regions, const PlaneFlood& flood, int stride, double waviness_m) {
   const Plane plane = flood.plane.plane();
-  const auto samples = static_cast<double>(flood.samples.size());
+  const double samples = static_cast<double>(flood.samples.size()) * stride * stride;
   return std::any_of(regions.regions.begin(), regions.regions.end(), [&](const PlaneRegion& region) {
     return region.few && region.moments.weight >= kFoundBySquares * samples &&
            region.fit.plane.normal.dot(plane.normal) >= kSameNormal &&
@@ -203,9 +247,9 @@ std::optional<RayPlane> joint_plane(const RangeImage& image, const RayPlane& par
 
 // Squares in which the flood has samples, sorted.
 std::vector<std::uint32_t> squares_of(const PlaneFlood& flood, const RangeImage& image,
-                                      const SquareGrid& grid, int side) {
+                                      const SquareGrid& grid, int side, int stride) {
   std::vector<std::uint32_t> squares;
-  for (const std::uint32_t i : flood.samples) squares.push_back(square_of(image, grid, side, i));
+  for (const std::uint32_t i : flood.samples) squares.push_back(square_of(image, grid, side, stride, i));
   std::sort(squares.begin(), squares.end());
   squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
   return squares;
@@ -222,18 +266,23 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
                                     const std::vector<std::uint32_t>& labels,
                                     const SuperclusterOptions& options, PlaneRegions& regions,
                                     std::vector<Plane>& planes) {
-  const auto least = static_cast<std::size_t>(least_plane_samples(image, options));
+  const int stride = thinning(image);
+  const Thinned thinned = stride > 1 ? thin(image, labels, stride) : Thinned();
+  const RangeImage& seen = stride > 1 ? thinned.image : image;
+  const std::vector<std::uint32_t>& seen_labels = stride > 1 ? thinned.labels : labels;
+  const auto least = static_cast<std::size_t>(least_plane_samples(seen, options));
   const double sigma_m = std::max(squares.sigma_m, kLeastNoise_m);
-  auto use = free_samples(image, labels, regions);
-  const PlaneFlooder flooder(image, use, squares.noise);
+  auto use = free_samples(seen, seen_labels, regions);
+  const PlaneFlooder flooder(seen, use, squares.noise);
   std::unordered_map<std::uint32_t, Vec3> normal_of_blocked;  // by floods; regions' by their labels
   const auto blocked_normal = [&](std::uint32_t i) -> Vec3 {
-    return labels[i] != 0 ? regions.regions[labels[i] - 1].fit.plane.normal : normal_of_blocked.at(i);
+    return seen_labels[i] != 0 ? regions.regions[seen_labels[i] - 1].fit.plane.normal
+                               : normal_of_blocked.at(i);
   };
   SquarePresence presence;
   std::unordered_map<std::uint32_t, RayPlane> plane_of_small;
   const auto recover = [&](const std::vector<WindowSeed>& seeds) {
-    const auto candidates = try_seeds(image, use, squares.noise, seeds, least);
+    const auto candidates = try_seeds(seen, use, squares.noise, seeds, least);
     std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
     while (!heap.empty()) {
       Candidate best = heap.top();
@@ -247,23 +296,23 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
         heap.push(best);
         continue;
       }
-      PlaneRegion region = region_of_flood(image, flood);
+      PlaneRegion region = region_of_flood(seen, flood);
       const bool scattered = flood.chi2 > kMostChi2 * static_cast<double>(size - 3) &&
-                             !(squares_found(regions, flood, options.waviness_m) &&
-                               !follows_neighbours(image, squares.noise, flood));
+                             !(squares_found(regions, flood, stride, options.waviness_m) &&
+                               !follows_neighbours(seen, squares.noise, flood));
       const SampleUse verdict =
-          judge(image, use, flood, region, scattered, sigma_m, options.min_curvature, blocked_normal);
+          judge(seen, use, flood, region, scattered, sigma_m, options.min_curvature, blocked_normal);
       if (verdict == kFree) continue;
       for (const std::uint32_t i : flood.samples) {
         use[i] = verdict;
         if (verdict == kBlocked) normal_of_blocked[i] = region.fit.plane.normal;
       }
       if (verdict == kBlocked) continue;
-      region.squares = squares_of(flood, image, grid, squares.square);
+      region.squares = squares_of(flood, seen, grid, squares.square, stride);
       std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
       std::optional<RayPlane> joint;
       if (id != 0 && regions.regions[id - 1].small) {
-        joint = joint_plane(image, plane_of_small.at(id), flood, options.waviness_m);
+        joint = joint_plane(seen, plane_of_small.at(id), flood, options.waviness_m);
         if (!joint) id = 0;
       }
       if (id == 0) {
@@ -282,8 +331,8 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
       for (const std::uint32_t square : region.squares) presence.emplace_back(square, id);
     }
   };
-  recover(find_seeds(queue, image, use, squares.noise, options.tile));
-  recover(find_sparse_seeds(image, use, squares.noise));
+  recover(find_seeds(queue, seen, use, squares.noise, options.tile));
+  recover(find_sparse_seeds(seen, use, squares.noise));
   std::sort(presence.begin(), presence.end());
   presence.erase(std::unique(presence.begin(), presence.end()), presence.end());
   return presence;
