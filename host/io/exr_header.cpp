@@ -12,6 +12,7 @@
 namespace hybrid::io {
 namespace {
 
+constexpr std::uint64_t kMostPixelsPerByte = 1000;  // a byte deflated holds 516 halves at most
 constexpr std::int64_t kMostChannelBytes = 4096;  // about 200 channels: the library allocates a tile of each
 
 class HeaderWalk {
@@ -71,6 +72,13 @@ class HeaderWalk {
       check_tiles();
     else
       check_lines();
+    // The least that blocks take in a file says little of an image most of which is missing, or whose lines
+    // are long.
+    const std::uint64_t most = kMostPixelsPerByte * input_.size();
+    if (static_cast<std::uint64_t>(part_.width) > most / static_cast<std::uint64_t>(part_.height))
+      fail_input(
+          "{}: header: expected what {} bytes can hold of an image, found {} x {} pixels; copy it again",
+          file_, input_.size(), part_.height, part_.width);
   }
 
   void check_tiles() {

@@ -29,7 +29,6 @@ using namespace range_attribute;
 
 // Grids of cameras and grids through the zenith have tables beyond a half turn; degrees are beyond this.
 constexpr double kMostAngle_rad = 4 * std::numbers::pi;
-constexpr std::uint64_t kMostNodesPerByte = 1000;  // of a file that is cut short
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 bool descends(const std::vector<double>& angles) {
@@ -39,11 +38,9 @@ bool descends(const std::vector<double>& angles) {
 class Reader {
  public:
   Reader(const fs::path& path, bool salvage) : path_(path), file_(path.string()), salvage_(salvage) {
-    std::uint64_t bytes = 0;
     {
       InputFile input(path);
       check_exr_header(input);
-      bytes = input.size();
     }
     guarded([&] { in_ = std::make_unique<ExrParts>(path, start_exr_threads()); });
     if (!in_->complete())
@@ -51,11 +48,6 @@ class Reader {
               "the file is cut short: copy or write it again");
     rows_ = in_->rows();
     cols_ = in_->cols();
-    // The least that blocks of lines take in a file says little of an image most of which is missing.
-    if (!in_->complete() && nodes() > kMostNodesPerByte * bytes)
-      fail_input(
-          "{}: header: expected what {} bytes can hold of an image, found {} x {} nodes; copy it again",
-          file_, bytes, rows_, cols_);
     if (nodes() > std::numeric_limits<std::uint32_t>::max() - 1)
       fail_input("{}: header: expected fewer than 2^32 nodes, found {} x {}; split the image", file_, rows_,
                  cols_);
