@@ -34,21 +34,21 @@ constexpr double kFollowing = 2;          // standard deviations
 constexpr double kMostBesideCurved = 0.3;
 constexpr double kMostWorse = 30;  // chi2 of the three numbers that two planes have more than one
 
-// Every `stride`th row and column. Of a scan with smaller steps than kStep_rad windows of a few samples say
-// little: their noise is wider than they are.
-struct Thinned {
-  RangeImage image;  // points and mask only
-  std::vector<std::uint32_t> labels;
-};
-
+// Of a scan with smaller steps than kStep_rad windows of a few samples say little, their noise is wider than
+// they are: planes are looked for among every so many rows and columns.
 int thinning(const RangeImage& image) {
   const double step_rad = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
   return step_rad > 0 ? std::clamp(static_cast<int>(kStep_rad / step_rad), 1, kMostStride) : 1;
 }
 
-Thinned thin(const RangeImage& image, const std::vector<std::uint32_t>& labels, int stride) {
-  Thinned thinned;
-  RangeImage& to = thinned.image;
+std::size_t from_thinned(const RangeImage& image, const RangeImage& thinned, int stride, std::size_t i) {
+  const auto cols = static_cast<std::size_t>(thinned.cols), every = static_cast<std::size_t>(stride);
+  return i / cols * every * static_cast<std::size_t>(image.cols) + i % cols * every;
+}
+
+// Points and mask only.
+RangeImage thin(const RangeImage& image, int stride) {
+  RangeImage to;
   to.rows = (image.rows + stride - 1) / stride;
   to.cols = (image.cols + stride - 1) / stride;
   to.wraps = image.wraps;
@@ -58,22 +58,21 @@ Thinned thin(const RangeImage& image, const std::vector<std::uint32_t>& labels, 
     to.azimuth_rad.push_back(image.azimuth_rad[static_cast<std::size_t>(col * stride)]);
   for (auto* values : {&to.x, &to.y, &to.z}) resize_large(*values, to.count());
   resize_large(to.mask, to.count());
-  resize_large(thinned.labels, to.count());
-  parallel_for(static_cast<std::size_t>(to.rows), [&](std::size_t row) {
-    for (int col = 0; col < to.cols; ++col) {
-      const std::size_t i = to.index(static_cast<int>(row), col),
-                        from = image.index(static_cast<int>(row) * stride, col * stride);
-      to.x[i] = image.x[from];
-      to.y[i] = image.y[from];
-      to.z[i] = image.z[from];
-      to.mask[i] = image.mask[from];
-      thinned.labels[i] = labels[from];
-    }
-  });
-  return thinned;
+  parallel_for(
+      to.count(),
+      [&](std::size_t i) {
+        const std::size_t from = from_thinned(image, to, stride, i);
+        to.x[i] = image.x[from];
+        to.y[i] = image.y[from];
+        to.z[i] = image.z[from];
+        to.mask[i] = image.mask[from];
+      },
+      1 << 14);
+  return to;
 }
 
-std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vector<std::uint32_t>& labels,
+template <typename Label>
+std::vector<std::uint8_t> free_samples(const RangeImage& image, const Label& label,
                                        const PlaneRegions& regions) {
   std::vector<std::uint8_t> use;
   resize_large(use, image.count());
@@ -81,7 +80,8 @@ std::vector<std::uint8_t> free_samples(const RangeImage& image, const std::vecto
       use.size(),
       [&](std::size_t i) {
         if (image.mask[i] != kMeasured) return;
-        use[i] = labels[i] == 0 ? kFree : regions.regions[labels[i] - 1].curved ? kBlocked : kNotFree;
+        const std::uint32_t id = label(i);
+        use[i] = id == 0 ? kFree : regions.regions[id - 1].curved ? kBlocked : kNotFree;
       },
       1 << 14);
   return use;
@@ -267,17 +267,18 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
                                     const SuperclusterOptions& options, PlaneRegions& regions,
                                     std::vector<Plane>& planes) {
   const int stride = thinning(image);
-  const Thinned thinned = stride > 1 ? thin(image, labels, stride) : Thinned();
-  const RangeImage& seen = stride > 1 ? thinned.image : image;
-  const std::vector<std::uint32_t>& seen_labels = stride > 1 ? thinned.labels : labels;
+  const RangeImage thinned = stride > 1 ? thin(image, stride) : RangeImage();
+  const RangeImage& seen = stride > 1 ? thinned : image;
+  const auto label = [&](std::size_t i) {
+    return labels[stride > 1 ? from_thinned(image, thinned, stride, i) : i];
+  };
   const auto least = static_cast<std::size_t>(least_plane_samples(seen, options));
   const double sigma_m = std::max(squares.sigma_m, kLeastNoise_m);
-  auto use = free_samples(seen, seen_labels, regions);
+  auto use = free_samples(seen, label, regions);
   const PlaneFlooder flooder(seen, use, squares.noise);
   std::unordered_map<std::uint32_t, Vec3> normal_of_blocked;  // by floods; regions' by their labels
   const auto blocked_normal = [&](std::uint32_t i) -> Vec3 {
-    return seen_labels[i] != 0 ? regions.regions[seen_labels[i] - 1].fit.plane.normal
-                               : normal_of_blocked.at(i);
+    return label(i) != 0 ? regions.regions[label(i) - 1].fit.plane.normal : normal_of_blocked.at(i);
   };
   SquarePresence presence;
   std::unordered_map<std::uint32_t, RayPlane> plane_of_small;
