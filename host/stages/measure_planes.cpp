@@ -18,7 +18,7 @@ constexpr double kBorderBias = 0.15;   // of their noise, by which the samples a
 // samples leave too little of narrow planes.
 constexpr double kBorder_m = 0.0075, kMostBorder = 2;
 constexpr double kLongestStep = 2;
-constexpr std::size_t kStrideBeforeLast = 3;
+constexpr std::size_t kStrideBeforeLast = 3, kMany = 4'000'000;  // samples; of fewer all are seen
 constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
 
 using Labels = std::vector<std::uint32_t>;
@@ -262,11 +262,12 @@ void refit_planes(const RangeImage& image, int square, const std::vector<std::ui
 }
 
 void polish_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
-                   const RangeNoise& noise, std::vector<Plane>& planes, int rounds,
+                   const RangeNoise& noise, std::vector<Plane>& planes, PolishRounds rounds,
                    const std::vector<std::uint32_t>& only) {
   std::vector<bool> wanted(planes.size(), only.empty());
   for (const std::uint32_t label : only) wanted[label - 1] = true;
-  for (int round = 0; round < rounds; ++round) {
+  const int last = rounds == PolishRounds::both ? 1 : 0;
+  for (int round = 0; round <= last; ++round) {
     std::vector<RayEquations::Frame> frames(planes.size());
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const Vec3 across = planes[i].normal.unitOrthogonal();
@@ -277,7 +278,8 @@ void polish_planes(const RangeImage& image, int square, const std::vector<std::u
       frames[i].noise = wanted[i] ? &noise : nullptr;
     }
     // A round before the last need not see every sample: what it leaves is little to the next one.
-    const std::size_t stride = round + 1 < rounds ? kStrideBeforeLast : 1;
+    const bool is_last = round == last && rounds != PolishRounds::first;
+    const std::size_t stride = is_last || image.count() < kMany ? 1 : kStrideBeforeLast;
     const auto sums = sum_by_label<RayEquations>(image, square, labels, frames, stride);
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const auto sum = sums[i].weighted(stride);

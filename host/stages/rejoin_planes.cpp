@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostLooked = 1024;  // samples of a plane
 constexpr double kLeastCosine = 0.98;      // of the normals of a plane and a part that samples have tilted
 constexpr double kMostApart_m = 0.02;      // of a part's centre from the plane
-constexpr double kAsClose = 1.2;           // a part's residuals about the plane to those about its own
+constexpr double kAsClose = 1.3;           // a part's residuals about the plane to those about its own
 constexpr double kLeastOwn = 0.5;          // standard deviations; few samples fit their own plane too well
 // Standard deviations: samples this close that lie to both sides are the plane's however well another fits
 // them, for it crosses the plane and took those that lie its way.

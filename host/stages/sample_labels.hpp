@@ -29,15 +29,17 @@ std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& 
 void refit_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
                   std::vector<Plane>& planes);
 
+// Of a large image the first round sees every third sample: what it leaves is little to the last one.
+enum class PolishRounds { first, last, both };
+
 // The last word on each plane: least squares along the rays over its labelled samples, each weighted by its
 // own noise and by Tukey's biweight, so that strangers among them (relief, the foot of a step, mixed samples)
 // have little say, and those beside other labels together no more than a few (who has them depends on where
-// the planes were thought to be); starts from the plane given and takes `rounds` steps: two, one where it was
-// polished before. Planes whose samples fix no plane stay, and all but those labelled `only` where there are
-// such.
+// the planes were thought to be); starts from the plane given. Planes whose samples fix no plane stay, and
+// all but those labelled `only` where there are such.
 void polish_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
-                   const RangeNoise& noise, std::vector<Plane>& planes, int rounds = 2,
-                   const std::vector<std::uint32_t>& only = {});
+                   const RangeNoise& noise, std::vector<Plane>& planes,
+                   PolishRounds rounds = PolishRounds::both, const std::vector<std::uint32_t>& only = {});
 
 // Samples, centroid, rms and area of each region over its measured samples; `id` and `squares` are left
 // alone.

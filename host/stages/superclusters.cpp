@@ -191,21 +191,13 @@ PlaneSegmentation assemble(const SquarePlanes& squares, const SquareGrid& grid, 
   return result;
 }
 
-PlaneSegmentation segment(device::Queue& queue, const RangeImage& image, const SquarePlanes& squares,
-                          const SuperclusterOptions& options) {
-  const SquareGrid grid(image, squares);
-  const SquareLinks links = link_squares(queue, image, squares, grid, options);
-  PlaneRegions regions = grow_regions(squares, grid, links, options);
-  mark_curved_regions(image, squares, grid, options, regions);
-  merge_coplanar_regions(image, squares, grid, options, regions);
-  absorb_squares(image, squares, grid, options, regions);
-  // Again: fragments of a column too small to show that they bend may have merged into one that does.
-  mark_curved_regions(image, squares, grid, options, regions);
-  drop_small_regions(grid, options.min_squares, regions);
-
+// Regions of squares become planes of samples: labels (index + 1 into regions) and what the samples say the
+// planes are. Adds the small planes and parts that show themselves to the regions, joins and drops others.
+std::vector<Plane> label_and_fit(device::Queue& queue, const RangeImage& image, const SquarePlanes& squares,
+                                 const SquareGrid& grid, const SuperclusterOptions& options,
+                                 PlaneRegions& regions, std::vector<std::uint32_t>& labels) {
   std::vector<Plane> planes;
   for (const PlaneRegion& region : regions.regions) planes.push_back(region.fit.plane);
-  std::vector<std::uint32_t> labels;
   resize_large(labels, image.count());
   label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, {}), planes, options,
                 labels);
@@ -218,31 +210,55 @@ PlaneSegmentation segment(device::Queue& queue, const RangeImage& image, const S
     return label_samples(queue, image, squares, grid, find_candidates(squares, grid, regions, presence),
                          planes, options, labels);
   };
+  const auto polish = [&](PolishRounds rounds, const std::vector<std::uint32_t>& only) {
+    polish_planes(image, squares.square, labels, squares.noise, planes, rounds, only);
+  };
   compete();
-  polish_planes(image, squares.square, labels, squares.noise, planes);
+  polish(PolishRounds::both, {});
   const std::int64_t least = least_plane_samples(image, options);
+  std::vector<std::uint32_t> changed;  // in need of a last round
+  const auto polish_changed = [&](const std::vector<std::uint32_t>& those) {
+    if (!those.empty()) polish(PolishRounds::first, those);
+    changed.insert(changed.end(), those.begin(), those.end());
+  };
   if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence))
-    if (const auto moved = much_moved(compete(), regions, squares.square); !moved.empty())
-      polish_planes(image, squares.square, labels, squares.noise, planes, 1, moved);
+    polish_changed(much_moved(compete(), regions, squares.square));
   auto grown = rejoin_planes(image, squares, grid, options, planes, labels, regions, presence);
   if (!grown.empty()) {
     const auto moved = much_moved(compete(), regions, squares.square);
     grown.insert(grown.end(), moved.begin(), moved.end());
-    polish_planes(image, squares.square, labels, squares.noise, planes, 1, grown);
+    polish_changed(grown);
   }
-  auto [changed, excess] = split_steps(image, grid, squares.square, squares.noise,
-                                       {least, options.waviness_m}, labels, planes, regions);
+  const auto [stepped, excess] = split_steps(image, grid, squares.square, squares.noise,
+                                             {least, options.waviness_m}, labels, planes, regions);
   const auto trimmed =
       trim_tangent_rims(image, squares.noise, excess, labels, planes, regions, squares.square);
-  changed.insert(changed.end(), trimmed.begin(), trimmed.end());
   // The fit holds little to rims (polish_planes): only planes of which they are much are fitted again.
   const auto of_mixed =
       much_moved(trim_mixed_rims(image, squares.noise, planes, regions, labels), regions, squares.square, 50);
-  changed.insert(changed.end(), of_mixed.begin(), of_mixed.end());
-  if (!changed.empty()) polish_planes(image, squares.square, labels, squares.noise, planes, 1, changed);
+  for (const auto* those : {&stepped, &trimmed, &of_mixed})
+    changed.insert(changed.end(), those->begin(), those->end());
+  if (!changed.empty()) polish(PolishRounds::last, changed);
+  return planes;
+}
+
+PlaneSegmentation segment(device::Queue& queue, const RangeImage& image, const SquarePlanes& squares,
+                          const SuperclusterOptions& options) {
+  const SquareGrid grid(image, squares);
+  const SquareLinks links = link_squares(queue, image, squares, grid, options);
+  PlaneRegions regions = grow_regions(squares, grid, links, options);
+  mark_curved_regions(image, squares, grid, options, regions);
+  merge_coplanar_regions(image, squares, grid, options, regions);
+  absorb_squares(image, squares, grid, options, regions);
+  // Again: fragments of a column too small to show that they bend may have merged into one that does.
+  mark_curved_regions(image, squares, grid, options, regions);
+  drop_small_regions(grid, options.min_squares, regions);
+
+  std::vector<std::uint32_t> labels;
+  const std::vector<Plane> planes = label_and_fit(queue, image, squares, grid, options, regions, labels);
   own_squares(image, squares, grid, labels, regions);
   auto measured = measure_planes(image, squares.square, labels, planes);
-  const auto ids = number_regions(measured, regions, least);
+  const auto ids = number_regions(measured, regions, least_plane_samples(image, options));
   return assemble(squares, grid, regions, ids, std::move(labels), std::move(measured));
 }
 

@@ -137,6 +137,25 @@ TEST(PolishPlanes, gives_the_same_bytes_for_any_number_of_threads) {
   EXPECT_EQ(errors[0], errors[2]);
 }
 
+TEST(PolishPlanes, its_rounds_may_come_one_by_one_and_for_some_planes_only) {
+  SlantedWall wall(0.1, 1);
+  for (std::size_t i = 0; i < wall.labels.size(); i += 2) wall.labels[i] = 2;
+  const Plane start{(wall.truth.normal + Vec3(0.002, 0.002, 0.002)).normalized(), wall.truth.offset_m};
+  std::vector<Plane> both = {start, start}, one_by_one = both;
+  const auto polish = [&](std::vector<Plane>& planes, stages::PolishRounds rounds,
+                          const std::vector<std::uint32_t>& only) {
+    stages::polish_planes(wall.image, 5, wall.labels, kNoise, planes, rounds, only);
+  };
+  polish(both, stages::PolishRounds::both, {});
+  polish(one_by_one, stages::PolishRounds::first, {2});
+  EXPECT_EQ(one_by_one[0].normal, start.normal);
+  EXPECT_NE(one_by_one[1].normal, both[1].normal);
+  polish(one_by_one, stages::PolishRounds::last, {2});
+  EXPECT_EQ(one_by_one[0].normal, start.normal);
+  EXPECT_EQ(one_by_one[1].normal, both[1].normal);
+  EXPECT_EQ(one_by_one[1].offset_m, both[1].offset_m);
+}
+
 TEST(PolishPlanes, planes_that_their_samples_do_not_fix_stay) {
   SlantedWall wall(0, 1);
   for (std::size_t i = 0; i < wall.labels.size(); ++i) wall.labels[i] = i < 150 ? 1 : i == 5000 ? 2 : 0;
