@@ -10,6 +10,9 @@
 namespace hybrid::stages {
 namespace {
 
+// Samples nearer to each other than this are met by one beam, more or less: a beam is 3 to 6 mm wide where it
+// leaves the scanner.
+constexpr double kBeam_m = 0.0075;
 constexpr double kJump_m = 0.01;  // less leaves a beam's mean within most scanners' noise
 constexpr int kReach = 4;         // nodes, to the jump
 constexpr int kAround = 4;        // nodes, of a rim whose mean is taken

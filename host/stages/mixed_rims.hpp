@@ -8,10 +8,6 @@
 
 namespace hybrid::stages {
 
-// Samples nearer to each other than this are met by one beam, more or less: a beam is 3 to 6 mm wide where it
-// leaves the scanner.
-inline constexpr double kBeam_m = 0.0075;
-
 // Takes from planes the samples at their rims whose beams met another surface as well, before or behind the
 // plane: each is within its noise, all of a rim lie to that surface's side. Looks, where samples are dense
 // enough, at those from which a jump in depth is a few nodes away; where the mean of a rim's samples around

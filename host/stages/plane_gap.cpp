@@ -50,10 +50,15 @@ PlaneGap nearest_squares(const SquareGrid& grid, const std::vector<std::uint32_t
   return best;
 }
 
+double seen_through_m(const SquarePlanes& squares, const SuperclusterOptions& options) {
+  return kBehind_m + options.label_sigmas * squares.sigma_m;
+}
+
 bool is_seen_through(const RangeImage& image, const SquarePlanes& squares, const Plane& plane,
                      const PlaneGap& gap, const SuperclusterOptions& options) {
   const int n = squares.square;
   const int steps = std::max(std::abs(gap.rows), std::abs(gap.cols)) * n;
+  const double behind_m = seen_through_m(squares, options);
   int through = 0, seen = 0;
   for (int i = 0; i <= steps; ++i) {
     const int row = gap.row * n + n / 2 + gap.rows * n * i / std::max(steps, 1);
@@ -63,7 +68,7 @@ bool is_seen_through(const RangeImage& image, const SquarePlanes& squares, const
     const Vec3 point = image.point(image.index(row, col));
     if (!std::isfinite(point.x())) continue;
     seen += 1;
-    through += plane.distance(point) < -(kBehind_m + options.label_sigmas * squares.sigma_m);
+    through += plane.distance(point) < -behind_m;
   }
   return through > kMostSeenThrough * seen;
 }

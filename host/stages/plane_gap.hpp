@@ -19,6 +19,9 @@ struct PlaneGap {
 PlaneGap nearest_squares(const SquareGrid& grid, const std::vector<std::uint32_t>& from,
                          const std::vector<std::uint32_t>& to);
 
+// A sample lies so far behind a plane that its ray went through it.
+double seen_through_m(const SquarePlanes& squares, const SuperclusterOptions& options);
+
 // Whether the scan looks through the plane between two parts of it: the rays of more than a tenth of the
 // samples along the gap went on behind it. Samples on it or in front of it hide what is there.
 bool is_seen_through(const RangeImage& image, const SquarePlanes& squares, const Plane& plane,

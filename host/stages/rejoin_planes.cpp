@@ -20,7 +20,6 @@ constexpr double kLeastOwn = 0.5;          // standard deviations; few samples f
 // them, for it crosses the plane and took those that lie its way.
 constexpr double kCrossing = 1.5, kCentred = 0.5;
 constexpr double kMostPredicted = 1;  // variances of noise that the plane is uncertain by
-constexpr double kBehind_m = 0.02;    // of the plane, and the noise: seen through it
 constexpr double kLongestWalk_rad = 0.06, kShortestWalk = 64;  // between the two; the second in nodes
 
 int longest_walk(const RangeImage& image) {
@@ -134,7 +133,7 @@ class Rejoining {
     Walks walks;
     const Plane& plane = planes_[of - 1];
     const int longest = longest_walk(image_);
-    const double behind_m = kBehind_m + options_.label_sigmas * squares_.sigma_m;
+    const double behind_m = seen_through_m(squares_, options_);
     for (const std::uint32_t start : looked_[part - 1].samples)
       for (int direction = 0; direction < 4; ++direction) {
         int row = static_cast<int>(start) / image_.cols, col = static_cast<int>(start) % image_.cols;
@@ -218,13 +217,11 @@ std::vector<std::uint32_t> rejoin_planes(const RangeImage& image, const SquarePl
     grown.push_back(to);
     PlaneRegion& winner = regions.regions[to - 1];
     PlaneRegion& loser = regions.regions[label - 1];
-    if (!winner.small && loser.small)
-      loser = PlaneRegion();  // its samples' squares go on being theirs
-    else if (winner.small)
+    if (winner.small)
       winner.squares.insert(winner.squares.end(), loser.squares.begin(), loser.squares.end());
-    else
+    else if (!loser.small)  // a small one's squares go on being whose they are
       join_regions(regions, to, label);
-    loser.squares.clear();
+    loser = PlaneRegion();
   }
   if (grown.empty()) return grown;
   for (std::uint32_t& label : labels) label = heir[label];

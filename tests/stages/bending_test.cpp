@@ -91,17 +91,25 @@ TEST(Bending, ARimDoesNotBendAPlane) {
   EXPECT_EQ(heights.bend(kMinCurvature).share, 0);
 }
 
-// Where samples are dense, several rows beyond an edge are within the plane's noise. The core has none.
-TEST(Bending, ADeepRimDoesNotBendAPlane) {
+// A strip of 200 x 16 samples, 5 mm apart; its core lacks `deep` samples of every side. `shape`: height by
+// column, metres.
+template <typename Shape>
+PlaneHeights dense_strip(unsigned seed, int deep, const Shape& shape) {
   PlaneHeights heights;
-  std::mt19937_64 random(3);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, 0.0005);
   for (int row = 0; row < 200; ++row)
     for (int col = 0; col < 16; ++col) {
-      const Vec3 height(0.005 * row, 0.005 * col, noise(random) + (col > 12 ? 0.001 * (col - 12) : 0));
+      const Vec3 height(0.005 * row, 0.005 * col, noise(random) + shape(col));
       heights.add(height, {col<15, row<199, col> 0, row> 0});
-      if (std::min(col, row) > 2 && col < 13 && row < 197) heights.core.push_back(height);
+      if (std::min(col, row) >= deep && col < 16 - deep && row < 200 - deep) heights.core.push_back(height);
     }
+  return heights;
+}
+
+// Where samples are dense, several rows beyond an edge are within the plane's noise. The core has none.
+TEST(Bending, ADeepRimDoesNotBendAPlane) {
+  const PlaneHeights heights = dense_strip(3, 3, [](int col) { return col > 12 ? 0.001 * (col - 12) : 0; });
   PlaneHeights without = heights;
   without.core.clear();
   EXPECT_GE(without.bend(kMinCurvature).share, kLeastShareBent);
@@ -110,16 +118,8 @@ TEST(Bending, ADeepRimDoesNotBendAPlane) {
 
 // A core too small to be sure of its bend does not clear a strip of a vault.
 TEST(Bending, AVaultBendsThoughItsCoreIsSmall) {
-  PlaneHeights heights;
-  std::mt19937_64 random(4);
-  std::normal_distribution<double> noise(0, 0.0005);
-  for (int row = 0; row < 200; ++row)
-    for (int col = 0; col < 16; ++col) {
-      const double v = 0.005 * (col - 7.5);
-      const Vec3 height(0.005 * row, v, noise(random) + 0.5 * v * v / 3);
-      heights.add(height, {col<15, row<199, col> 0, row> 0});
-      if (std::min(col, row) > 3 && col < 12 && row < 196) heights.core.push_back(height);
-    }
+  const PlaneHeights heights =
+      dense_strip(4, 4, [](int col) { return 0.5 * std::pow(0.005 * (col - 7.5), 2) / 3; });
   EXPECT_EQ(bend_of(heights.core, kMinCurvature).share, 0);
   EXPECT_GE(heights.bend(kMinCurvature).share, kLeastShareBent);
 }
