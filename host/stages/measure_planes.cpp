@@ -6,20 +6,16 @@
 
 #include "core/parallel.hpp"
 #include "stages/noise_model.hpp"
+#include "stages/ray_equations.hpp"
 #include "stages/sample_labels.hpp"
 
 namespace hybrid::stages {
 namespace {
 
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
-constexpr double kBiweight = 3.5;      // standard deviations beyond which a sample has no say
-constexpr double kBorderBias = 0.15;   // of their noise, by which the samples at a plane's border err alike
-// Of a plane's border: so near to its edge a face that stands on it passes for the plane. More than two
-// samples leave too little of narrow planes.
-constexpr double kBorder_m = 0.0075, kMostBorder = 2;
-constexpr double kLongestStep = 2;
-constexpr std::size_t kStrideBeforeLast = 3, kMany = 4'000'000;  // samples; of fewer all are seen
-constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
+constexpr int kStrideBeforeLast = 3;
+constexpr std::size_t kMany = 4'000'000;  // samples; of fewer all are seen
+constexpr double kAreaCosine = 0.02;      // c of the area: grazing samples cover no infinite area
 
 using Labels = std::vector<std::uint32_t>;
 
@@ -30,72 +26,54 @@ struct Band {
   std::vector<Sum> sums;
 };
 
-// A run of samples with one label, for sums that are formed faster of many at once.
-constexpr int kRun = 64;
-struct Run {
-  std::array<std::size_t, kRun> sample;
-  std::size_t count = 0;
-};
-
 // Adds a run, sample by sample where the sum cannot do better.
 template <typename Sum, typename Of>
-void add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels, const Run& run, const Of& of,
-             Sum& sum) {
+void add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels, const SampleRun& run,
+             const Of& of, Sum& sum) {
   if constexpr (requires { sum.add_run(image, labels, run, of); })
     sum.add_run(image, labels, run, of);
   else
-    for (std::size_t k = 0; k < run.count; ++k) sum.add(image, labels, run.sample[k], of);
+    for (std::size_t k = 0; k < run.count; ++k) sum.add(image, labels, run.first + k, of);
 }
 
 // Forms Sum::add(image, labels, sample, plane) per band of `square` rows anchored at row 0 and label, of
-// every `stride`th sample, then merges the bands from top to bottom: the same bits for any number of threads.
+// every `stride`th row, then merges the bands from top to bottom: the same bits for any number of threads.
 template <typename Sum, typename Planes>
 std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
-                              const Planes& planes, std::size_t stride = 1) {
+                              const Planes& planes, int stride = 1) {
   const int count = (image.rows + square - 1) / square;
   std::vector<Band<Sum>> bands(static_cast<std::size_t>(count));
   parallel_for(bands.size(), [&](std::size_t b) {
     std::vector<int> slot(planes.size() + 1, -1);
     Band<Sum>& band = bands[b];
-    const int first = static_cast<int>(b) * square;
-    const std::size_t begin = image.index(first, 0);
-    const std::size_t end = image.index(std::min(first + square, image.rows), 0);
-    Run run;
-    std::uint32_t of_run = 0;
-    const auto end_run = [&] {
-      if (run.count == 0) return;
-      if (slot[of_run] < 0) {
-        slot[of_run] = static_cast<int>(band.sums.size());
-        band.labels.push_back(of_run);
+    const auto sum_of = [&](std::uint32_t label) -> Sum& {
+      if (slot[label] < 0) {
+        slot[label] = static_cast<int>(band.sums.size());
+        band.labels.push_back(label);
         band.sums.emplace_back();
       }
-      add_run(image, labels, run, planes[of_run - 1], band.sums[static_cast<std::size_t>(slot[of_run])]);
-      run.count = 0;
+      return band.sums[static_cast<std::size_t>(slot[label])];
     };
-    for (std::size_t i = begin; i < end; i += stride) {
-      const std::uint32_t label = labels[i];
-      if (label == 0 || image.mask[i] != kMeasured) continue;
-      if (label != of_run || run.count == run.sample.size()) end_run();
-      of_run = label;
-      run.sample[run.count++] = i;
+    const int first = static_cast<int>(b) * square;
+    for (int row = (first + stride - 1) / stride * stride; row < std::min(first + square, image.rows);
+         row += stride) {
+      const std::size_t end = image.index(row, 0) + static_cast<std::size_t>(image.cols);
+      for (std::size_t i = image.index(row, 0); i < end;) {
+        const std::uint32_t label = labels[i];
+        SampleRun run{i, 0};
+        while (i < end && labels[i] == label && label != 0 && image.mask[i] == kMeasured) ++i;
+        run.count = i - run.first;
+        if (run.count > 0)
+          add_run(image, labels, run, planes[label - 1], sum_of(label));
+        else
+          ++i;
+      }
     }
-    end_run();
   });
   std::vector<Sum> total(planes.size());
   for (const auto& band : bands)
     for (std::size_t k = 0; k < band.sums.size(); ++k) total[band.labels[k] - 1].merge(band.sums[k]);
   return total;
-}
-
-// Whether another surface begins within `reach` nodes: which of the two a sample there belongs to depends on
-// where the planes were thought to be, so that it says little about where they are, and that with a bias.
-bool at_border(const RangeImage& image, const Labels& labels, std::size_t i, std::size_t col,
-               std::size_t reach) {
-  const auto cols = static_cast<std::size_t>(image.cols);
-  const auto differs = [&](std::size_t j) { return labels[j] != labels[i] && image.mask[j] != kEmpty; };
-  const std::size_t first = i - col, rows = reach * cols;
-  return (i >= rows && differs(i - rows)) || (i + rows < labels.size() && differs(i + rows)) ||
-         differs(first + (col + cols - reach) % cols) || differs(first + (col + reach) % cols);
 }
 
 double cosine(const Vec3& point, const Plane& plane) {
@@ -128,84 +106,6 @@ struct WeightedMoments {
     moments.scatter = second - sum[0] * mean * mean.transpose();
     moments.mean = mean + foot;
     return moments;
-  }
-};
-
-// Normal equations of a correction to m = normal / offset that minimises the weighted squares of the
-// residuals along the rays, r (1 - m . p), in the plane's own axes.
-struct RayEquations {
-  struct Sums {
-    // Matrix xx xy xz yy yz zz, right side; weights, and derivatives of what each sample pulls with.
-    std::array<double, 11> of{};
-    std::int64_t samples = 0;
-
-    void add(const Sums& other, double weight) {
-      for (std::size_t k = 0; k < of.size(); ++k) of[k] += weight * other.of[k];
-      samples += other.samples;
-    }
-    // Weighted least squares goes but a part of the way, as the weights hold to the plane they were made for;
-    // Newton's step is longer by this, on the average.
-    double step() const {
-      return of[10] > of[9] / kLongestStep ? std::max(of[9] / of[10], 1.0) : kLongestStep;
-    }
-  };
-  Sums inner, border;
-
-  struct Frame {
-    Mat3 axes;  // rows: normal and two across
-    Vec3 m;
-    const RangeNoise* noise;  // null: not wanted
-  };
-  void add_run(const RangeImage& image, const Labels& labels, const Run& run, const Frame& frame) {
-    if (frame.noise == nullptr) return;
-    using Values = Eigen::Array<double, kRun, 1>;
-    Values x = Values::Zero(), y = Values::Zero(), z = Values::Zero();
-    for (std::size_t k = 0; k < run.count; ++k) {
-      const auto at = static_cast<Eigen::Index>(k);
-      x[at] = image.x[run.sample[k]];
-      y[at] = image.y[run.sample[k]];
-      z[at] = image.z[run.sample[k]];
-    }
-    const auto dot = [&](const auto& v) -> Values { return v[0] * x + (v[1] * y + v[2] * z); };
-    const Values range = (x * x + (y * y + z * z)).sqrt(), along = dot(frame.axes.row(0));
-    const Values residual = range * (1 - dot(frame.m));
-    const Values sigma = frame.noise->at<kRun>(range, along.abs() / range);
-    const Values u = residual / (kBiweight * sigma), within = 1 - u * u;
-    const Values weight = within * within / (sigma * sigma), newton = weight * ((1 - (5 * u) * u) / within);
-    const Values a = range * along, b = range * dot(frame.axes.row(1)), c = range * dot(frame.axes.row(2));
-    const auto cols = static_cast<std::size_t>(image.cols);
-    const std::size_t row_begin = run.sample[0] / cols * cols;
-    const double border_nodes_m = kBorder_m / std::max(image.elevation_step_rad(), image.azimuth_step_rad());
-    const Values reach = (border_nodes_m / range + 0.5).max(1.0).min(kMostBorder);
-    for (std::size_t k = 0; k < run.count; ++k) {
-      const auto at = static_cast<Eigen::Index>(k);
-      if (!(std::abs(u[at]) < 1) || !(range[at] > 0)) continue;
-      std::size_t col = run.sample[k] - row_begin;
-      while (col >= cols) col -= cols;
-      Sums& to =
-          at_border(image, labels, run.sample[k], col, static_cast<std::size_t>(reach[at])) ? border : inner;
-      const double w = weight[at], r = residual[at];
-      const std::array<double, 11> terms = {w * (a[at] * a[at]), w * (a[at] * b[at]),
-                                            w * (a[at] * c[at]), w * (b[at] * b[at]),
-                                            w * (b[at] * c[at]), w * (c[at] * c[at]),
-                                            w * (a[at] * r),     w * (b[at] * r),
-                                            w * (c[at] * r),     w,
-                                            newton[at]};
-      for (std::size_t t = 0; t < terms.size(); ++t) to.of[t] += terms[t];
-      to.samples += 1;
-    }
-  }
-  void merge(const RayEquations& other) {
-    inner.add(other.inner, 1);
-    border.add(other.border, 1);
-  }
-  // The border's samples err together, by kBorderBias of their noise: however many they are, no more is
-  // learned from them than from 1 / kBorderBias^2. One of `stride` was added.
-  Sums weighted(std::size_t stride) const {
-    const auto count = static_cast<double>(border.samples) * static_cast<double>(stride);
-    Sums all = inner;
-    all.add(border, 1 / (1 + count * kBorderBias * kBorderBias));
-    return all;
   }
 };
 
@@ -279,7 +179,7 @@ void polish_planes(const RangeImage& image, int square, const std::vector<std::u
     }
     // A round before the last need not see every sample: what it leaves is little to the next one.
     const bool is_last = round == last && rounds != PolishRounds::first;
-    const std::size_t stride = is_last || image.count() < kMany ? 1 : kStrideBeforeLast;
+    const int stride = is_last || image.count() < kMany ? 1 : kStrideBeforeLast;
     const auto sums = sum_by_label<RayEquations>(image, square, labels, frames, stride);
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const auto sum = sums[i].weighted(stride);

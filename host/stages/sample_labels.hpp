@@ -29,7 +29,7 @@ std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& 
 void refit_planes(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
                   std::vector<Plane>& planes);
 
-// Of a large image the first round sees every third sample: what it leaves is little to the last one.
+// Of a large image the first round sees every third row: what it leaves is little to the last one.
 enum class PolishRounds { first, last, both };
 
 // The last word on each plane: least squares along the rays over its labelled samples, each weighted by its
