@@ -72,13 +72,7 @@ class HeaderWalk {
       check_tiles();
     else
       check_lines();
-    // The least that blocks take in a file says little of an image most of which is missing, or whose lines
-    // are long.
-    const std::uint64_t most = kMostPixelsPerByte * input_.size();
-    if (static_cast<std::uint64_t>(part_.width) > most / static_cast<std::uint64_t>(part_.height))
-      fail_input(
-          "{}: header: expected what {} bytes can hold of an image, found {} x {} pixels; copy it again",
-          file_, input_.size(), part_.height, part_.width);
+    check_pixels("an image of", part_.height);
   }
 
   void check_tiles() {
@@ -96,14 +90,26 @@ class HeaderWalk {
 
   void check_lines() {
     constexpr std::int64_t kMostWidth = 1 << 16;
-    constexpr std::array<std::uint8_t, 10> kLinesOfBlock{1,  1,  1,  16, 32,
-                                                         16, 32, 32, 32, 255};  // by compression
+    constexpr std::array<std::int64_t, 10> kLinesOfBlock{1,  1,  1,  16, 32,
+                                                         16, 32, 32, 32, 256};  // by compression
     if (part_.width > kMostWidth || part_.compression >= kLinesOfBlock.size())
       fail_input("{}: byte {}: expected lines of at most {} pixels, found {} with compression {}", file_, at_,
                  kMostWidth, part_.width, part_.compression);
+    const std::int64_t lines = kLinesOfBlock[part_.compression];
+    // The library allocates a whole block, of however few lines the image is.
+    check_pixels("blocks of", lines);
     // A block takes its entry in the offset table, its first line's number and its size.
-    claim("blocks of lines",
-          static_cast<std::uint64_t>((part_.height - 1) / kLinesOfBlock[part_.compression] + 1), 8 + 8);
+    claim("blocks of lines", static_cast<std::uint64_t>((part_.height - 1) / lines + 1), 8 + 8);
+  }
+
+  // The least that blocks take in a file says little of an image most of which is missing, or whose lines are
+  // long.
+  void check_pixels(const char* of, std::int64_t height) const {
+    const std::uint64_t most = kMostPixelsPerByte * input_.size();
+    if (static_cast<std::uint64_t>(part_.width) > most / static_cast<std::uint64_t>(height))
+      fail_input(
+          "{}: header: expected what {} bytes can hold of an image, found {} {} x {} pixels; copy it again",
+          file_, input_.size(), of, height, part_.width);
   }
 
   // What no part has claimed yet of the bytes to the end must hold them.
