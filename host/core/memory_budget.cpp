@@ -15,6 +15,7 @@
 
 #include "core/error.hpp"
 #include "core/log.hpp"
+#include "core/memory_pause.hpp"
 #include "core/paged_arrays.hpp"
 
 namespace hybrid {
@@ -24,10 +25,10 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 // Of arrays, a quarter of the budget where that is less.
 constexpr std::uint64_t kLeastArrays_bytes = std::uint64_t{256} << 20;
-constexpr std::uint64_t kStep_bytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t kMostStep_bytes = std::uint64_t{64} << 20;
 // All threads together fill memory no faster than this; between looks it stays within the share left for it.
-constexpr double kFill_bytes_per_ms = 4e6;
-constexpr double kShortest_ms = 2, kLongest_ms = 50;
+constexpr double kFill_bytes_per_ms = 64e6;
+constexpr double kShortest_ms = 0.5, kLongest_ms = 20;
 
 }  // namespace
 
@@ -54,6 +55,7 @@ class MemoryBudget::Trimmer {
  public:
   explicit Trimmer(std::uint64_t bytes)
       : most_(bytes - bytes / 8),
+        far_too_much_(bytes - bytes / 32 * 3),
         least_arrays_(std::min(kLeastArrays_bytes, bytes / 4)),
         files_before_(resident_memory().file_bytes),
         thread_([this] { work(); }) {}
@@ -72,14 +74,22 @@ class MemoryBudget::Trimmer {
     while (!ends_) {
       ResidentMemory now = resident_memory();
       if (now.bytes > most_) {
+        // Threads that read arrays bring pages in faster than they can be taken out. They do not wait where
+        // that was no use: what holds the memory is no array.
+        if (helps_ && now.bytes > far_too_much_) memory_is_short = true;
         // A sixteenth below, so that it does not start anew at once.
         const std::uint64_t wanted = most_ - most_ / 16;
-        for (std::uint64_t gone = 0; now.bytes > wanted && holds_arrays(now) && gone < 2 * most_;) {
-          const std::uint64_t step = paged_arrays::trim(kStep_bytes);
+        const std::uint64_t round = paged_arrays::total_bytes();
+        for (std::uint64_t gone = 0; now.bytes > wanted && holds_arrays(now) && gone < round;) {
+          const std::uint64_t step = paged_arrays::trim(std::min(kMostStep_bytes, most_ / 16));
           if (step == 0) break;
           gone += step;
           now = resident_memory();
+          if (helps_ && now.bytes > far_too_much_) memory_is_short = true;
         }
+        helps_ = now.bytes <= wanted;
+        memory_is_short = false;
+        memory_is_short.notify_all();
       }
       if (!told_ && paged_arrays::refused() > 0) {
         told_ = true;
@@ -94,10 +104,10 @@ class MemoryBudget::Trimmer {
     return now.file_bytes > files_before_ + least_arrays_;
   }
 
-  const std::uint64_t most_, least_arrays_, files_before_;
+  const std::uint64_t most_, far_too_much_, least_arrays_, files_before_;
   std::mutex mutex_;
   std::condition_variable wake_;
-  bool ends_ = false, told_ = false;
+  bool ends_ = false, told_ = false, helps_ = true;
   std::thread thread_;
 };
 

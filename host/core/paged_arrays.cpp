@@ -158,6 +158,14 @@ std::uint64_t trim(std::uint64_t bytes) {
   return done;
 }
 
+std::uint64_t total_bytes() {
+  State& s = state();
+  const std::lock_guard lock(s.mutex);
+  std::uint64_t all = 0;
+  for (const auto& [begin, size] : s.arrays) all += size;
+  return all;
+}
+
 std::uint64_t refused() {
   return refusals;
 }

@@ -26,6 +26,9 @@ void release(void* memory) noexcept;
 // call ended; contents stay, in the files. Returns how many bytes it went over, 0 when there is no array.
 std::uint64_t trim(std::uint64_t bytes);
 
+// Of all arrays, in memory or not.
+std::uint64_t total_bytes();
+
 // Arrays since the last use_folder that found no room.
 std::uint64_t refused();
 

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 
+#include "core/memory_pause.hpp"
+
 namespace hybrid {
 
 // Limits the host's threads and PoCL's; call before the first device is opened. 0 = all cores.
@@ -16,7 +18,11 @@ int thread_count();
 template <typename Body>
 void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+    wait_for_memory();
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      if (grain == 1) wait_for_memory();
+      body(i);
+    }
   });
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -40,6 +41,9 @@ struct RangeImage {
   }
   double azimuth_step_rad() const {
     return cols > 1 ? (azimuth_rad.back() - azimuth_rad.front()) / (cols - 1) : 0;
+  }
+  double step_rad() const {  // the larger one
+    return std::max(elevation_step_rad(), azimuth_step_rad());
   }
 };
 

@@ -37,7 +37,7 @@ std::vector<float> tile_surface(const RangeImage& image, const PlaneSegmentation
 }
 
 float scan_step_rad(const RangeImage& image) {
-  const double step = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double step = image.step_rad();
   return static_cast<float>(step > 0 ? step : 1e-3);
 }
 

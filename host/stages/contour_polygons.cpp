@@ -80,7 +80,7 @@ std::vector<FlatRing> parted(const std::vector<FlatRing>& rings) {
 double spacing_nm(const RangeImage& image, const Plane& plane, const Vec3& point) {
   const double range = point.norm();
   const double cosine = std::max(std::abs(plane.normal.dot(point)) / range, 1 / kLongestStretch);
-  return 1e9 * range * std::max(image.elevation_step_rad(), image.azimuth_step_rad()) / cosine;
+  return 1e9 * range * image.step_rad() / cosine;
 }
 
 }  // namespace

@@ -38,8 +38,7 @@ PlaneHeights heights(const RangeImage& image, const SquarePlanes& squares, const
   const double reach_m =
       options.label_sigmas * std::max(squares.sigma_m, region.fit.rms_m) + options.waviness_m;
   // So many samples of a face that stands on this one lie on both.
-  const double spacing_m =
-      region.fit.centroid.norm() * std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double spacing_m = region.fit.centroid.norm() * image.step_rad();
   const int rim = static_cast<int>(std::lround(std::min(reach_m / std::max(spacing_m, 1e-9), kMostRim)));
   const auto on_plane = [&](int row, int col) {
     if (image.wraps) col = (col + image.cols) % image.cols;
@@ -78,7 +77,7 @@ bool in_contact(const RangeImage& image, const SquarePlanes& squares, const Supe
   if (angle > kCreaseTo + options.angle_sigmas * sigma) return false;
   const Vec3 step = square_centroid(b) - square_centroid(a);
   const double distance = step.norm(), range = square_centroid(a).norm();
-  const double angular = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double angular = image.step_rad();
   const double cosine = std::max(std::abs(na.dot(square_centroid(a))) / range, 0.1);
   const double noise = options.offset_sigmas * squares.sigma_m;
   if (distance > options.distance_factor * squares.square * range * angular / cosine + noise) return false;

@@ -43,7 +43,7 @@ class JumpRims {
         planes_(planes),
         regions_(regions),
         labels_(labels),
-        step_rad_(std::max(image.elevation_step_rad(), image.azimuth_step_rad())) {}
+        step_rad_(image.step_rad()) {}
 
   // Of a row's samples on small planes, by label.
   struct Inside {

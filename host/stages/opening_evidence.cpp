@@ -27,7 +27,7 @@ int stride_of(const RangeImage& image) {
 void append_scan(const OpeningScan& scan, std::uint16_t index, EvidenceCloud& cloud) {
   const RangeImage& image = *scan.image;
   const int stride = std::max(1, stride_of(image));
-  const double step = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double step = image.step_rad();
   cloud.step_rad.push_back(step * stride);
   cloud.scanners.push_back(scan.world_from_scan.translation);
   const double cell_sr = image.elevation_step_rad() * image.azimuth_step_rad() * stride * stride;

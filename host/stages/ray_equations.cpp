@@ -167,8 +167,7 @@ HYBRID_CPU_CLONES
 void RayEquations::add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels,
                            const SampleRun& run, const Frame& frame) {
   if (frame.noise == nullptr) return;
-  const Equation equation{frame.axes, frame.m, *frame.noise,
-                          kBorder_m / std::max(image.elevation_step_rad(), image.azimuth_step_rad())};
+  const Equation equation{frame.axes, frame.m, *frame.noise, kBorder_m / image.step_rad()};
   const auto cols = static_cast<std::size_t>(image.cols);
   Place place{labels.data(),
               image.mask.data(),

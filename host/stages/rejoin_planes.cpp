@@ -23,7 +23,7 @@ constexpr double kMostPredicted = 1;  // variances of noise that the plane is un
 constexpr double kLongestWalk_rad = 0.06, kShortestWalk = 64;  // between the two; the second in nodes
 
 int longest_walk(const RangeImage& image) {
-  const double step_rad = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double step_rad = image.step_rad();
   const double most = std::max(image.rows, image.cols);
   return static_cast<int>(
       std::clamp(kLongestWalk_rad / step_rad, kShortestWalk, std::max(most, kShortestWalk)));

@@ -37,7 +37,7 @@ constexpr double kMostWorse = 30;  // chi2 of the three numbers that two planes 
 // Of a scan with smaller steps than kStep_rad windows of a few samples say little, their noise is wider than
 // they are: planes are looked for among every so many rows and columns.
 int thinning(const RangeImage& image) {
-  const double step_rad = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double step_rad = image.step_rad();
   return step_rad > 0 ? std::clamp(static_cast<int>(kStep_rad / step_rad), 1, kMostStride) : 1;
 }
 

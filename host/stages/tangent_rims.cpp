@@ -239,7 +239,7 @@ std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const Rang
                                              std::vector<std::uint32_t>& labels,
                                              const std::vector<Plane>& planes, const PlaneRegions& regions,
                                              int square) {
-  const double step_rad = std::max(image.elevation_step_rad(), image.azimuth_step_rad());
+  const double step_rad = image.step_rad();
   const auto dense = static_cast<int>(std::lround(std::min(kStep_rad / step_rad, 1.0 * kMostStride)));
   const int stride = std::clamp(std::max((square + kSquare / 2) / kSquare, dense), 1, kMostStride);
   const RimFinder finder(image, noise, excess, labels, planes, regions, stride);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <numeric>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "../e2e/program.hpp"
+#include "core/memory_pause.hpp"
 #include "core/paged_arrays.hpp"
 #include "core/parallel.hpp"
 
@@ -85,6 +87,35 @@ TEST(MemoryBudget, only_touched_pages_are_in_memory) {
   for (std::size_t i = 0; i < kCount; i += (64 << 10) / sizeof array[0], ++touched) array[i] += i;
   const std::uint64_t more = resident_memory().file_bytes - before;
   EXPECT_LT(more, 2 * touched * 4096) << touched << " pages";
+}
+
+TEST(MemoryBudget, threads_wait_between_bodies_while_memory_is_short) {
+  memory_is_short = true;
+  std::atomic<int> done = 0;
+  std::thread work([&] { parallel_for(100, [&](std::size_t) { ++done; }); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(done, 0);
+  memory_is_short = false;
+  memory_is_short.notify_all();
+  work.join();
+  EXPECT_EQ(done, 100);
+}
+
+// What holds the memory is no array: to wait would be of no use.
+TEST(MemoryBudget, nobody_waits_for_memory_that_no_array_holds) {
+  const e2e::Scratch folder;
+  std::vector<std::uint64_t> arrays(kCount, 1), more(kCount, 2);
+  ASSERT_FALSE(paged_arrays::is_ours(more.data()));
+  const MemoryBudget budget(64 * kMiB, folder.path());
+  std::vector<std::uint64_t> array(kCount);
+  ASSERT_TRUE(paged_arrays::is_ours(array.data()));
+  const auto begin = std::chrono::steady_clock::now();
+  parallel_for(1000, [&](std::size_t k) {
+    array[k * 4096] = arrays[k] + more[k];
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  });
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  EXPECT_EQ(array[999 * 4096], 3u);
 }
 
 TEST(MemoryBudget, an_array_without_room_for_a_file_stays_in_memory) {
