@@ -1,5 +1,4 @@
 #pragma once
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -21,14 +20,6 @@ struct RangeNoise {
 
   double at(double range_m, double cosine) const {
     const double tangent = std::min(incidence_tangent(cosine), double{RANGE_NOISE_MOST_TAN});
-    return base_m + per_m * range_m + (per_tan_m + per_m_tan * range_m) * tangent;
-  }
-  // Of many samples at once.
-  template <int n>
-  Eigen::Array<double, n, 1> at(const Eigen::Array<double, n, 1>& range_m,
-                                const Eigen::Array<double, n, 1>& cosine) const {
-    const Eigen::Array<double, n, 1> tangent =
-        ((1 - cosine * cosine).max(0.0).sqrt() / cosine.max(1e-6)).min(double{RANGE_NOISE_MOST_TAN});
     return base_m + per_m * range_m + (per_tan_m + per_m_tan * range_m) * tangent;
   }
   RangeNoiseRecord record() const;
