@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/error.hpp"
+#include "io/exr_chunks.hpp"
 #include "io/scalar_type.hpp"
 #include "io/text_cursor.hpp"
 
@@ -19,7 +20,7 @@ class HeaderWalk {
  public:
   explicit HeaderWalk(InputFile& input) : input_(input), file_(input.name()) {}
 
-  std::string run() {
+  ExrHeaderFacts run() {
     const std::string_view magic = input_.ahead(0, 4).substr(0, 4);
     if (magic != "\x76\x2f\x31\x01")
       fail_input("{}: byte 0: expected an OpenEXR file (76 2f 31 01), found {}; is this a range image?",
@@ -35,7 +36,7 @@ class HeaderWalk {
       part_.tiled = (flags & kTiles) != 0;
       for (std::string name = text(); !name.empty(); name = text()) attribute(name);
       check_part();
-      return format_;
+      return facts();
     }
     for (std::string name = text(); !name.empty(); name = text()) {
       const Part before = part_;
@@ -53,10 +54,12 @@ class HeaderWalk {
             part_.left, part_.top);
     }
     if (part_.width == 0) fail_at("the header of a part");
-    return format_;
+    return facts();
   }
 
  private:
+  ExrHeaderFacts facts() const { return {format_, at_, several_}; }
+
   struct Part {
     std::int64_t left = 0, top = 0, width = 0, height = 0;
     std::size_t compression = 0;
@@ -90,12 +93,10 @@ class HeaderWalk {
 
   void check_lines() {
     constexpr std::int64_t kMostWidth = 1 << 16;
-    constexpr std::array<std::int64_t, 10> kLinesOfBlock{1,  1,  1,  16, 32,
-                                                         16, 32, 32, 32, 256};  // by compression
-    if (part_.width > kMostWidth || part_.compression >= kLinesOfBlock.size())
+    if (part_.width > kMostWidth || part_.compression >= Imf::NUM_COMPRESSION_METHODS)
       fail_input("{}: byte {}: expected lines of at most {} pixels, found {} with compression {}", file_, at_,
                  kMostWidth, part_.width, part_.compression);
-    const std::int64_t lines = kLinesOfBlock[part_.compression];
+    const std::int64_t lines = exr_block_lines(static_cast<Imf::Compression>(part_.compression));
     // The library allocates a whole block, of however few lines the image is.
     check_pixels("blocks of", lines);
     // A block takes its entry in the offset table, its first line's number and its size.
@@ -277,7 +278,7 @@ class HeaderWalk {
 
 }  // namespace
 
-std::string check_exr_header(InputFile& file) {
+ExrHeaderFacts check_exr_header(InputFile& file) {
   return HeaderWalk(file).run();
 }
 

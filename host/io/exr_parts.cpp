@@ -4,7 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <new>
+#include <stdexcept>
+
+#include "core/parallel.hpp"
+#include "io/scalar_type.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -27,8 +32,10 @@ Imf::FrameBuffer only(const Imf::ChannelList& channels, const Imf::FrameBuffer& 
 
 }  // namespace
 
-ExrParts::ExrParts(const std::filesystem::path& file, int threads) : path_(file), threads_(threads) {
+ExrParts::ExrParts(const std::filesystem::path& file, int threads)
+    : path_(file), input_(file), facts_(check_exr_header(input_)), threads_(threads) {
   open();
+  if (!facts_.several) find_chunks(parts_[0].header);
 }
 
 void ExrParts::open() {
@@ -43,6 +50,7 @@ void ExrParts::open() {
   for (int i = 0; i < file_->parts(); ++i) {
     const Imf::Header& header = file_->header(i);
     Part part;
+    part.header = header;
     for (auto at = header.channels().begin(); at != header.channels().end(); ++at)
       if (!seen.findChannel(at.name())) {
         seen.insert(at.name(), at.channel());
@@ -64,6 +72,100 @@ bool ExrParts::complete() const {
   for (int i = 0; i < file_->parts(); ++i)
     if (!file_->partComplete(i)) return false;
   return true;
+}
+
+// Of tiles those of the finest level, row by row. Where an offset is missing, as in a file whose writing was
+// cut off, they are looked for one behind the other, as the library does.
+void ExrParts::find_chunks(const Imf::Header& header) {
+  const int high = tile_rows(header);
+  const auto wide = high > 0 ? header.tileDescription().xSize : static_cast<unsigned>(cols());
+  const auto step = static_cast<std::uint64_t>(high > 0 ? high : exr_block_lines(header.compression()));
+  const auto across = static_cast<std::uint64_t>(cols() - 1) / wide + 1,
+             down = static_cast<std::uint64_t>(rows() - 1) / step + 1;
+  head_bytes_ = high > 0 ? 20 : 8;  // column, row and two numbers of the level, or the first line; size
+  const auto fits = [&](std::uint64_t at, std::uint64_t bytes) {
+    return at > 0 && at <= input_.size() && bytes <= input_.size() - at;
+  };
+  chunk_at_.resize(across * down);
+  bool all = true;
+  for (std::size_t i = 0; i < chunk_at_.size(); ++i) {
+    const std::uint64_t entry = facts_.end + 8 * i;
+    if (fits(entry, 8)) chunk_at_[i] = load_as<std::uint64_t>(input_.at(entry, 8), false);
+    all &= chunk_at_[i] != 0;
+  }
+  if (all || (high > 0 && header.tileDescription().mode != Imf::ONE_LEVEL)) return;
+  std::ranges::fill(chunk_at_, 0);
+  for (std::uint64_t at = facts_.end + 8 * chunk_at_.size(); fits(at, head_bytes_);) {
+    const auto number = [&](std::uint64_t k) {
+      return load_as<std::int32_t>(input_.at(at + 4 * k, 4), false);
+    };
+    const std::int64_t column = high > 0 ? number(0) : 0, size = number(head_bytes_ / 4 - 1),
+                       row = high > 0 ? number(1)
+                                      : (number(0) - std::int64_t{first_}) / static_cast<std::int64_t>(step);
+    if (column < 0 || row < 0 || size < 0 || (high > 0 && (number(2) != 0 || number(3) != 0)) ||
+        static_cast<std::uint64_t>(column) >= across || static_cast<std::uint64_t>(row) >= down)
+      return;
+    chunk_at_[static_cast<std::uint64_t>(row) * across + static_cast<std::uint64_t>(column)] = at;
+    at += head_bytes_ + static_cast<std::uint64_t>(size);
+  }
+}
+
+std::vector<char> ExrParts::chunk_bytes(std::size_t number) const {
+  const std::uint64_t at = chunk_at_.at(number), end = input_.size();
+  if (at == 0 || at > end || end - at < head_bytes_) throw std::runtime_error("a tile or block is missing");
+  std::array<char, 4> field{};
+  input_.read(at + head_bytes_ - 4, field);
+  const auto size = load_as<std::int32_t>(field.data(), false);
+  if (size < 0 || static_cast<std::uint64_t>(size) > end - at - head_bytes_)
+    throw std::runtime_error("a tile or block reaches beyond the end of file");
+  std::vector<char> bytes(static_cast<std::size_t>(size));
+  input_.read(at + head_bytes_, bytes);
+  return bytes;
+}
+
+std::vector<ExrParts::Chunk> ExrParts::chunks(Part& part, int row, int end, int left, int right) {
+  std::vector<Chunk> found;
+  const Imath::Box2i window = part.header.dataWindow();
+  const bool tiled = tile_rows(part.header) > 0;
+  const int high = tiled ? tile_rows(part.header) : exr_block_lines(part.header.compression()),
+            wide = tiled ? static_cast<int>(part.header.tileDescription().xSize) : cols(),
+            across = (cols() - 1) / wide + 1;
+  for (int r = row / high; r * high < end; ++r)
+    for (int c = left / wide; c * wide < right; ++c) {
+      const int x = window.min.x + c * wide, y = window.min.y + r * high;
+      Chunk chunk{{x, y, std::min(x + wide - 1, window.max.x), std::min(y + high - 1, window.max.y)}, {}};
+      if (!facts_.several) {
+        chunk.bytes = chunk_bytes(static_cast<std::size_t>(r) * static_cast<std::size_t>(across) +
+                                  static_cast<std::size_t>(c));
+      } else {
+        const char* bytes = nullptr;
+        int size = 0, column = c, line = r, level_x = 0, level_y = 0;
+        if (part.tiles)
+          part.tiles->rawTileData(column, line, level_x, level_y, bytes, size);
+        else if (tiled)
+          part.lines->rawTileData(column, line, level_x, level_y, bytes, size);
+        else
+          part.lines->rawPixelData(y, bytes, size);
+        chunk.bytes.assign(bytes, bytes + size);
+      }
+      found.push_back(std::move(chunk));
+    }
+  return found;
+}
+
+void ExrParts::check(Part& part, int row, int end, int left, int right) {
+  const auto those = chunks(part, row, end, left, right);
+  std::vector<std::string> problems(those.size());
+  parallel_for(those.size(), [&](std::size_t k) {
+    problems[k] =
+        exr_chunk_problem(part.header.compression(), part.header.channels(), those[k].box, those[k].bytes);
+  });
+  for (const std::string& problem : problems)
+    if (!problem.empty()) throw std::runtime_error(problem);
+}
+
+void ExrParts::check(int row, int count) {
+  for (Part& part : parts_) check(part, row, row + count, 0, cols());
 }
 
 void ExrParts::read(const Imf::FrameBuffer& buffer, int row, int count) {
@@ -90,6 +192,7 @@ std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int cou
     // Rows [top, end) of columns [left, right), counted from the data window's corner.
     const auto attempt = [&](int top, int end, int left, int right, const auto& body) {
       try {
+        check(parts_[i], top, end, left, right);
         body(parts_[i]);
       } catch (const std::bad_alloc&) {
         throw;

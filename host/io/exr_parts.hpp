@@ -12,12 +12,16 @@
 #include <string>
 #include <vector>
 
+#include "io/exr_chunks.hpp"
+#include "io/exr_header.hpp"
+
 namespace hybrid::io {
 
 // One flat image whose channels lie in one or several parts of an OpenEXR file, in tiles or scan lines, read
-// as if they lay in one. Check the file with check_exr_header() first. Lets the library's exceptions pass.
+// as if they lay in one. Lets the library's exceptions pass.
 class ExrParts {
  public:
+  // Throws what check_exr_header() throws, too.
   ExrParts(const std::filesystem::path& file, int threads);
 
   // The first part's attributes, every part's channels (of two with one name the first).
@@ -28,25 +32,46 @@ class ExrParts {
   // So many rows at once are read fastest: whole tiles or blocks of lines of the first part.
   int band_rows() const { return band_rows_; }
   // Fills the buffer's slices with rows from `row` on, counted from the top of the data window; `row` is a
-  // multiple of band_rows(), and so is `count` but at the image's end.
+  // multiple of band_rows(), and so is `count` but at the image's end. Pixels of tiles and blocks whose data
+  // end too early are not what was written, nor the same each time: call check() before, or compare a
+  // checksum.
   void read(const Imf::FrameBuffer& buffer, int row, int count);
-  // The same of a damaged file, tile by tile or line by line. Leaves the slices of what cannot be read as
-  // they are; returns how many nodes lack a channel, and in `problem` where the first lie and why.
+  // Throws std::runtime_error where the data of a tile or block that has some of these rows end too early.
+  void check(int row, int count);
+  // read() of a damaged file, tile by tile or line by line, each checked. Leaves the slices of what cannot be
+  // read as they are; returns how many nodes lack a channel, and in `problem` where the first lie and why.
   std::uint64_t salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem);
 
  private:
   void open();
 
   struct Part {
-    Imf::ChannelList channels;
+    Imf::Header header;
+    Imf::ChannelList channels;                 // that no part before it has
     std::optional<Imf::TiledInputPart> tiles;  // of tiles that fit into a band; else:
     std::optional<Imf::InputPart> lines;
   };
+  struct Chunk {
+    ExrChunkBox box;
+    std::vector<char> bytes;
+  };
+  // Of tiles or blocks that have some of rows [row, end), columns [left, right), counted from the data
+  // window's corner.
+  std::vector<Chunk> chunks(Part& part, int row, int end, int left, int right);
+  // Of a file that is not in parts: the library would give the next one in the file.
+  std::vector<char> chunk_bytes(std::size_t number) const;
+  void find_chunks(const Imf::Header& header);
+  void check(Part& part, int row, int end, int left, int right);
+
   std::filesystem::path path_;
+  InputFile input_;
+  ExrHeaderFacts facts_;
   int threads_;
   std::unique_ptr<Imf::MultiPartInputFile> file_;
   std::vector<Part> parts_;
   Imf::Header header_;
+  std::vector<std::uint64_t> chunk_at_;  // of a file that is not in parts; 0: nowhere
+  std::uint64_t head_bytes_ = 0;         // before a chunk's own
   int first_ = 0, last_ = 0, band_rows_ = 0;
 };
 

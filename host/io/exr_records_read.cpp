@@ -304,7 +304,7 @@ void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, 
 
 bool holds_exr_records(const std::filesystem::path& file) {
   InputFile input(file);
-  return check_exr_header(input) == kFormatName;
+  return check_exr_header(input).format == kFormatName;
 }
 
 }  // namespace hybrid::io

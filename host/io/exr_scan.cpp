@@ -38,10 +38,6 @@ bool descends(const std::vector<double>& angles) {
 class Reader {
  public:
   Reader(const fs::path& path, bool salvage) : path_(path), file_(path.string()), salvage_(salvage) {
-    {
-      InputFile input(path);
-      check_exr_header(input);
-    }
     guarded([&] { in_ = std::make_unique<ExrParts>(path, start_exr_threads()); });
     if (!in_->complete())
       forgive("tiles: expected all tiles or lines, found some missing",
@@ -175,6 +171,7 @@ class Reader {
       const int count = std::min(band.rows(), rows_ - row);
       guarded([&] {
         try {
+          if (!checked || salvage_) in_->check(row, count);
           band.read(*in_, row, count);
         } catch (const std::exception&) {
           if (!salvage_) throw;

@@ -115,10 +115,6 @@ void check_sizes(const std::string& file, const RangeImage& image) {
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& path) : file_(path.string()) {
-    {
-      InputFile input(path);
-      check_exr_header(input);
-    }
     guarded([&] { in_ = std::make_unique<ExrParts>(path, start_exr_threads()); });
     if (!is_range_format(text(kFormat)))
       fail_input("{}: header: expected {} \"{}\", found {}; this is no range image of this version", file_,

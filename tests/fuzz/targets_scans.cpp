@@ -8,6 +8,7 @@
 #include "fuzz/check_scan.hpp"
 #include "fuzz/check_stream.hpp"
 #include "fuzz/targets.hpp"
+#include "io/exr_records.hpp"
 #include "io/file_in_memory.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/las_records.hpp"
@@ -41,6 +42,11 @@ Found read_all(const fs::path& file, const io::ReadOptions& options) {
   return found;
 }
 
+// Range images without records are read whole: in blocks they are what read_scan() reads, once more.
+bool reads_in_blocks(const fs::path& file) {
+  return file.extension() != ".exr" || io::holds_exr_records(file);
+}
+
 // Strictly with exact coordinates, with salvage without them: what is compared is the same with and without.
 // Where nothing is compared, with both. What reads strictly is read in blocks, too.
 void read_both_ways(const fs::path& file, std::string_view) {
@@ -53,6 +59,7 @@ void read_both_ways(const fs::path& file, std::string_view) {
   for (std::size_t i = 0; i < std::max(strict.scans.size(), salvaged.scans.size()); ++i)
     check_salvage(i < strict.scans.size() && !refused ? strict.scans[i] : std::nullopt,
                   i < salvaged.scans.size() ? salvaged.scans[i] : std::nullopt);
+  if (strict.scans.empty() || !reads_in_blocks(file)) return;
   for (std::size_t i = 0; i < strict.scans.size(); ++i)
     check_stream(file, strict.entries[i], std::move(strict.scans[i]));
 }
@@ -187,7 +194,7 @@ Seeds foreign_exr(const fs::path& scratch) {
 }
 
 // The same pixels in one smaller tile: the library's buffers for tiles of 256 x 256 took most of an
-// execution.
+// execution of every descendant, so one seed has them.
 std::string with_small_tiles(std::string file) {
   const std::string large = raw(std::uint32_t{256}) + raw(std::uint32_t{256}),
                     small = raw(std::uint32_t{16}) + raw(std::uint32_t{16});
@@ -215,8 +222,8 @@ Seeds range_exr(const fs::path& scratch) {
       image.rgb.assign(image.count(), {1, 128, 255});
     }
     io::write_range_exr(scratch / "range.exr", image, {{"source", "west.ptx"}});
-    seeds.push_back(file_bytes(scratch / "range.exr"));
-    seeds.push_back(with_small_tiles(seeds.back()));
+    if (rows == 1) seeds.push_back(file_bytes(scratch / "range.exr"));
+    seeds.push_back(with_small_tiles(file_bytes(scratch / "range.exr")));
   }
   return seeds;
 }

@@ -1,0 +1,27 @@
+#pragma once
+#include <ImfChannelList.h>
+#include <ImfCompression.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace hybrid::io {
+
+// Pixels of a tile, or of a block of lines, of an OpenEXR file, both ends included.
+struct ExrChunkBox {
+  int left = 0, top = 0, right = 0, bottom = 0;
+};
+
+// What is wrong with the bytes that a file holds of a chunk with these channels; "" where they make all of
+// its pixels. OpenEXR takes a chunk that ends too early for whole, and for the pixels that it lacks what its
+// memory held before. Looked at: empty chunks, of every compression; the size of uncompressed, run-length and
+// deflated ones; of DWA the channels other than R, G, B, Y, RY, BY and A. (The library itself finds the end
+// of data in PIZ, PXR24 and B44.)
+std::string exr_chunk_problem(Imf::Compression compression, const Imf::ChannelList& channels,
+                              const ExrChunkBox& box, std::span<const char> chunk);
+
+// Lines of a block, by the compression.
+int exr_block_lines(Imf::Compression compression);
+
+}  // namespace hybrid::io
