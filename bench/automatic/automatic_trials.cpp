@@ -22,30 +22,43 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kRight_m = 0.05, kRightDeg = 0.5;
 // A pose is distinguishable when, under the true pose, at least this share of the planar area lies on faces
-// that every other hypothesis contradicts, more than speaks against it.
-constexpr double kDistinguishable = 0.003;
+// that every other hypothesis contradicts, more than speaks against it: and the pose that lies `kSlide_m`
+// from it along the direction in which planes hold it least, as along a wall of which nothing else is seen.
+// That is what faces may be off and more.
+constexpr double kDistinguishable = 0.003, kSlide_m = 0.3;
 
 struct Trial {
   std::string outcome;  // right | wrong | abstained
   bool distinguishable = false, best_is_right = false;
   stages::AutomaticAlignment alignment;
   double seconds = 0;
-  stages::SightShares truth;  // under the true pose
+  stages::SightShares truth;      // under the true pose
+  stages::Comparison with_truth;  // of the pose that was found against the true one
 };
 
 double margin_of_truth(device::Queue& queue, const stages::ScanEvidence& evidence,
                        const stages::ProxyModel& proxy, const Pose& truth,
-                       const stages::AutomaticOptions& options, stages::SightShares& of_truth) {
+                       const stages::AutomaticOptions& options, Trial& trial) {
   const auto& shapes = proxy.shapes();
   stages::SightCaster caster(queue, proxy);
   auto search = stages::search_poses(caster, evidence, shapes, 1, options);
   stages::add_symmetric_rivals(caster, evidence, shapes, truth, options, search);
   const auto lines = caster.cast(evidence.rays, truth, stages::sight_options(options));
-  of_truth = stages::shares_of(evidence.rays, lines);
+  trial.truth = stages::shares_of(evidence.rays, lines);
+  const auto found =
+      caster.cast(evidence.rays, trial.alignment.world_from_scan, stages::sight_options(options));
+  trial.with_truth = stages::compare(evidence.rays, found, lines);
   double least = 1;
   for (const auto& other : search.finalists)
     if (!stages::same_place(evidence, other.fit.world_from_scan, truth, 0.2))
       least = std::min(least, stages::compare(evidence.rays, lines, other.lines).gap());
+  const Vec3 weakest = stages::fit_tiles(evidence, shapes, truth).weakest;
+  for (const double way : {-kSlide_m, kSlide_m}) {
+    Pose slid = truth;
+    slid.translation += way * weakest;
+    const auto other = caster.cast(evidence.rays, slid, stages::sight_options(options));
+    least = std::min(least, stages::compare(evidence.rays, lines, other).gap());
+  }
   return least;
 }
 
@@ -59,8 +72,7 @@ Trial judge(device::Queue& queue, const stages::ScanEvidence& evidence, const st
   trial.best_is_right = trial.alignment.has_pose && error.distance_m < kRight_m &&
                         error.angle_rad < kRightDeg * std::numbers::pi / 180;
   trial.outcome = !trial.alignment.accepted ? "abstained" : trial.best_is_right ? "right" : "wrong";
-  trial.distinguishable =
-      margin_of_truth(queue, evidence, proxy, truth, options, trial.truth) >= kDistinguishable;
+  trial.distinguishable = margin_of_truth(queue, evidence, proxy, truth, options, trial) >= kDistinguishable;
   return trial;
 }
 
@@ -119,6 +131,9 @@ class Tally {
           trial.truth.score, trial.truth.supported, c.for_it, c.against_it, c.without_largest(),
           a.rivals[0].strength, a.rivals[0].words);
     }
+    const auto& t = trial.with_truth;
+    std::cerr << fmt::format(" against the truth: for {:.4f} against {:.4f} firm {:.4f}", t.for_it,
+                             t.against_it, t.largest_firm);
     std::cerr << " " << a.reason.substr(0, 90) << "\n";
   }
 

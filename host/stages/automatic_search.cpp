@@ -24,6 +24,7 @@ void look_coarsely(SightCaster& caster, const ScanEvidence& scan, const Automati
   SightOptions coarse = sight_options(options);
   coarse.tolerance_m = std::max(0.2, 2 * coarse.tolerance_m);
   coarse.clear_m = std::max(0.4, 2 * coarse.clear_m);
+  coarse.recesses = false;
   const std::size_t stride = std::max<std::size_t>(1, scan.rays.size() / kCoarseRays);
   for (PoseGuess& guess : guesses)
     guess.score =

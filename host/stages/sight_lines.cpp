@@ -5,12 +5,24 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
+#include <set>
 
 #include "shared/params_ray_cast.h"
 #include "stages/render_geometry.hpp"
 
 namespace hybrid::stages {
+
+struct SightCaster::Hit {
+  double height = 0;  // of the sample over the face, towards the scanner positive
+  std::uint32_t face = 0;
+  bool any = false, front = false, compatible = false;
+};
+
 namespace {
+
+constexpr double kSmallFace = 0.05;  // of the model's area: larger ones are walls
+constexpr double kStrayShare = 0.1;  // of what a face supports: less beside its neighbours are a few at edges
 
 // What a sample counts that no face supports, and how much of all area one face can cost: openings exist.
 constexpr double kInFront = -0.1, kThrough = -0.5, kMostPerFace = 0.3;
@@ -19,13 +31,36 @@ void store(const Vec3& v, float* to) {
   for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v(k));
 }
 
-struct Hit {
-  double height = 0;  // of the sample over the face, towards the scanner positive
-  std::uint32_t face = 0;
-  bool any = false, front = false, compatible = false;
-};
+// Small faces that share edges, numbered from 1 by group; 0 for all others.
+std::vector<std::uint32_t> recesses(const PolygonModel& model) {
+  double total = 0;
+  std::vector<double> area;
+  for (const Face& face : model.faces) total += area.emplace_back(face_area_m2(model, face));
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> on_edge;
+  for (std::uint32_t f = 0; f < model.faces.size(); ++f) {
+    if (area[f] >= kSmallFace * total) continue;
+    const auto& ring = model.faces[f].outer;
+    for (std::size_t k = 0; k < ring.size(); ++k)
+      on_edge[std::minmax(ring[k], ring[(k + 1) % ring.size()])].push_back(f);
+  }
+  std::vector<std::uint32_t> first(model.faces.size());  // of its group, at the end of the chain
+  std::iota(first.begin(), first.end(), 0u);
+  const auto root = [&](std::uint32_t f) {
+    while (first[f] != f) f = first[f] = first[first[f]];
+    return f;
+  };
+  for (const auto& [edge, faces] : on_edge)
+    for (const std::uint32_t f : faces)
+      first[std::max(root(f), root(faces[0]))] = std::min(root(f), root(faces[0]));
+  std::vector<std::uint32_t> size(model.faces.size()), group(model.faces.size());
+  for (std::uint32_t f = 0; f < group.size(); ++f) ++size[root(f)];
+  for (std::uint32_t f = 0; f < group.size(); ++f)
+    if (size[root(f)] > 1) group[f] = root(f) + 1;
+  return group;
+}
 
 // Area-weighted median of the heights near each face, within the options' offset.
+template <typename Hit>
 std::map<std::uint32_t, double> face_offsets(const std::vector<SightRay>& rays, const std::vector<Hit>& hits,
                                              const SightOptions& options, std::size_t stride) {
   std::map<std::uint32_t, std::vector<std::pair<double, double>>> heights;
@@ -47,6 +82,7 @@ std::map<std::uint32_t, double> face_offsets(const std::vector<SightRay>& rays, 
   return offsets;
 }
 
+template <typename Hit>
 Sight judge(const Hit& hit, double offset, const SightOptions& options) {
   if (!hit.any) return Sight::nothing;
   if (!hit.front && !options.backs) return Sight::nothing;
@@ -63,6 +99,44 @@ Sight judge(const Hit& hit, double offset, const SightOptions& options) {
 SightCaster::SightCaster(device::Queue& queue, const ProxyModel& model)
     : queue_(queue), origin_(model.sights().origin), bvh_(upload_bvh(queue, model.sights().bvh, {})) {
   for (const Face& face : model.polygons().faces) planes_.push_back(face_plane(model.polygons(), face));
+  recess_ = recesses(model.polygons());
+}
+
+void SightCaster::doubt_recesses(const std::vector<SightRay>& rays, std::size_t stride,
+                                 const std::vector<Hit>& hits, const SightOptions& options,
+                                 std::vector<SightLine>& lines) const {
+  struct Fit {
+    double on = 0, off = 0;  // area that lies on faces, and that shows them to be elsewhere
+    double moment = 0;       // of what is on them: area times height
+  };
+  std::map<std::uint32_t, Fit> of_face, of_recess;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (lines[k].sight == Sight::nothing || recess_[lines[k].face] == 0) continue;
+    Fit& fit = of_face[lines[k].face];
+    const double area = rays[k * stride].area_m2;
+    if (lines[k].sight == Sight::supported) {
+      fit.on += area;
+      fit.moment += area * hits[k].height;
+    } else if (lines[k].sight != Sight::in_front) {  // furniture may stand in a niche
+      fit.off += area;
+    }
+  }
+  std::set<std::uint32_t> elsewhere;
+  for (auto& [face, fit] : of_face)
+    if (std::abs(fit.moment) > options.recess_m * fit.on) {
+      elsewhere.insert(face);
+      fit = {0, fit.on + fit.off, 0};
+    }
+  for (const auto& [face, fit] : of_face) {
+    of_recess[recess_[face]].on += fit.on;
+    of_recess[recess_[face]].off += fit.off;
+  }
+  for (SightLine& line : lines) {
+    if (line.sight != Sight::supported || recess_[line.face] == 0) continue;
+    const Fit &own = of_face[line.face], &all = of_recess[recess_[line.face]];
+    const double off = all.off - own.off, on = all.on - own.on;
+    if (elsewhere.contains(line.face) || (off > on && off > kStrayShare * own.on)) line.sight = Sight::near;
+  }
 }
 
 std::vector<SightLine> SightCaster::cast(const std::vector<SightRay>& rays, const Pose& world_from_scan,
@@ -103,6 +177,7 @@ std::vector<SightLine> SightCaster::cast(const std::vector<SightRay>& rays, cons
     const auto offset = offsets.find(hits[k].face);
     lines[k] = {judge(hits[k], offset == offsets.end() ? 0 : offset->second, options), hits[k].face};
   }
+  if (options.recesses) doubt_recesses(rays, stride, hits, options, lines);
   return lines;
 }
 

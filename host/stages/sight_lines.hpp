@@ -27,11 +27,15 @@ struct SightOptions {
   double tolerance_m = 0.05;  // of support, measured across the face
   double clear_m = 0.15;      // beyond this a sample is clearly in front or behind
   double offset_m = 0.05;     // each face may be this far off: a pose is judged with the offsets that fit it
+  double recess_m = 0.035;    // a recess's faces (SightCaster) may be this far off to speak for a pose
+  bool recesses = true;       // false: they are no more than other faces
   double normal_deg = 25;     // between the sample's plane and the face
   bool backs = true;          // a face has a back, from which nothing can be seen; else its back says nothing
 };
 
-// Traces lines of sight through the model on the device.
+// Traces lines of sight through the model on the device. A recess of the scan that the model lacks may by
+// chance come to lie where the model has one, its back on the other's back: small faces that share edges are
+// taken together, and one of them supports a pose only where the others that are seen do so, too.
 class SightCaster {
  public:
   SightCaster(device::Queue& queue, const ProxyModel& model);
@@ -42,8 +46,13 @@ class SightCaster {
                               const SightOptions& options, std::size_t stride = 1);
 
  private:
+  struct Hit;
+  void doubt_recesses(const std::vector<SightRay>& rays, std::size_t stride, const std::vector<Hit>& hits,
+                      const SightOptions& options, std::vector<SightLine>& lines) const;
+
   device::Queue& queue_;
-  std::vector<Plane> planes_;  // of the faces
+  std::vector<Plane> planes_;          // of the faces
+  std::vector<std::uint32_t> recess_;  // of the faces: which one each belongs to; 0: none
   Vec3 origin_ = Vec3::Zero();
   DeviceBvh bvh_;
 };

@@ -23,8 +23,8 @@ fuzz=$dir/build/bin/hybrid_fuzz
 # One allocation of 64 MiB, for inputs of some kilobytes, is a finding (as is a second for one input). No stack of
 # every allocation, and a quarantine that stays in the cache: they cost a sixth of the time. No new mapping for
 # the shadow of a large buffer: it cost range images a third. New memory is left as it is: filled with one byte,
-# what is read of it looks the same in every reading of a file, and nobody sees that it is read. To see where memory of a finding came from, run its
-# input alone with ASAN_OPTIONS=malloc_context_size=30.
+# what is read of it looks the same in every reading of a file, and nobody sees that it was read. To see where
+# memory of a finding came from, run its input alone with ASAN_OPTIONS=malloc_context_size=30.
 export ASAN_OPTIONS=allocator_may_return_null=0:detect_leaks=0:quarantine_size_mb=1:malloc_context_size=0:max_malloc_fill_size=0:max_allocation_size_mb=64:clear_shadow_mmap_threshold=$((1 << 30))
 export UBSAN_OPTIONS=print_stacktrace=1
 

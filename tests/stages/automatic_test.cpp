@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "cases/closest_point_case.hpp"
@@ -11,6 +12,7 @@
 #include "core/error.hpp"
 #include "device.hpp"
 #include "stages/automatic_words.hpp"
+#include "stages/sight_lines.hpp"
 #include "stages/tile_icp.hpp"
 
 namespace hybrid {
@@ -105,6 +107,42 @@ TEST(Automatic, a_scan_of_another_room_abstains) {
       EXPECT_FALSE(alignment.accepted) << kind << " " << seed;
       EXPECT_FALSE(alignment.reason.empty());
     }
+}
+
+// Half a turn lays a recess that the proxy lacks on the one that it has, as deep by chance: its sides are
+// elsewhere.
+TEST(Automatic, a_recess_like_the_proxys_places_nothing_by_its_back_alone) {
+  const std::pair<std::uint32_t, bool> cases[] = {
+      {61079, true}, {64012, false}, {64023, true}, {64044, false}};
+  for (const auto& [seed, cropped] : cases) {
+    const Trial t = trial("alcoves", seed, cropped ? testing::Draw(seed, 3).within(0.5, 1) : 1);
+    const auto alignment = align(t.evidence, t.room.proxy);
+    EXPECT_TRUE(!alignment.accepted || is_right(alignment, t.scan.world_from_scan)) << seed;
+  }
+}
+
+TEST(SightLines, ARecessSpeaksForAPoseWhereItsSidesDoToo) {
+  testing::RoomPlan plan{{{0, 0}, {6, 0}, {6, 4}, {0, 4}}, 3, {{0, 2, 3, 0.5, 2.1, 0.6}}};
+  testing::TrialRoom room{testing::room_model(plan), testing::room_model(plan), plan};
+  const auto back_of = [&](bool recesses) {
+    const auto scan = scan_trial_room(testing::queue(), room, 7, 1);
+    const auto evidence = stages::gather_evidence(scan.image, scan.segmentation, 20000, 1);
+    stages::SightCaster caster(testing::queue(), room.proxy);
+    stages::SightOptions options;
+    options.recesses = recesses;
+    std::map<stages::Sight, int> sights;
+    for (const auto& line : caster.cast(evidence.rays, scan.world_from_scan, options))
+      if (room.proxy.faces[line.face].name == "wall-0-back") ++sights[line.sight];
+    return sights;
+  };
+  auto there = back_of(true);
+  EXPECT_GT(there[stages::Sight::supported], 50);
+  EXPECT_EQ(there, back_of(false));
+  plan.recesses[0].from_m += 0.2;  // as deep, 20 cm along
+  plan.recesses[0].to_m += 0.2;
+  room.truth = testing::room_model(plan);
+  EXPECT_GT(back_of(false)[stages::Sight::supported], 20);
+  EXPECT_EQ(back_of(true)[stages::Sight::supported], 0);
 }
 
 // These see one corner, and rooms of the same height have such corners: all that they see fits.
