@@ -101,7 +101,9 @@ void ExrParts::find_chunks(const Imf::Header& header) {
     };
     const std::int64_t column = high > 0 ? number(0) : 0, size = number(head_bytes_ / 4 - 1),
                        row = high > 0 ? number(1)
-                                      : (number(0) - std::int64_t{first_}) / static_cast<std::int64_t>(step);
+                             : number(0) < first_
+                                 ? -1
+                                 : (std::int64_t{number(0)} - first_) / static_cast<std::int64_t>(step);
     if (column < 0 || row < 0 || size < 0 || (high > 0 && (number(2) != 0 || number(3) != 0)) ||
         static_cast<std::uint64_t>(column) >= across || static_cast<std::uint64_t>(row) >= down)
       return;
