@@ -198,6 +198,7 @@ class Engine {
     slot.timer = Timer();
     slot.killed_for.clear();
     slot.requeue = false;
+    slot.budget = is_large(index);  // before its process is ready: that may be over the limit by itself
     if (slot.ready) send(slot);
   }
 
@@ -205,7 +206,6 @@ class Engine {
     slot.timer = Timer();
     Json job = {
         {"unit", manifest_.units[*slot.unit].number}, {"key", slot.key}, {"work", slot.work.string()}};
-    slot.budget = is_large(*slot.unit);
     if (slot.budget) job["memory"] = std::min(memory_, unit_memory_);
     slot.worker->send(job);
     fail_point("unit-sent");

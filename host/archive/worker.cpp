@@ -117,6 +117,7 @@ int run_worker(const fs::path& store, const std::string& device) {
     answer(json);
     return exit_code(error.kind());
   }
+  fail_point("worker-made");
   answer({{"ready", true}});
   for (std::string line; std::getline(std::cin, line);) {
     const Json job = Json::parse(line, nullptr, false);

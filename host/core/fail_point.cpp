@@ -13,7 +13,7 @@ namespace {
 struct Wanted {
   std::string point;
   int number = 0;
-  bool group = false;
+  bool group = false, pause = false;
 };
 
 Wanted read_wanted() {
@@ -22,7 +22,8 @@ Wanted read_wanted() {
   const std::string whole = text;
   const auto colon = whole.find(':');
   if (colon == std::string::npos) return {};
-  return {whole.substr(0, colon), std::atoi(whole.c_str() + colon + 1), whole.ends_with(":group")};
+  return {whole.substr(0, colon), std::atoi(whole.c_str() + colon + 1), whole.ends_with(":group"),
+          whole.ends_with(":pause")};
 }
 
 }  // namespace
@@ -31,7 +32,11 @@ void fail_point(const char* point) {
   static const Wanted wanted = read_wanted();
   if (wanted.number == 0 || wanted.point != point) return;
   static std::atomic<int> count{0};
-  if (++count == wanted.number) kill(wanted.group ? 0 : getpid(), SIGKILL);
+  if (++count != wanted.number) return;
+  if (wanted.pause)
+    usleep(500'000);
+  else
+    kill(wanted.group ? 0 : getpid(), SIGKILL);
 }
 
 }  // namespace hybrid

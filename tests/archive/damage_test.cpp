@@ -149,4 +149,19 @@ TEST(ArchiveDamage, limits_end_a_unit_and_not_the_run) {
   EXPECT_EQ(run_store(store, "--retry").exit_code, 0);  // after three failures
 }
 
+// On a machine under load a process may be seen over the limit before it has been given its unit.
+TEST(ArchiveDamage, a_limit_that_no_process_keeps_ends_the_run_on_slow_machines_too) {
+  const Scratch scratch;
+  const fs::path store = scratch / "store";
+  write_small_archive(scratch / "archive", 1);
+  ASSERT_EQ(plan(scratch / "archive", store).exit_code, 0);
+  for (const std::string option : {"--memory", "--unit-memory"}) {
+    const auto ran = run("HYBRID_FAIL_AT=worker-made:1:pause timeout 60 hybrid batch run --out " +
+                         store.string() + " --unit 0 --json " + option + " 1M");
+    EXPECT_EQ(ran.exit_code, 1) << ran.err;
+    EXPECT_NE(ran.out.find("took more than 1 MiB of memory, which is what " + option), std::string::npos)
+        << ran.out;
+  }
+}
+
 }  // namespace hybrid::e2e
