@@ -49,7 +49,7 @@ class HeaderWalk {
         fail_input(
             "{}: byte {}: expected all parts with the data window of the first, {} x {} from ({}, {}), found "
             "{} "
-            "x {} from ({}, {}); write the range image's parts alone",
+            "x {} from ({}, {}); write the image's parts alone",
             file_, at_, before.width, before.height, before.left, before.top, part_.width, part_.height,
             part_.left, part_.top);
     }
@@ -123,8 +123,7 @@ class HeaderWalk {
 
   [[noreturn]] void fail_deep(std::uint64_t at) const {
     fail_input(
-        "{}: byte {}: expected a flat image, found deep samples (any number per pixel); write the range "
-        "image as "
+        "{}: byte {}: expected a flat image, found deep samples (any number per pixel); write the image as "
         "a flat one",
         file_, at);
   }
@@ -261,7 +260,7 @@ class HeaderWalk {
     if (type == "chlist") channel_bytes_ += size;
     if (channel_bytes_ > kMostChannelBytes)
       fail_input(
-          "{}: byte {}: expected at most {} bytes that describe channels, found {}; is this a range image?",
+          "{}: byte {}: expected at most {} bytes that describe channels, found {}; write fewer channels",
           file_, at_, kMostChannelBytes, channel_bytes_);
     at_ += static_cast<std::uint64_t>(size);
   }

@@ -170,6 +170,10 @@ void ExrParts::check(int row, int count) {
   for (Part& part : parts_) check(part, row, row + count, 0, cols());
 }
 
+void ExrParts::check() {
+  for (int row = 0; row < rows(); row += band_rows()) check(row, std::min(band_rows(), rows() - row));
+}
+
 void ExrParts::read(const Imf::FrameBuffer& buffer, int row, int count) {
   for (Part& part : parts_) {
     const Imf::FrameBuffer own = only(part.channels, buffer);

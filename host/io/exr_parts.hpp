@@ -38,6 +38,7 @@ class ExrParts {
   void read(const Imf::FrameBuffer& buffer, int row, int count);
   // Throws std::runtime_error where the data of a tile or block that has some of these rows end too early.
   void check(int row, int count);
+  void check();  // of all rows
   // read() of a damaged file, tile by tile or line by line, each checked. Leaves the slices of what cannot be
   // read as they are; returns how many nodes lack a channel, and in `problem` where the first lie and why.
   std::uint64_t salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem);

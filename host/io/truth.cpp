@@ -2,15 +2,14 @@
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfInputFile.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
-#include "io/exr_header.hpp"
-#include "io/input_file.hpp"
+#include "io/exr_errors.hpp"
+#include "io/exr_parts.hpp"
+#include "io/exr_threads.hpp"
 #include "io/plain_text.hpp"
 
 namespace hybrid::io {
@@ -19,41 +18,40 @@ namespace {
 // The first `count` values of a uint channel, in rows from the top.
 std::vector<std::uint32_t> read_uint_channel(const std::filesystem::path& file, const char* channel,
                                              std::size_t count) {
-  {
-    InputFile header(file);
-    check_exr_header(header);
-  }
-  try {
-    Imf::InputFile input(file.c_str());
-    const auto* found = input.header().channels().findChannel(channel);
-    if (!found || found->type != Imf::UINT || found->xSampling != 1 || found->ySampling != 1)
-      fail_input("{}: header: expected a uint channel named {}, found none; make it again with hybrid-synth",
-                 file.string(), channel);
-    const auto window = input.header().dataWindow();
-    const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
-    const auto height = static_cast<std::size_t>(window.max.y - window.min.y) + 1;
-    if (height != std::max<std::size_t>(1, (count + width - 1) / width))
-      fail_input(
-          "{}: header: expected {} samples in rows, found {} x {} pixels; make both again with hybrid-synth",
-          file.string(), count, width, height);
-    if (!input.isComplete())
-      fail_input("{}: tiles: expected all of them, found some missing; the file is cut short: copy it again",
-                 file.string());
-    std::vector<std::uint32_t> values(width * height);
-    Imf::FrameBuffer buffer;
-    buffer.insert(channel, Imf::Slice::Make(Imf::UINT, values.data(), window, sizeof(std::uint32_t),
-                                            sizeof(std::uint32_t) * width));
-    input.setFrameBuffer(buffer);
-    input.readPixels(window.min.y, window.max.y);
-    values.resize(count);
-    return values;
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {  // the library's
-    fail_input(
-        "{}: tiles: expected an image as hybrid-synth writes it, found a damaged one ({}); copy it again",
-        file.string(), error.what());
-  }
+  std::vector<std::uint32_t> values;
+  with_exr_errors(
+      [&] {
+        ExrParts input(file, start_exr_threads());
+        const auto* found = input.header().channels().findChannel(channel);
+        if (!found || found->type != Imf::UINT || found->xSampling != 1 || found->ySampling != 1)
+          fail_input(
+              "{}: header: expected a uint channel named {}, found none; make it again with hybrid-synth",
+              file.string(), channel);
+        const auto width = static_cast<std::size_t>(input.cols()),
+                   height = static_cast<std::size_t>(input.rows());
+        if (height != std::max<std::size_t>(1, (count + width - 1) / width))
+          fail_input(
+              "{}: header: expected {} samples in rows, found {} x {} pixels; make both again with "
+              "hybrid-synth",
+              file.string(), count, width, height);
+        if (!input.complete())
+          fail_input(
+              "{}: tiles: expected all of them, found some missing; the file is cut short: copy it again",
+              file.string());
+        input.check();
+        values.resize(width * height);
+        Imf::FrameBuffer buffer;
+        buffer.insert(channel, Imf::Slice::Make(Imf::UINT, values.data(), input.header().dataWindow(),
+                                                sizeof(std::uint32_t), sizeof(std::uint32_t) * width));
+        input.read(buffer, 0, input.rows());
+      },
+      [&](const char* what) {
+        fail_input(
+            "{}: tiles: expected an image as hybrid-synth writes it, found a damaged one ({}); copy it again",
+            file.string(), what);
+      });
+  values.resize(count);
+  return values;
 }
 
 }  // namespace

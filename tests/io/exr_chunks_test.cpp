@@ -12,6 +12,7 @@
 #include "io/exr_scan.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/scan_files.hpp"
+#include "io/truth.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -43,13 +44,6 @@ std::string problem(Imf::Compression compression, const std::string& chunk) {
   return io::exr_chunk_problem(compression, channels(), {3, -2, 12, 7}, chunk);  // 10 x 10: 600 bytes
 }
 
-std::string dwa_head(std::uint64_t bytes, std::uint64_t when_deflated = 1) {
-  std::string head(88, '\0');
-  std::memcpy(head.data() + 8, &bytes, 8);
-  std::memcpy(head.data() + 16, &when_deflated, 8);
-  return head;
-}
-
 std::uint64_t number_at(const std::string& bytes, std::size_t at, std::size_t size) {
   std::uint64_t number = 0;
   std::memcpy(&number, bytes.data() + at, size);
@@ -76,12 +70,59 @@ TEST(ExrChunks, WhatEndsEarlyIsFound) {
     EXPECT_TRUE(holds(problem(compression, deflated(599)), "expected 600 bytes"));
     EXPECT_EQ(problem(compression, "not deflated"), "") << "the library finds that";
   }
-  for (const Imf::Compression compression : {Imf::DWAA_COMPRESSION, Imf::DWAB_COMPRESSION}) {
-    EXPECT_EQ(problem(compression, dwa_head(400)), "") << "range alone";
-    EXPECT_TRUE(holds(problem(compression, dwa_head(399)), "expected 400 bytes"));
-    EXPECT_TRUE(holds(problem(compression, dwa_head(400).substr(1)), "found 0"));
-    EXPECT_TRUE(holds(problem(compression, dwa_head(400, 0)), "found 0"));
-  }
+}
+
+// The one block of an image of light, coverage and ranges, as the library writes it.
+std::string dwa_block(const Imf::ChannelList& list, const io::ExrChunkBox& box) {
+  const ScanFolder folder;
+  ForeignExr exr(box.right - box.left + 1, box.bottom - box.top + 1);
+  exr.compression = Imf::DWAA_COMPRESSION;
+  exr.corner = {box.left, box.top};
+  for (auto at = list.begin(); at != list.end(); ++at) exr.add(at.name(), at.channel().type);
+  exr.write(folder.path("a.exr"));
+  const std::string bytes = bytes_of(folder.path("a.exr"));
+  io::InputFile input(folder.path("a.exr"));
+  const std::uint64_t at = number_at(bytes, io::check_exr_header(input).end, 8);
+  return bytes.substr(at + 8, number_at(bytes, at + 4, 4));
+}
+
+TEST(ExrChunks, OfDwaEachKindOfDataIsMeasured) {
+  Imf::ChannelList list;
+  for (const char* name : {"R", "G", "B", "A"}) list.insert(name, Imf::Channel(Imf::HALF));
+  list.insert("left.range", Imf::Channel(Imf::FLOAT));
+  const io::ExrChunkBox box{3, -2, 42, 17};  // 40 x 20: blocks of 8 x 8 are 5 x 3
+  const std::string good = dwa_block(list, box);
+  const auto found = [&](const std::string& chunk) {
+    return io::exr_chunk_problem(Imf::DWAA_COMPRESSION, list, box, chunk);
+  };
+  EXPECT_EQ(found(good), "");
+  EXPECT_TRUE(holds(found(good.substr(0, 87)), "found 0"));
+  EXPECT_TRUE(holds(found(good.substr(0, 89)), "found 0")) << "without its rules";
+  const auto with_number = [&](std::size_t which, std::uint64_t value) {
+    std::string chunk = good;
+    std::memcpy(chunk.data() + 8 * which, &value, 8);
+    return chunk;
+  };
+  EXPECT_TRUE(holds(found(with_number(1, 3199)),
+                    "expected 3200 bytes of pixels in 40 x 20 from (3, -2), found 3199"));
+  EXPECT_TRUE(holds(found(with_number(2, 0)), "expected 3200 bytes"));
+  EXPECT_TRUE(holds(found(with_number(3, 0)), "expected 90 bytes")) << "of three channels' means";
+  EXPECT_TRUE(holds(found(with_number(4, 0)), "expected 90 bytes"));
+  EXPECT_TRUE(holds(found(with_number(9, 44)), "expected 90 bytes"));
+  EXPECT_TRUE(holds(found(with_number(7, 1599)), "expected 1600 bytes"));
+
+  // Deflated ranges that end early, though the numbers say otherwise.
+  const std::size_t rules = number_at(good, 88, 2), ranges = number_at(good, 16, 8);
+  std::string early = deflated(3199);
+  ASSERT_LE(early.size(), ranges);
+  early.resize(ranges);
+  EXPECT_TRUE(holds(found(std::string(good).replace(88 + rules, ranges, early)), "expected 3200 bytes"));
+
+  // Version 1 knows its rules by heart, and there they are the same.
+  std::string chunk = with_number(0, 1);
+  chunk.erase(88, rules);
+  EXPECT_EQ(found(chunk), "");
+  EXPECT_TRUE(holds(found(chunk.replace(72, 8, std::string(8, '\0'))), "expected 90 bytes"));
 }
 
 TEST(ExrChunks, ChannelsOfFewerSamplesTakeFewerBytes) {
@@ -130,6 +171,23 @@ TEST(ExrChunks, AnEmptyOneInAFileIsRefusedAndWithSalvageAllThatIsLost) {
       EXPECT_TRUE(holds(fmt::format("{}", fmt::join(scan.notes, "\n")),
                         fmt::format("{} of {} points", lost, kWidth * kHeight)));
     }
+}
+
+TEST(ExrChunks, AnEmptyOneInTheTruthOfASceneIsRefused) {
+  const ScanFolder folder;
+  ForeignExr exr(kWidth, kHeight);
+  for (const char* name : {"kind", "plane"}) exr.add(name, Imf::UINT);
+  exr.write(folder.path("truth.exr"));
+  const auto file = folder.write(
+      "truth.json", fmt::format(R"({{"scans": [{{"id": "a", "truth_image": "truth.exr", "samples": {},
+      "world_from_scan": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}}]}})",
+                                kWidth * kHeight));
+  EXPECT_EQ(io::read_truth(file).scans.at(0).plane.size(), std::size_t(kWidth * kHeight));
+  std::string bytes = bytes_of(folder.path("truth.exr"));
+  io::InputFile input(folder.path("truth.exr"));
+  bytes.replace(number_at(bytes, io::check_exr_header(input).end + 8, 8) + 4, 4, std::string(4, '\0'));
+  folder.write("truth.exr", bytes);
+  expect_input_error([&] { io::read_truth(file); }, {"truth.exr: tiles:", "bytes of pixels", "found 0"});
 }
 
 // A program that is ended while it writes leaves a table of nothing: tiles are found one behind the other.

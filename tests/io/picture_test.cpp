@@ -3,11 +3,14 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <limits>
 #include <set>
 
 #include "geometry/colour.hpp"
+#include "io/exr_header.hpp"
 #include "io/files.hpp"
+#include "io/output.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -179,6 +182,28 @@ TEST(picture, exr_files_that_are_no_photographs) {
   OIIO::ImageSpec cropped(4, 3, 3, OIIO::TypeFloat);
   cropped.full_width = 8, cropped.full_height = 6, cropped.x = 2;
   EXPECT_TRUE(holds(refused(cropped), "expected a data window that is the display window (8 x 6 at 0, 0)"));
+}
+
+// OpenEXR takes a block without bytes for whole and gives what its memory held before.
+TEST(picture, an_exr_that_lacks_a_block_is_no_photograph) {
+  const TemporaryFolder folder;
+  std::vector<float> values(3 * 40 * 300);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 97) / 97;
+  const auto file =
+      write_with_oiio<float>(folder.path() / "a.exr", 40, 300, values, OIIO::TypeFloat, 1, OIIO::TypeHalf);
+  EXPECT_EQ(read_photograph(file, 40, 300).height, 300);
+  std::string bytes = read_text(file);
+  std::uint64_t table = 0, block = 0;
+  {
+    InputFile input(file);
+    table = check_exr_header(input).end;
+  }
+  std::memcpy(&block, bytes.data() + table + 8, 8);
+  bytes.replace(block + 4, 4, std::string(4, '\0'));
+  write_text(file, bytes);
+  EXPECT_TRUE(
+      holds(error_of(ErrorKind::input, [&] { read_photograph(file, 40, 300); }),
+            "a.exr: does not decode: expected 3840 bytes of pixels in 40 x 16 from (0, 16), found 0"));
 }
 
 TEST(picture, the_size_without_the_pixels) {
