@@ -18,7 +18,8 @@ namespace hybrid::io {
 // and CloudCompare's writer read it so; PCL's normal estimation takes the points to be in the frame the
 // viewpoint is given in. The choice is told in Scan::notes.
 Scan read_pcd(const std::filesystem::path& file, const ReadOptions& options = {});
-// The same in blocks; null in salvage, of compressed files and of points beyond 1 MiB each.
+// The same in blocks; null in salvage, of points beyond 1 MiB each, and of compressed files where
+// scratch_folder() has no room for them.
 std::unique_ptr<ScanStream> stream_pcd(const std::filesystem::path& file, const ScanEntry& entry);
 // Its one scan, by the header alone.
 std::vector<ScanEntry> list_pcd(const std::filesystem::path& file, const ReadOptions& options = {});

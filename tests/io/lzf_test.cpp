@@ -7,9 +7,23 @@
 namespace hybrid::testing {
 namespace {
 
+// In memory and, the same, in pieces from a file.
 std::string expand(const std::string& input, std::size_t size, std::string& output) {
   output.assign(size, '?');
-  return io::decompress_lzf(input, output);
+  const std::string problem = io::decompress_lzf(input, output);
+  const ScanFolder folder;
+  const io::InputFile file(folder.write("a.lzf", "head" + input));
+  std::string pieces;
+  EXPECT_EQ(io::decompress_lzf(file, 4, input.size(), size,
+                               [&](std::span<const char> piece) {
+                                 pieces.append(piece.data(), piece.size());
+                                 return true;
+                               }),
+            problem);
+  if (problem.empty()) {
+    EXPECT_EQ(pieces, output);
+  }
+  return problem;
 }
 
 TEST(Lzf, LiteralsShortAndLongMatches) {
@@ -38,6 +52,31 @@ TEST(Lzf, FarMatch) {
   input += "\xdf\xff";  // 8 bytes from 8192 back
   EXPECT_EQ(expand(input, expected.size() + 8, output), "");
   EXPECT_EQ(output, expected + "far away");
+}
+
+// Beyond what is read and made at a time, with matches across the seams.
+TEST(Lzf, ManyPieces) {
+  std::string input = lzf_literals("0123456789abcdefghijklmnopqrstuv"),
+              expected = "0123456789abcdefghijklmnopqrstuv";
+  unsigned state = 1;
+  while (expected.size() < (20u << 20) || input.size() < (5u << 20)) {
+    state = state * 1664525 + 1013904223;
+    const std::size_t length = 3 + (state >> 24) % 262,
+                      distance = 1 + (state >> 8) % std::min<std::size_t>(8192, expected.size());
+    input += static_cast<char>((length < 9 ? length - 2 : 7) << 5 | (distance - 1) >> 8);
+    if (length >= 9) input += static_cast<char>(length - 9);
+    input += static_cast<char>((distance - 1) & 255);
+    for (std::size_t i = 0; i < length; ++i) expected += expected[expected.size() - distance];
+    const std::string some = std::to_string(state);
+    input += lzf_literals(some);
+    expected += some;
+  }
+  std::string output;
+  EXPECT_EQ(expand(input, expected.size(), output), "");
+  EXPECT_EQ(output, expected);
+  EXPECT_TRUE(holds(expand(input, expected.size() + 1, output), "uncompressed bytes, found"));
+  EXPECT_TRUE(
+      holds(expand(input, expected.size() - 1, output), "more data than announced at compressed byte"));
 }
 
 TEST(Lzf, DamageIsNamed) {

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <string>
+#include <vector>
 
 namespace hybrid::testing {
 
@@ -26,6 +28,20 @@ inline std::string lzf_literals(const std::string& bytes) {
     result += run;
   }
   return result;
+}
+
+// Records as PCD compresses them: field, of so many bytes, after field.
+inline std::string pcd_packed(const std::string& records, const std::vector<std::size_t>& field_bytes) {
+  const std::size_t record = std::accumulate(field_bytes.begin(), field_bytes.end(), std::size_t{0});
+  std::string fields;
+  std::size_t at = 0;
+  for (const std::size_t bytes : field_bytes) {
+    for (std::size_t i = at; i < records.size(); i += record) fields += records.substr(i, bytes);
+    at += bytes;
+  }
+  const std::string packed = lzf_literals(fields);
+  return raw(static_cast<std::uint32_t>(packed.size())) + raw(static_cast<std::uint32_t>(fields.size())) +
+         packed;
 }
 
 // The four points of every sample file, their intensities and colours.
@@ -66,14 +82,7 @@ inline std::string sample_file(const std::string& format, const std::string& dat
         "z\nproperty float "
         "intensity\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n{}",
         data_kind, data);
-  if (data_kind == "binary_compressed") {
-    std::string by_field;
-    for (std::size_t field = 0; field < 5; ++field)
-      for (std::size_t i = 0; i < 4; ++i) by_field += data.substr(20 * i + 4 * field, 4);
-    const std::string packed = lzf_literals(by_field);
-    data = raw(static_cast<std::uint32_t>(packed.size())) + raw(static_cast<std::uint32_t>(by_field.size())) +
-           packed;
-  }
+  if (data_kind == "binary_compressed") data = pcd_packed(data, {4, 4, 4, 4, 4});
   return fmt::format(
       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity rgb\nSIZE 4 4 4 4 4\nTYPE F F F F U\nCOUNT 1 1 1 1 "
       "1\nWIDTH "

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <random>
 
+#include "core/scratch_file.hpp"
 #include "io/allocation_watch.hpp"
 #include "io/e57_scans.hpp"
 #include "io/exr_e57.hpp"
@@ -186,6 +188,7 @@ std::string ply_header(const std::string& format, std::size_t count, const std::
 }
 
 // The same in binary: coordinates and colours as words.
+const std::vector<std::size_t> kWords{8, 8, 8, 4, 2, 2, 2};  // bytes
 std::string word_records(std::size_t count, bool big_endian) {
   std::mt19937 random(9);
   std::string bytes;
@@ -203,6 +206,11 @@ std::string pcd_header(std::size_t width, std::size_t height, const std::string&
       "FIELDS x y z intensity red green blue\nSIZE 8 8 8 4 2 2 2\nTYPE F F F F U U U\nWIDTH {}\nHEIGHT {}\n"
       "VIEWPOINT 1 2 3 0.5 0.5 0.5 0.5\nPOINTS {}\nDATA {}\n",
       width, height, width * height, data);
+}
+
+// What is compressed is read in blocks where there is room to lay it down.
+bool scratch_has_room() {
+  return ScratchFile::make(100 << 20) != nullptr;
 }
 
 // A sample file of `rows` x `cols` nodes with samples beside them.
@@ -314,7 +322,12 @@ TEST(ScanStream, PcdIsTheSameInBlocks) {
   expect_same(folder.write("page.pcd", binary + std::string(40, '\0')));
   expect_same(folder.write("rest.pcd", binary + "rest"));
   expect_same(folder.write("packed.pcd", testing::sample_file("pcd", "binary")));
-  expect_same(folder.write("compressed.pcd", testing::sample_file("pcd", "binary_compressed")), false);
+  const std::string compressed = pcd_header(kWidth, kHeight, "binary_compressed") +
+                                 testing::pcd_packed(word_records(kWidth * kHeight, false), kWords);
+  const bool room = scratch_has_room();
+  expect_same(folder.write("c.pcd", compressed), room);
+  expect_same(folder.write("compressed_rest.pcd", compressed + "rest"), room);
+  expect_same(folder.write("compressed.pcd", testing::sample_file("pcd", "binary_compressed")), room);
 }
 
 TEST(ScanStream, SamplesAreTheSameInBlocks) {
@@ -340,7 +353,11 @@ TEST(ScanStream, DamageIsTheSameErrorInBlocks) {
         {"cut_list.ply", cut(ply_with_lists("binary_little_endian", 900))},
         {"cut_line.ply", cut(ply_with_lists("ascii", 900))},
         {"more.pcd", pcd_header(2, 1, "ascii") + "1 2 3 4 5 6 7\n1 2 3 4 5 6 7\n1 2 3 4 5 6 7\n"},
-        {"cut.pcd", pcd_header(2000, 1, "binary") + "few"}}) {
+        {"cut.pcd", pcd_header(2000, 1, "binary") + "few"},
+        {"cut_compressed.pcd", cut(pcd_header(20, 10, "binary_compressed") +
+                                   testing::pcd_packed(word_records(200, false), kWords))},
+        {"bad_compressed.pcd", pcd_header(2, 1, "binary_compressed") + testing::raw(std::uint32_t{3}) +
+                                   testing::raw(std::uint32_t{68}) + "\x40\x01" + "e"}}) {
     const fs::path file = folder.write(name, bytes);
     const ScanEntry entry = list_scans(file).at(0);
     EXPECT_EQ(error_of(ErrorKind::input, [&] { stream_scan(file, entry); }),
@@ -462,7 +479,11 @@ TEST(ScanStream, MemoryIsOfBlocks) {
   const fs::path samples = folder.path() / "a.hsf";
   write_samples(samples, kRows, kCols);
   const fs::path lists = folder.write("lists.ply", ply_with_lists("binary_little_endian", kCols * kRows));
-  for (const fs::path& file : {ptx, e57, pcd, ply, samples, lists}) {
+  std::vector<fs::path> files{ptx, e57, pcd, ply, samples, lists};
+  if (scratch_has_room())
+    files.push_back(folder.write(
+        "c.pcd", pcd_header(kCols, kRows, "binary_compressed") + testing::pcd_packed(records, kWords)));
+  for (const fs::path& file : files) {
     auto entry = list_scans(file, {.exact = true}).at(0);
     entry.kept_bytes = 0;
     const testing::AllocationWatch watch;
