@@ -30,12 +30,11 @@ enum Number {
 };
 constexpr std::size_t kHeadBytes = 8 * kNumbers;
 
-enum class Scheme { plain, cosines, runs };
+enum Scheme { kAsItIs, kAsCosines, kAsRuns };
 
 struct Rule {
-  std::string name;  // the last part of a channel's
-  Scheme scheme = Scheme::plain;
-  Imf::PixelType type = Imf::HALF;
+  std::string name;                        // the last part of a channel's
+  int scheme = kAsItIs, type = Imf::HALF;  // any number, in a damaged file
   bool any_case = true;
 };
 
@@ -49,8 +48,8 @@ std::string lower_case(std::string_view text) {
 std::vector<Rule> early_rules() {
   std::vector<Rule> rules;
   for (const char* name : {"r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"})
-    for (const auto type : {Imf::HALF, Imf::FLOAT}) rules.push_back({name, Scheme::cosines, type});
-  for (const auto type : {Imf::UINT, Imf::HALF, Imf::FLOAT}) rules.push_back({"a", Scheme::runs, type});
+    for (const auto type : {Imf::HALF, Imf::FLOAT}) rules.push_back({name, kAsCosines, type});
+  for (const auto type : {Imf::UINT, Imf::HALF, Imf::FLOAT}) rules.push_back({"a", kAsRuns, type});
   return rules;
 }
 
@@ -61,17 +60,15 @@ std::vector<Rule> read_rules(std::string_view text) {
   for (std::size_t end; (end = text.find('\0')) != text.npos && end + 2 < text.size();
        text.remove_prefix(end + 3)) {
     const auto how = static_cast<unsigned char>(text[end + 1]);
-    Rule rule{std::string(text.substr(0, end)), static_cast<Scheme>(how >> 2 & 3),
-              static_cast<Imf::PixelType>(text[end + 2]), (how & 1) != 0};
-    rules.push_back(rule);
+    rules.push_back({std::string(text.substr(0, end)), how >> 2 & 3, text[end + 2], (how & 1) != 0});
   }
   return rules;
 }
 
 // The last rule that fits counts.
-Scheme scheme_of(const std::vector<Rule>& rules, std::string_view channel, Imf::PixelType type) {
+int scheme_of(const std::vector<Rule>& rules, std::string_view channel, Imf::PixelType type) {
   const std::string_view name = channel.substr(channel.rfind('.') + 1);
-  Scheme scheme = Scheme::plain;
+  int scheme = kAsItIs;
   for (const Rule& rule : rules)
     if (rule.type == type && (rule.any_case ? lower_case(name) == rule.name : name == rule.name))
       scheme = rule.scheme;
@@ -103,14 +100,14 @@ ExrChunkBytes dwa_chunk_bytes(const Imf::ChannelList& channels, const ExrChunkBo
   bool light = false;
   for (auto at = channels.begin(); at != channels.end(); ++at) {
     const ExrSamples samples = exr_samples(at.channel(), box);
-    const Scheme scheme = scheme_of(rules, at.name(), at.channel().type);
-    if (scheme == Scheme::cosines) {
+    const int scheme = scheme_of(rules, at.name(), at.channel().type);
+    if (scheme == kAsCosines) {
       // Of whole numbers the library writes but half of the bytes.
       if (at.channel().type == Imf::UINT) return {samples.bytes(), samples.bytes() / 2};
       means.expected += 2 * ((samples.wide + 7) / 8) * ((samples.high + 7) / 8);
       light |= samples.bytes() > 0;
     } else {
-      (scheme == Scheme::runs ? runs : plain).expected += samples.bytes();
+      (scheme == kAsRuns ? runs : plain).expected += samples.bytes();
     }
   }
 
