@@ -42,8 +42,10 @@ void ExrParts::open() {
   parts_.clear();
   file_ = std::make_unique<Imf::MultiPartInputFile>(path_.c_str(), threads_);
   header_ = file_->header(0);
-  first_ = header_.dataWindow().min.y;
-  last_ = header_.dataWindow().max.y;
+  const Imath::Box2i window = header_.dataWindow();  // the library looks it up by its name each time
+  first_ = window.min.y;
+  last_ = window.max.y;
+  cols_ = window.max.x - window.min.x + 1;
   band_rows_ = kBandRows;
   if (const int rows = tile_rows(header_); rows > 0) band_rows_ = rows * std::max(1, kBandRows / rows);
   Imf::ChannelList seen;
@@ -155,8 +157,21 @@ std::vector<ExrParts::Chunk> ExrParts::chunks(Part& part, int row, int end, int 
   return found;
 }
 
-void ExrParts::check(Part& part, int row, int end, int left, int right) {
-  const auto those = chunks(part, row, end, left, right);
+template <typename Body>
+void ExrParts::with_library(const Body& body) {
+  if (spent_) open();
+  spent_ = true;
+  body();
+  spent_ = false;
+}
+
+void ExrParts::check(std::size_t number, int row, int end, int left, int right) {
+  std::vector<Chunk> those;
+  if (facts_.several)
+    with_library([&] { those = chunks(parts_[number], row, end, left, right); });
+  else
+    those = chunks(parts_[number], row, end, left, right);
+  const Part& part = parts_[number];
   std::vector<std::string> problems(those.size());
   parallel_for(those.size(), [&](std::size_t k) {
     problems[k] =
@@ -167,7 +182,7 @@ void ExrParts::check(Part& part, int row, int end, int left, int right) {
 }
 
 void ExrParts::check(int row, int count) {
-  for (Part& part : parts_) check(part, row, row + count, 0, cols());
+  for (std::size_t i = 0; i < parts_.size(); ++i) check(i, row, row + count, 0, cols());
 }
 
 void ExrParts::check() {
@@ -175,35 +190,36 @@ void ExrParts::check() {
 }
 
 void ExrParts::read(const Imf::FrameBuffer& buffer, int row, int count) {
-  for (Part& part : parts_) {
-    const Imf::FrameBuffer own = only(part.channels, buffer);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Imf::FrameBuffer own = only(parts_[i].channels, buffer);
     if (own.begin() == own.end()) continue;
-    if (part.tiles) {
-      const int side = static_cast<int>(part.tiles->tileYSize());
-      part.tiles->setFrameBuffer(own);
-      part.tiles->readTiles(0, part.tiles->numXTiles() - 1, row / side, (row + count - 1) / side);
-    } else {
-      part.lines->setFrameBuffer(own);
-      part.lines->readPixels(first_ + row, first_ + row + count - 1);
-    }
+    with_library([&] {
+      Part& part = parts_[i];
+      if (part.tiles) {
+        const int side = static_cast<int>(part.tiles->tileYSize());
+        part.tiles->setFrameBuffer(own);
+        part.tiles->readTiles(0, part.tiles->numXTiles() - 1, row / side, (row + count - 1) / side);
+      } else {
+        part.lines->setFrameBuffer(own);
+        part.lines->readPixels(first_ + row, first_ + row + count - 1);
+      }
+    });
   }
 }
 
 std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem) {
   std::vector<bool> lost(static_cast<std::size_t>(count) * static_cast<std::size_t>(cols()));
-  open();  // a failure leaves the library's stream at its end
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Imf::FrameBuffer own = only(parts_[i].channels, buffer);
     if (own.begin() == own.end()) continue;
     // Rows [top, end) of columns [left, right), counted from the data window's corner.
     const auto attempt = [&](int top, int end, int left, int right, const auto& body) {
       try {
-        check(parts_[i], top, end, left, right);
-        body(parts_[i]);
+        check(i, top, end, left, right);
+        with_library([&] { body(parts_[i]); });
       } catch (const std::bad_alloc&) {
         throw;
       } catch (const std::exception& error) {
-        open();
         if (problem.empty())
           problem = fmt::format("rows {} to {}, columns {} to {}: expected pixels, found damage ({})", top,
                                 end - 1, left, right - 1, error.what());
@@ -214,11 +230,16 @@ std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int cou
       }
     };
     if (!parts_[i].tiles) {
-      for (int r = row; r < row + count; ++r)
-        attempt(r, r + 1, 0, cols(), [&](Part& part) {
+      // The lines of a block are lost together.
+      const Imf::Header& header = parts_[i].header;
+      const int high = tile_rows(header) > 0 ? 1 : exr_block_lines(header.compression());
+      for (int r = row; r < row + count; r += high) {
+        const int end = std::min(r + high, row + count);
+        attempt(r, end, 0, cols(), [&](Part& part) {
           part.lines->setFrameBuffer(own);
-          part.lines->readPixels(first_ + r, first_ + r);
+          part.lines->readPixels(first_ + r, first_ + end - 1);
         });
+      }
       continue;
     }
     const int high = static_cast<int>(parts_[i].tiles->tileYSize()),

@@ -28,7 +28,7 @@ class ExrParts {
   const Imf::Header& header() const { return header_; }
   bool complete() const;
   int rows() const { return last_ - first_ + 1; }
-  int cols() const { return header_.dataWindow().max.x - header_.dataWindow().min.x + 1; }
+  int cols() const { return cols_; }
   // So many rows at once are read fastest: whole tiles or blocks of lines of the first part.
   int band_rows() const { return band_rows_; }
   // Fills the buffer's slices with rows from `row` on, counted from the top of the data window; `row` is a
@@ -39,8 +39,8 @@ class ExrParts {
   // Throws std::runtime_error where the data of a tile or block that has some of these rows end too early.
   void check(int row, int count);
   void check();  // of all rows
-  // read() of a damaged file, tile by tile or line by line, each checked. Leaves the slices of what cannot be
-  // read as they are; returns how many nodes lack a channel, and in `problem` where the first lie and why.
+  // read() of a damaged file, tile by tile or block by block, each checked. Leaves the slices of what cannot
+  // be read as they are; returns how many nodes lack a channel, and in `problem` where the first lie and why.
   std::uint64_t salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem);
 
  private:
@@ -62,7 +62,11 @@ class ExrParts {
   // Of a file that is not in parts: the library would give the next one in the file.
   std::vector<char> chunk_bytes(std::size_t number) const;
   void find_chunks(const Imf::Header& header);
-  void check(Part& part, int row, int end, int left, int right);
+  void check(std::size_t number, int row, int end, int left, int right);
+  // Calls body(), which lets the library read: after a failure its stream stays at its end, so that the next
+  // time the file is opened anew, and so are its parts.
+  template <typename Body>
+  void with_library(const Body& body);
 
   std::filesystem::path path_;
   InputFile input_;
@@ -73,7 +77,8 @@ class ExrParts {
   Imf::Header header_;
   std::vector<std::uint64_t> chunk_at_;  // of a file that is not in parts; 0: nowhere
   std::uint64_t head_bytes_ = 0;         // before a chunk's own
-  int first_ = 0, last_ = 0, band_rows_ = 0;
+  int first_ = 0, last_ = 0, cols_ = 0, band_rows_ = 0;
+  bool spent_ = false;  // the library's stream
 };
 
 }  // namespace hybrid::io
