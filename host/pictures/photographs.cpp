@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "core/error.hpp"
 #include "core/log.hpp"
@@ -157,7 +158,8 @@ Image8 encode(const fs::path& file, const ImageF& linear) {
 }
 
 // RGB of what is stored, grey or colour, turned as told.
-Image8 rgb_of(const Image8& stored, int orientation, int width, int height) {
+Image8 rgb_of(Image8 stored, int orientation, int width, int height) {
+  if (orientation == 1 && stored.channels == 3) return stored;
   Image8 result(width, height, 3);
   const int green = stored.channels >= 3 ? 1 : 0, blue = stored.channels >= 3 ? 2 : 0;
   for (int y = 0; y < height; ++y) {
@@ -236,9 +238,9 @@ Image8 read_photograph(const fs::path& file, int expected_width, int expected_he
         "computed from",
         file.string(), expected_width, expected_height, spec.width, spec.height);
   // After the check, since a damaged header may say anything.
-  const Image8 stored = is_linear(spec) ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat))
-                                        : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
-  return rgb_of(stored, orientation, width, height);
+  Image8 stored = is_linear(spec) ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat))
+                                  : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
+  return rgb_of(std::move(stored), orientation, width, height);
 }
 
 PictureSize picture_size(const fs::path& file) {

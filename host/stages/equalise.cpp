@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
-#include "geometry/colour.hpp"
+#include "stages/light_cells.hpp"
 #include "stages/photo_blend.hpp"
 
 namespace hybrid::stages {
@@ -14,8 +14,6 @@ namespace {
 // Coarse pixels a photograph is cut into, along its longer side, and all photographs' points together.
 constexpr double kCells = 160;
 constexpr double kPoints = 400'000;
-// Bytes outside are clipped or noise.
-constexpr int kDarkest = 8, kBrightest = 247;
 // Overlaps of fewer points say nothing; the prior counts as this many.
 constexpr std::size_t kFewest = 30;
 constexpr double kPriorPoints = 30;
@@ -60,42 +58,6 @@ void add_points(RenderState& state, const Photograph& photograph, std::vector<Su
   }
 }
 
-using Light = std::array<float, 3>;  // logarithm of linear light; NaN: no use
-
-Light light_around(const Image8& image, const Vec2& position, double reach,
-                   const std::array<float, 256>& linear) {
-  const int left = std::max(0, static_cast<int>(position.x() - reach)),
-            right = std::min(image.width - 1, static_cast<int>(position.x() + reach)),
-            top = std::max(0, static_cast<int>(position.y() - reach)),
-            bottom = std::min(image.height - 1, static_cast<int>(position.y() + reach));
-  const auto channels = static_cast<std::size_t>(image.channels);
-  std::array<double, 3> sum{};
-  double count = 0;
-  for (int y = top; y <= bottom; ++y)
-    for (int x = left; x <= right; ++x) {
-      const std::uint8_t* bytes =
-          image.pixels.data() +
-          channels * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                      static_cast<std::size_t>(x));
-      const bool masked = channels == 4 && bytes[3] == 0;
-      const auto [darkest, brightest] = std::minmax({bytes[0], bytes[1], bytes[2]});
-      if (masked || darkest < kDarkest || brightest > kBrightest) return {NAN, NAN, NAN};
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += static_cast<double>(linear[bytes[k]]);
-      ++count;
-    }
-  Light light;
-  for (std::size_t k = 0; k < 3; ++k)
-    light[k] = count > 0 ? static_cast<float>(std::log(sum[k] / count)) : NAN;
-  return light;
-}
-
-std::array<float, 256> linear_bytes() {
-  std::array<float, 256> table{};
-  for (std::size_t i = 0; i < table.size(); ++i)
-    table[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
-  return table;
-}
-
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -105,7 +67,7 @@ double median(std::vector<double>& values) {
 // Of two photographs' points in ascending order, those of both.
 PhotographOverlap overlap(std::size_t first, std::size_t second,
                           const std::vector<std::vector<std::uint32_t>>& seen,
-                          const std::vector<std::vector<Light>>& lights) {
+                          const std::vector<std::vector<LogLight>>& lights) {
   std::array<std::vector<double>, 3> ratios;
   const auto &a = seen[first], &b = seen[second];
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
@@ -113,7 +75,7 @@ PhotographOverlap overlap(std::size_t first, std::size_t second,
       a[i] < b[j] ? ++i : ++j;
       continue;
     }
-    const Light &from = lights[first][i++], &to = lights[second][j++];
+    const LogLight &from = lights[first][i++], &to = lights[second][j++];
     if (std::isnan(from[0]) || std::isnan(to[0])) continue;
     for (std::size_t k = 0; k < 3; ++k)
       ratios[k].push_back(static_cast<double>(to[k]) - static_cast<double>(from[k]));
@@ -143,18 +105,17 @@ std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState&
     add_points(state, coarse(photograph, coarse_factor(photograph, photographs.size())), points);
   const auto seen = renderer.seen_from(photographs, points);
 
-  const auto linear = linear_bytes();
-  std::vector<std::vector<Light>> lights(photographs.size());
+  std::vector<std::vector<LogLight>> lights(photographs.size());
   for (std::size_t p = 0; p < photographs.size(); ++p) {
     const double reach = coarse_factor(photographs[p], photographs.size()) / 2;
-    const auto image = photograph_image(state.scene, p);
+    const LightCells cells(*photograph_image(state.scene, p), reach);
     lights[p].resize(seen[p].size());
     parallel_for(
         seen[p].size(),
         [&](std::size_t i) {
           const auto at =
               photographs[p].camera.project(photographs[p].cam_from_world * points[seen[p][i]].position);
-          lights[p][i] = at ? light_around(*image, *at, reach, linear) : Light{NAN, NAN, NAN};
+          lights[p][i] = at ? cells.around(*at) : LogLight{NAN, NAN, NAN};
         },
         1024);
   }
