@@ -152,7 +152,7 @@ ProcessedScan process_scan(device::Queue& queue, const std::string& id, io::Grid
       describe(id, grid.scan, grid.samples, static_cast<std::int64_t>(grid.returns)),
       {.intensity = !grid.image.intensity.empty(), .colour = !grid.image.rgb.empty(), .crs = grid.scan.crs}};
   progress.step("resample", "scan " + id);
-  stages::orient_grid(grid.image, grid.rows_reversed, grid.cols_reversed);
+  if (!grid.has_tables) stages::orient_grid(grid.image, grid.rows_reversed, grid.cols_reversed);
   processed.product.image = std::move(grid.image);
   find_planes(queue, options, progress, processed.product);
   return processed;

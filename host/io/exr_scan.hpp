@@ -1,7 +1,9 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 
 #include "geometry/scan.hpp"
+#include "io/grid_scan.hpp"
 #include "io/scan_entry.hpp"
 
 namespace hybrid::io {
@@ -27,6 +29,9 @@ namespace hybrid::io {
 // checksum over the content, where this program wrote one, finds what the compression does not. In salvage
 // tiles or lines that cannot be read are no-returns, and notes say where and what share.
 Scan read_exr_scan(const std::filesystem::path& file, const ReadOptions& options = {});
+// The same as an image, nodes put where stages::arrange_grid() puts the samples, without a list of them:
+// where the file has its tables and no samples beside the grid, and there is nothing to tell of it but notes.
+std::optional<GridScan> read_exr_grid(const std::filesystem::path& file);
 // Its one scan, by the header: nodes and samples beside the grid.
 ScanEntry list_exr_scan(const std::filesystem::path& file, const ReadOptions& options = {});
 

@@ -151,8 +151,11 @@ const ScanEntry& scan_at(const std::filesystem::path& file, const std::vector<Sc
 }
 
 std::optional<GridScan> read_grid_scan(const std::filesystem::path& file, const ScanEntry& entry) {
-  if (!entry.problem.empty() || entry.salvage || lower_case(file.extension().string()) != ".e57") return {};
-  return read_e57_grid(E57File(file), entry.index);
+  if (!entry.problem.empty() || entry.salvage) return {};
+  const std::string extension = lower_case(file.extension().string());
+  if (extension == ".e57") return read_e57_grid(E57File(file), entry.index);
+  if (extension == ".exr" && !holds_exr_records(file)) return read_exr_grid(file);
+  return {};
 }
 
 bool has_scan_extension(const std::filesystem::path& file) {

@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "geometry/scan.hpp"
+#include "io/grid_scan.hpp"
 
 namespace hybrid::testing {
 
@@ -62,6 +63,19 @@ auto unless_refused(const Body& body) -> std::optional<decltype(body())> {
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::input) throw;
     return {};
+  }
+}
+
+// Samples in their nodes at once are the samples of the list.
+inline void check_grid(const io::GridScan& grid, const std::optional<Scan>& scan) {
+  expect(scan.has_value(), "a list of samples where there is a grid of them");
+  expect(grid.samples == scan->points.size(), "as many samples");
+  expect(grid.image.rows == scan->grid_rows && grid.image.cols == scan->grid_cols, "the same grid");
+  for (std::size_t i = 0; i < grid.image.count(); ++i) {
+    if (grid.image.mask[i] != kMeasured) continue;
+    const auto& point = scan->points.at(grid.image.source[i]);
+    expect(point[0] == grid.image.x[i] && point[1] == grid.image.y[i] && point[2] == grid.image.z[i],
+           "the same samples");
   }
 }
 

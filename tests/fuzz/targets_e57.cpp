@@ -15,19 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using Seeds = std::vector<std::string>;
 
-// Samples in their nodes at once are the samples of the list.
-void check_grid(const io::GridScan& grid, const std::optional<Scan>& scan) {
-  expect(scan.has_value(), "a list of samples where there is a grid of them");
-  expect(grid.samples == scan->points.size(), "as many samples");
-  expect(grid.image.rows == scan->grid_rows && grid.image.cols == scan->grid_cols, "the same grid");
-  for (std::size_t i = 0; i < grid.image.count(); ++i) {
-    if (grid.image.mask[i] == kEmpty) continue;
-    const auto& point = scan->points.at(grid.image.source[i]);
-    expect(point[0] == grid.image.x[i] && point[1] == grid.image.y[i] && point[2] == grid.image.z[i],
-           "the same samples");
-  }
-}
-
 std::vector<std::optional<Scan>> read_all(const fs::path& path, bool salvage, bool exact) {
   std::vector<std::optional<Scan>> scans;
   unless_refused([&] {

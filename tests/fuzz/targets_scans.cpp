@@ -11,6 +11,7 @@
 #include "io/exr_records.hpp"
 #include "io/file_in_memory.hpp"
 #include "io/foreign_exr.hpp"
+#include "io/grid_scan.hpp"
 #include "io/las_records.hpp"
 #include "io/las_samples.hpp"
 #include "io/range_exr.hpp"
@@ -53,6 +54,8 @@ void read_both_ways(const fs::path& file, std::string_view) {
   Found strict = read_all(file, {.exact = true});
   const bool refused = strict.entries.empty() || strict.any_refused();
   const Found salvaged = read_all(file, {.salvage = true, .exact = refused});
+  if (!refused && strict.scans[0]->range_grid)
+    if (const auto grid = io::read_grid_scan(file, strict.entries[0])) check_grid(*grid, strict.scans[0]);
   // Of a file with a damaged scan salvage may tell the scans apart in another way.
   for (const auto& scan : strict.scans)
     if (scan) check_scan(*scan);

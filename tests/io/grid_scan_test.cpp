@@ -5,15 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "io/e57_scans.hpp"
 #include "io/files.hpp"
+#include "io/foreign_exr.hpp"
+#include "io/output.hpp"
+#include "io/range_exr.hpp"
 #include "io/read_scan.hpp"
 #include "stages/organised_grid.hpp"
 
 namespace hybrid::testing {
 namespace {
+namespace fs = std::filesystem;
 
 constexpr int kRows = 121, kCols = 580;  // more than one strip of GridScatter
 
@@ -193,6 +198,74 @@ TEST(GridScan, IsTheSameHoweverItWasTurnedFirst) {
       stages::orient_grid(image, grid->rows_reversed != rows, grid->cols_reversed != cols);
       expect_same(expected, image);
     }
+}
+
+// Interpolated nodes, empty ones, and one that the mask calls measured and that has no place.
+RangeImage image_of_states(bool attributes) {
+  RangeImage image = make_range_image(kRows * 3, kCols);  // more than a band
+  for (int row = 0; row < image.rows; ++row)
+    image.elevation_rad[static_cast<std::size_t>(row)] = 0.6 - 0.003 * row;
+  for (int col = 0; col < kCols; ++col)
+    image.azimuth_rad[static_cast<std::size_t>(col)] = 2 * std::numbers::pi * col / kCols;
+  image.wraps = true;
+  std::mt19937 random(6);
+  if (attributes) {
+    image.intensity.assign(image.count(), 0);
+    image.rgb.assign(image.count(), {});
+  }
+  for (std::size_t i = 0; i < image.count(); ++i) {
+    image.mask[i] = static_cast<std::uint8_t>(random() % 7 < 3 ? random() % 3 : 1);
+    if (image.mask[i] == kEmpty) continue;
+    for (float* axis : {&image.x[i], &image.y[i], &image.z[i]})
+      *axis = static_cast<float>(random() % 1'000'000) / 7919 - 60;
+    image.range_m[i] = static_cast<float>(image.point(i).norm());
+    if (image.mask[i] == kMeasured) image.source[i] = static_cast<std::uint32_t>(i);
+    if (!attributes || image.mask[i] != kMeasured) continue;
+    image.intensity[i] = static_cast<float>(random() % 256) / 255;
+    image.rgb[i] = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 7};
+  }
+  image.mask[9] = kMeasured;
+  image.x[9] = image.y[9] = image.z[9] = 0;
+  return image;
+}
+
+TEST(GridScan, OfARangeImageIsTheImageItself) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "range.exr";
+  for (const bool attributes : {false, true}) {
+    io::write_range_exr(file, image_of_states(attributes), {{"source", "west.ptx"}});
+    const Scan scan = io::read_scan(file, 0);
+    const auto grid = io::read_grid_scan(file, entry_of(file));
+    ASSERT_TRUE(grid);
+    EXPECT_TRUE(grid->has_tables);
+    expect_same(stages::arrange_grid(scan), grid->image);
+    EXPECT_EQ(grid->samples, scan.points.size());
+    EXPECT_EQ(grid->returns, static_cast<std::uint64_t>(std::ranges::count_if(
+                                 scan.points, [](const auto& p) { return std::isfinite(p[0]); })));
+    EXPECT_EQ(grid->scan.notes, scan.notes);
+    EXPECT_GE(scan.notes.size(), 2u) << "the source and the node without a place";
+  }
+  // A checksum that is wrong is the same error; without tables the grid is found from the points.
+  std::string bytes = bytes_of(file);
+  bytes[bytes.size() - 300] = static_cast<char>(bytes[bytes.size() - 300] ^ 1);
+  io::write_text(file, bytes);
+  EXPECT_EQ(error_of(ErrorKind::input, [&] { io::read_grid_scan(file, entry_of(file)); }),
+            error_of(ErrorKind::input, [&] { io::read_scan(file, 0); }));
+  EXPECT_FALSE(io::read_grid_scan(file, io::list_scans(file, {.salvage = true}).at(0)));
+  ForeignExr exr(8, 4);
+  for (const char* name : {"x", "y", "z"}) exr.add(name, Imf::FLOAT);
+  exr.write(file);
+  EXPECT_FALSE(io::read_grid_scan(file, entry_of(file)));
+  exr.attribute("hybrid:elevation_rad", std::string("0.3 0.2 0.1 0"));
+  exr.attribute("hybrid:azimuth_first_rad", 0.0);
+  exr.attribute("hybrid:azimuth_step_rad", 0.125);
+  exr.write(file);
+  const auto grid = io::read_grid_scan(file, entry_of(file));
+  ASSERT_TRUE(grid);
+  expect_same(stages::arrange_grid(io::read_scan(file, 0)), grid->image);
+  exr.channel("y")[5] = 1e14f;
+  exr.write(file);
+  EXPECT_FALSE(io::read_grid_scan(file, entry_of(file))) << "absurd: the list of samples says where";
 }
 
 TEST(GridScan, AnythingElseIsLeftToTheListOfSamples) {
