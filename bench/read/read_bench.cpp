@@ -65,7 +65,8 @@ Json image_figures(const std::filesystem::path& file, int runs, bool by_list) {
     samples = 0;
     for (const auto& entry : hybrid::io::list_scans(file)) {
       if (auto grid = by_list ? std::nullopt : hybrid::io::read_grid_scan(file, entry)) {
-        hybrid::stages::orient_grid(grid->image, grid->rows_reversed, grid->cols_reversed);
+        if (!grid->has_tables)
+          hybrid::stages::orient_grid(grid->image, grid->rows_reversed, grid->cols_reversed);
         samples += grid->samples;
         continue;
       }

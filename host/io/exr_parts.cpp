@@ -9,6 +9,8 @@
 #include <stdexcept>
 
 #include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
+#include "io/exr_pixels.hpp"
 #include "io/scalar_type.hpp"
 
 namespace hybrid::io {
@@ -31,6 +33,12 @@ Imf::FrameBuffer only(const Imf::ChannelList& channels, const Imf::FrameBuffer& 
 }
 
 }  // namespace
+
+// Whether tiles or blocks of this part are ours to unpack.
+bool ExrParts::puts(const Part& part, const Imf::FrameBuffer& own) {
+  return (part.tiles || tile_rows(part.header) == 0) &&
+         can_put_exr_pixels(part.header.compression(), part.header.channels(), own);
+}
 
 ExrParts::ExrParts(const std::filesystem::path& file, int threads)
     : path_(file), input_(file), facts_(check_exr_header(input_)), threads_(threads) {
@@ -114,12 +122,17 @@ void ExrParts::find_chunks(const Imf::Header& header) {
   }
 }
 
-std::vector<char> ExrParts::chunk_bytes(std::size_t number) const {
+std::vector<char> ExrParts::chunk_bytes(std::size_t number, std::span<const std::int32_t> place) const {
   const std::uint64_t at = chunk_at_.at(number), end = input_.size();
   if (at == 0 || at > end || end - at < head_bytes_) throw std::runtime_error("a tile or block is missing");
-  std::array<char, 4> field{};
-  input_.read(at + head_bytes_ - 4, field);
-  const auto size = load_as<std::int32_t>(field.data(), false);
+  std::vector<char> head(head_bytes_);
+  input_.read(at, head);
+  const auto field = [&](std::size_t k) { return load_as<std::int32_t>(head.data() + 4 * k, false); };
+  for (std::size_t k = 0; k < place.size(); ++k)
+    if (field(k) != place[k])
+      throw std::runtime_error(
+          fmt::format("a tile or block calls itself {} where {} is expected", field(k), place[k]));
+  const std::int32_t size = field(place.size());
   if (size < 0 || static_cast<std::uint64_t>(size) > end - at - head_bytes_)
     throw std::runtime_error("a tile or block reaches beyond the end of file");
   std::vector<char> bytes(static_cast<std::size_t>(size));
@@ -139,8 +152,10 @@ std::vector<ExrParts::Chunk> ExrParts::chunks(Part& part, int row, int end, int 
       const int x = window.min.x + c * wide, y = window.min.y + r * high;
       Chunk chunk{{x, y, std::min(x + wide - 1, window.max.x), std::min(y + high - 1, window.max.y)}, {}};
       if (!facts_.several) {
-        chunk.bytes = chunk_bytes(static_cast<std::size_t>(r) * static_cast<std::size_t>(across) +
-                                  static_cast<std::size_t>(c));
+        const std::size_t number =
+            static_cast<std::size_t>(r) * static_cast<std::size_t>(across) + static_cast<std::size_t>(c);
+        chunk.bytes =
+            tiled ? chunk_bytes(number, std::array{c, r, 0, 0}) : chunk_bytes(number, std::array{y});
       } else {
         const char* bytes = nullptr;
         int size = 0, column = c, line = r, level_x = 0, level_y = 0;
@@ -165,12 +180,15 @@ void ExrParts::with_library(const Body& body) {
   spent_ = false;
 }
 
-void ExrParts::check(std::size_t number, int row, int end, int left, int right) {
+std::vector<ExrParts::Chunk> ExrParts::chunks_of(std::size_t number, int row, int end, int left, int right) {
+  if (!facts_.several) return chunks(parts_[number], row, end, left, right);
   std::vector<Chunk> those;
-  if (facts_.several)
-    with_library([&] { those = chunks(parts_[number], row, end, left, right); });
-  else
-    those = chunks(parts_[number], row, end, left, right);
+  with_library([&] { those = chunks(parts_[number], row, end, left, right); });
+  return those;
+}
+
+void ExrParts::check(std::size_t number, int row, int end, int left, int right) {
+  const auto those = chunks_of(number, row, end, left, right);
   const Part& part = parts_[number];
   std::vector<std::string> problems(those.size());
   parallel_for(those.size(), [&](std::size_t k) {
@@ -181,18 +199,41 @@ void ExrParts::check(std::size_t number, int row, int end, int left, int right) 
     if (!problem.empty()) throw std::runtime_error(problem);
 }
 
-void ExrParts::check(int row, int count) {
-  for (std::size_t i = 0; i < parts_.size(); ++i) check(i, row, row + count, 0, cols());
-}
-
 void ExrParts::check() {
-  for (int row = 0; row < rows(); row += band_rows()) check(row, std::min(band_rows(), rows() - row));
+  for (int row = 0; row < rows(); row += band_rows())
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      check(i, row, std::min(row + band_rows(), rows()), 0, cols());
 }
 
-void ExrParts::read(const Imf::FrameBuffer& buffer, int row, int count) {
+// Of the part's tiles or blocks as they lie in the file; "" where all of them are put.
+std::string ExrParts::put(std::size_t number, const Imf::FrameBuffer& own, int row, int end, int left,
+                          int right) {
+  const Part& part = parts_[number];
+  const auto those = chunks_of(number, row, end, left, right);
+  std::vector<std::string> problems(those.size());
+  for_blocks(those.size(), 1, [&](std::size_t, std::size_t begin, std::size_t stop) {
+    std::vector<char> room;
+    for (std::size_t k = begin; k < stop; ++k)
+      problems[k] = put_exr_pixels(part.header.compression(), part.header.channels(), those[k].box,
+                                   those[k].bytes, own, room);
+  });
+  for (const std::string& problem : problems)
+    if (!problem.empty()) return problem;
+  return {};
+}
+
+void ExrParts::read(const Imf::FrameBuffer& buffer, int row, int count, bool checked) {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Imf::FrameBuffer own = only(parts_[i].channels, buffer);
     if (own.begin() == own.end()) continue;
+    if (puts(parts_[i], own)) {
+      for (int top = row; top < row + count; top += band_rows_)
+        if (const std::string problem = put(i, own, top, std::min(top + band_rows_, row + count), 0, cols());
+            !problem.empty())
+          throw std::runtime_error(problem);
+      continue;
+    }
+    if (!checked) check(i, row, row + count, 0, cols());
     with_library([&] {
       Part& part = parts_[i];
       if (part.tiles) {
@@ -215,6 +256,11 @@ std::uint64_t ExrParts::salvage(const Imf::FrameBuffer& buffer, int row, int cou
     // Rows [top, end) of columns [left, right), counted from the data window's corner.
     const auto attempt = [&](int top, int end, int left, int right, const auto& body) {
       try {
+        if (puts(parts_[i], own)) {
+          if (const std::string damage = put(i, own, top, end, left, right); !damage.empty())
+            throw std::runtime_error(damage);
+          return;
+        }
         check(i, top, end, left, right);
         with_library([&] { body(parts_[i]); });
       } catch (const std::bad_alloc&) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,13 +33,13 @@ class ExrParts {
   // So many rows at once are read fastest: whole tiles or blocks of lines of the first part.
   int band_rows() const { return band_rows_; }
   // Fills the buffer's slices with rows from `row` on, counted from the top of the data window; `row` is a
-  // multiple of band_rows(), and so is `count` but at the image's end. Pixels of tiles and blocks whose data
-  // end too early are not what was written, nor the same each time: call check() before, or compare a
-  // checksum.
-  void read(const Imf::FrameBuffer& buffer, int row, int count);
-  // Throws std::runtime_error where the data of a tile or block that has some of these rows end too early.
-  void check(int row, int count);
-  void check();  // of all rows
+  // multiple of band_rows(), and so is `count` but at the image's end. Uncompressed and deflated data are
+  // unpacked here, in a fraction of the library's time. Throws std::runtime_error where the data of a tile or
+  // block end too early; with `checked`, as a checksum will tell, of those that the library unpacks it does
+  // not: then pixels are not what was written, nor the same each time.
+  void read(const Imf::FrameBuffer& buffer, int row, int count, bool checked = false);
+  // Throws as read() does.
+  void check();
   // read() of a damaged file, tile by tile or block by block, each checked. Leaves the slices of what cannot
   // be read as they are; returns how many nodes lack a channel, and in `problem` where the first lie and why.
   std::uint64_t salvage(const Imf::FrameBuffer& buffer, int row, int count, std::string& problem);
@@ -59,10 +60,14 @@ class ExrParts {
   // Of tiles or blocks that have some of rows [row, end), columns [left, right), counted from the data
   // window's corner.
   std::vector<Chunk> chunks(Part& part, int row, int end, int left, int right);
-  // Of a file that is not in parts: the library would give the next one in the file.
-  std::vector<char> chunk_bytes(std::size_t number) const;
+  // Of a file that is not in parts: the library would give the next one in the file. `place`: the column, row
+  // and level that a tile, or the first line that a block is to call its own.
+  std::vector<char> chunk_bytes(std::size_t number, std::span<const std::int32_t> place) const;
   void find_chunks(const Imf::Header& header);
+  std::vector<Chunk> chunks_of(std::size_t number, int row, int end, int left, int right);
   void check(std::size_t number, int row, int end, int left, int right);
+  static bool puts(const Part& part, const Imf::FrameBuffer& own);
+  std::string put(std::size_t number, const Imf::FrameBuffer& own, int row, int end, int left, int right);
   // Calls body(), which lets the library read: after a failure its stream stays at its end, so that the next
   // time the file is opened anew, and so are its parts.
   template <typename Body>

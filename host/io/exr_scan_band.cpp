@@ -120,8 +120,8 @@ Imf::FrameBuffer ExrScanBand::buffer(int first_row, int rows) {
   return result;
 }
 
-void ExrScanBand::read(ExrParts& file, int first_row, int rows) {
-  file.read(buffer(first_row, rows), first_row, rows);
+void ExrScanBand::read(ExrParts& file, int first_row, int rows, bool checked) {
+  file.read(buffer(first_row, rows), first_row, rows, checked);
 }
 
 std::uint64_t ExrScanBand::salvage(ExrParts& file, int first_row, int rows, std::string& problem) {

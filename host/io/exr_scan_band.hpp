@@ -32,7 +32,7 @@ class ExrScanBand {
     return static_cast<std::size_t>(band_row) * width_ + static_cast<std::size_t>(col);
   }
   // As ExrParts::read().
-  void read(ExrParts& file, int first_row, int rows);
+  void read(ExrParts& file, int first_row, int rows, bool checked);
   // As ExrParts::salvage(); what cannot be read is NaN and empty.
   std::uint64_t salvage(ExrParts& file, int first_row, int rows, std::string& problem);
   // What was read last.

@@ -120,8 +120,7 @@ void ExrScanReader::read_bands(bool wraps, const TakeBand& take) {
     const int count = std::min(band.rows(), rows_ - row);
     guarded([&] {
       try {
-        if (!checked || salvage_) in_->check(row, count);
-        band.read(*in_, row, count);
+        band.read(*in_, row, count, checked && !salvage_);
       } catch (const std::exception&) {
         if (!salvage_) throw;
         lost += band.salvage(*in_, row, count, problem);

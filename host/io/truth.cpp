@@ -38,7 +38,6 @@ std::vector<std::uint32_t> read_uint_channel(const std::filesystem::path& file, 
           fail_input(
               "{}: tiles: expected all of them, found some missing; the file is cut short: copy it again",
               file.string());
-        input.check();
         values.resize(width * height);
         Imf::FrameBuffer buffer;
         buffer.insert(channel, Imf::Slice::Make(Imf::UINT, values.data(), input.header().dataWindow(),
