@@ -23,8 +23,7 @@ namespace hybrid::io {
 // hybrid:extra_samples of them are read from extra.ply beside the file: a range.exr fed in again then gives
 // what the scan gave from which it was made. Else the grid is found from the points.
 //
-// Reads bands of 256 rows: needs the Scan (12 to 19 bytes per node) and about 70 bytes per node of a band;
-// measured on 2888 x 6928 nodes with intensity: 403 MB beyond the empty program, 3.3 s of CPU.
+// Reads bands of 256 rows: needs the Scan (12 to 19 bytes per node) and about 70 bytes per node of a band.
 // Throws ErrorKind::input naming file, channel or attribute, what was expected and found, and the remedy; a
 // checksum over the content, where this program wrote one, finds what the compression does not. In salvage
 // tiles or lines that cannot be read are no-returns, and notes say where and what share.
