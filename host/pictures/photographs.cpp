@@ -120,7 +120,14 @@ template <typename T>
 Image<T> decode(const fs::path& file, OIIO::ImageInput& input, const OIIO::ImageSpec& spec,
                 OIIO::TypeDesc type) {
   Image<T> stored(spec.width, spec.height, spec.nchannels);
-  const bool read = input.read_image(0, 0, 0, spec.nchannels, type, stored.pixels.data());
+  bool read = true;
+  if (std::string_view(input.format_name()) == "tiff" && spec.tile_width == 0) {
+    // All lines at once, it calls a strip that does not decode a success, with what memory held before.
+    for (int y = 0; y < spec.height && read; ++y)
+      read = input.read_scanline(spec.y + y, 0, type, stored.at(0, y));
+  } else {
+    read = input.read_image(0, 0, 0, spec.nchannels, type, stored.pixels.data());
+  }
   if (!read)
     fail_input("{}: does not decode: {}; copy or export it again", file.string(), reason(input.geterror()));
   if (input.has_error()) {

@@ -184,6 +184,29 @@ TEST(picture, exr_files_that_are_no_photographs) {
   EXPECT_TRUE(holds(refused(cropped), "expected a data window that is the display window (8 x 6 at 0, 0)"));
 }
 
+// OpenImageIO calls strips that do not decode a success.
+TEST(picture, a_tiff_with_a_damaged_strip_is_no_photograph) {
+  const TemporaryFolder folder;
+  const auto file = (folder.path() / "a.tif").string();
+  const Image8 image = gradient(200, 300, 3);
+  for (const char* compression : {"zip", "lzw"})
+    for (const int tile : {0, 64}) {
+      SCOPED_TRACE(::testing::Message() << compression << " " << tile);
+      OIIO::ImageSpec spec(200, 300, 3, OIIO::TypeUInt8);
+      spec["compression"] = compression;
+      spec.tile_width = spec.tile_height = tile;
+      const auto output = OIIO::ImageOutput::create(file);
+      ASSERT_TRUE(output && output->open(file, spec) &&
+                  output->write_image(OIIO::TypeUInt8, image.pixels.data()) && output->close());
+      EXPECT_EQ(read_photograph(file, 200, 300).pixels, image.pixels);
+      std::string bytes = read_text(file);
+      bytes.replace(bytes.size() / 2, 400, std::string(400, '\0'));
+      write_text(file, bytes);
+      EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read_photograph(file, 200, 300); }),
+                        "a.tif: does not decode:"));
+    }
+}
+
 // OpenEXR takes a block without bytes for whole and gives what its memory held before.
 TEST(picture, an_exr_that_lacks_a_block_is_no_photograph) {
   const TemporaryFolder folder;
@@ -198,12 +221,12 @@ TEST(picture, an_exr_that_lacks_a_block_is_no_photograph) {
     InputFile input(file);
     table = check_exr_header(input).end;
   }
-  std::memcpy(&block, bytes.data() + table + 8, 8);
+  std::memcpy(&block, bytes.data() + table + 8 * 18, 8);  // the last
   bytes.replace(block + 4, 4, std::string(4, '\0'));
   write_text(file, bytes);
   EXPECT_TRUE(
       holds(error_of(ErrorKind::input, [&] { read_photograph(file, 40, 300); }),
-            "a.exr: does not decode: expected 3840 bytes of pixels in 40 x 16 from (0, 16), found 0"));
+            "a.exr: does not decode: expected 2880 bytes of pixels in 40 x 12 from (0, 288), found 0"));
 }
 
 TEST(picture, the_size_without_the_pixels) {
