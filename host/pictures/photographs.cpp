@@ -131,11 +131,16 @@ Image<T> decode(const fs::path& file, OIIO::ImageInput& input, const OIIO::Image
   if (!read)
     fail_input("{}: does not decode: {}; copy or export it again", file.string(), reason(input.geterror()));
   if (input.has_error()) {
-    // libjpeg fills the rows a cut file lacks with grey and calls it a success; its other remarks are
+    // libjpeg fills the rows a cut file lacks with grey, goes on behind damage with whatever comes, and calls
+    // both a success. Bytes before a marker that nobody needs are cameras' doing; its other remarks are
     // harmless.
     const std::string remark = reason(input.geterror());
     if (remark.find("Premature end") != std::string::npos)
       fail_input("{}: is cut short ({}); copy or export it again", file.string(), remark);
+    const bool damaged = remark.find("Corrupt JPEG data") != std::string::npos ||
+                         remark.find("Inconsistent progression") != std::string::npos;
+    if (damaged && remark.find("extraneous bytes") == std::string::npos)
+      fail_input("{}: is damaged ({}); copy or export it again", file.string(), remark);
     log::warning("{}: {}", file.string(), remark);
   }
   return stored;

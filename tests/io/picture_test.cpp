@@ -315,6 +315,21 @@ TEST(picture, a_jpeg_that_was_cut_is_an_error) {
   }
 }
 
+TEST(picture, a_jpeg_that_is_damaged_is_an_error) {
+  const TemporaryFolder folder;
+  const Image8 image = gradient(640, 480, 3);
+  const auto file =
+      write_with_oiio<std::uint8_t>(folder.path() / "a.jpg", 640, 480, image.pixels, OIIO::TypeUInt8);
+  const std::string good = bytes_of(file);
+  std::string bytes = good;
+  bytes.replace(bytes.size() / 2, 2, "\xff\xd3");  // a marker in the middle of the data
+  folder.write("a.jpg", bytes);
+  EXPECT_TRUE(
+      holds(error_of(ErrorKind::input, [&] { read_photograph(file, 640, 480); }), "a.jpg: is damaged"));
+  folder.write("a.jpg", std::string(good).insert(good.size() - 2, "padding"));  // before the last marker
+  EXPECT_NO_THROW(read_photograph(file, 640, 480));
+}
+
 // Names of a PNG's chunks in order; of a text, its keyword, too.
 std::vector<std::string> chunks(const std::string& png) {
   std::vector<std::string> names;
