@@ -195,7 +195,21 @@ void GridScatter::add(const E57Records& records, std::span<const std::array<floa
 
 void GridScatter::put_strip(Strip& strip) {
   RangeImage& image = grid_.image;
-  for (const std::uint32_t i : strip.sorted()) {
+  // A strip has a few nodes of each row, in lines of the arrays that no other row shares: those of the rows to
+  // come are asked for early.
+  constexpr std::size_t kAhead = 48;
+  const auto order = strip.sorted();
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k + kAhead < order.size()) {
+      const std::size_t i = order[k + kAhead], node = strip.node[i];
+      __builtin_prefetch(&strip.points[i]);
+      for (const std::vector<float>* values : {&image.x, &image.y, &image.z, &image.range_m})
+        __builtin_prefetch(values->data() + node, 1);
+      __builtin_prefetch(image.source.data() + node, 1);
+      __builtin_prefetch(image.mask.data() + node, 1);
+      if (!image.intensity.empty()) __builtin_prefetch(image.intensity.data() + node, 1);
+    }
+    const std::uint32_t i = order[k];
     const std::size_t node = strip.node[i];
     const auto& [x, y, z] = strip.points[i];
     put(image.x, node, x);
@@ -206,8 +220,8 @@ void GridScatter::put_strip(Strip& strip) {
     put(image.source, node, static_cast<std::uint32_t>(strip.first + i));
     if (!image.intensity.empty()) put(image.intensity, node, strip.intensity[i]);
     if (image.rgb.empty()) continue;
-    for (std::size_t k = 0; k < 3; ++k)
-      std::atomic_ref(image.rgb[node][k]).store(strip.rgb[i][k], std::memory_order_relaxed);
+    for (std::size_t c = 0; c < 3; ++c)
+      std::atomic_ref(image.rgb[node][c]).store(strip.rgb[i][c], std::memory_order_relaxed);
   }
 }
 
