@@ -78,6 +78,10 @@ std::string exr_chunk_problem(Imf::Compression compression, const Imf::ChannelLi
   }
   if (chunk.empty()) found = 0;
   if (found >= expected) return {};
+  return exr_chunk_size_problem(box, expected, found);
+}
+
+std::string exr_chunk_size_problem(const ExrChunkBox& box, std::uint64_t expected, std::uint64_t found) {
   return fmt::format("expected {} bytes of pixels in {} x {} from ({}, {}), found {}", expected,
                      box.right - box.left + 1, box.bottom - box.top + 1, box.left, box.top, found);
 }

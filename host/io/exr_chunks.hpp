@@ -32,6 +32,9 @@ std::uint64_t exr_inflated_bytes(std::span<const char> deflated, std::uint64_t m
 std::string exr_chunk_problem(Imf::Compression compression, const Imf::ChannelList& channels,
                               const ExrChunkBox& box, std::span<const char> chunk);
 
+// In these words.
+std::string exr_chunk_size_problem(const ExrChunkBox& box, std::uint64_t expected, std::uint64_t found);
+
 // Lines of a block, by the compression.
 int exr_block_lines(Imf::Compression compression);
 

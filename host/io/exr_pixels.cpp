@@ -1,6 +1,5 @@
 #include "io/exr_pixels.hpp"
 
-#include <fmt/format.h>
 #include <libdeflate.h>
 
 #include <algorithm>
@@ -60,11 +59,6 @@ void interleave(std::span<const char> halves, std::span<char> bytes) {
   if (odd > pairs) bytes[2 * pairs] = halves[pairs];
 }
 
-std::string too_few(const ExrChunkBox& box, std::uint64_t expected, std::uint64_t found) {
-  return fmt::format("expected {} bytes of pixels in {} x {} from ({}, {}), found {}", expected,
-                     box.right - box.left + 1, box.bottom - box.top + 1, box.left, box.top, found);
-}
-
 // Of deflated data; room holds them twice.
 std::string unpack(const ExrChunkBox& box, std::span<const char> chunk, std::size_t expected,
                    std::vector<char>& room) {
@@ -78,11 +72,11 @@ std::string unpack(const ExrChunkBox& box, std::span<const char> chunk, std::siz
     case LIBDEFLATE_SUCCESS:
       break;
     case LIBDEFLATE_INSUFFICIENT_SPACE:
-      return too_few(box, expected, expected + 1) + " or more";
+      return exr_chunk_size_problem(box, expected, expected + 1) + " or more";
     default:
-      return chunk.empty() ? too_few(box, expected, 0) : "damaged deflated data";
+      return chunk.empty() ? exr_chunk_size_problem(box, expected, 0) : "damaged deflated data";
   }
-  if (size < expected) return too_few(box, expected, size);
+  if (size < expected) return exr_chunk_size_problem(box, expected, size);
   restore_exr_bytes(packed, bytes);
   return {};
 }
@@ -119,7 +113,7 @@ std::string put_exr_pixels(Imf::Compression compression, const Imf::ChannelList&
   }
   const std::size_t expected = line_bytes * static_cast<std::size_t>(box.bottom - box.top + 1);
   if (chunk.size() > expected || (!is_deflated(compression) && chunk.size() < expected))
-    return too_few(box, expected, chunk.size());
+    return exr_chunk_size_problem(box, expected, chunk.size());
   const char* from = chunk.data();
   if (chunk.size() < expected) {
     if (std::string problem = unpack(box, chunk, expected, room); !problem.empty()) return problem;

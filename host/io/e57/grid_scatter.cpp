@@ -195,8 +195,8 @@ void GridScatter::add(const E57Records& records, std::span<const std::array<floa
 
 void GridScatter::put_strip(Strip& strip) {
   RangeImage& image = grid_.image;
-  // A strip has a few nodes of each row, in lines of the arrays that no other row shares: those of the rows to
-  // come are asked for early.
+  // A strip has a few nodes of each row, in lines of the arrays that no other row shares: those of the rows
+  // to come are asked for early.
   constexpr std::size_t kAhead = 48;
   const auto order = strip.sorted();
   for (std::size_t k = 0; k < order.size(); ++k) {
