@@ -50,6 +50,8 @@ int main(int argc, char** argv) {
   app.add_option("--scan", options.scan, "only this scan");
   app.add_flag("--no-decimation{false}", options.decimation,
                "leave out how far discarded samples are from their planes");
+  app.add_flag("--list-planes", options.list_planes,
+               "every true plane, the region that shares most with it, and what keeps them apart");
   app.add_option("--min-samples", options.min_samples,
                  "true planes with fewer measured samples are not counted")
       ->check(CLI::PositiveNumber)

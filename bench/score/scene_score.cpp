@@ -59,6 +59,9 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
   if (!grid.point.empty())
     score.planes->normals =
         score_normals(grid, samples, hoover_at(*score.planes, 0.80), region_normals, true_planes);
+  if (options.list_planes) score.planes->list = list_planes(joined);
+  for (const PlaneRow& row : score.planes->list)
+    score.planes->names[row.plane] = truth.planes.at(row.plane).name;
   score.planes->normals_from = planes ? "planes.json" : "fit to the labelled samples";
   if (!options.decimation) return;
   const auto kept = read_kept_points(folder);

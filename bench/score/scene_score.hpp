@@ -12,6 +12,7 @@
 #include "score/measure/normals.hpp"
 #include "score/measure/openings.hpp"
 #include "score/measure/picture_quality.hpp"
+#include "score/measure/plane_list.hpp"
 #include "score/measure/planes_hoover.hpp"
 #include "score/measure/poses.hpp"
 
@@ -22,6 +23,7 @@ struct ScoreOptions {
   PoseLimits limits;
   std::string scan;        // only this scan; empty: all
   bool decimation = true;  // measured, where the results hold it
+  bool list_planes = false;
 };
 
 struct PlaneScore {
@@ -30,7 +32,9 @@ struct PlaneScore {
   std::vector<HooverScore> hoover;  // one per kHooverOverlaps
   std::string normals_from;         // "planes.json", "fit to the labelled samples" or why there are none
   BoundaryScore boundary;
-  std::optional<NormalScore> normals;  // where truth and result have ranges and points
+  std::vector<PlaneRow> list;                  // where it is asked for
+  std::map<std::uint32_t, std::string> names;  // of its planes, as the truth has them
+  std::optional<NormalScore> normals;          // where truth and result have ranges and points
 };
 
 // What is not in the results is absent.

@@ -64,6 +64,21 @@ std::string hoover_table(const std::string& id, const PlaneScore& score) {
   return text;
 }
 
+std::string plane_list(const std::string& id, const PlaneScore& score) {
+  if (score.list.empty()) return "";
+  std::vector<Row> rows = {{"plane", "id", "samples", "region", "of plane", "of region", "in no region",
+                            "region's on other planes", "curved", "mixed"}};
+  for (const PlaneRow& row : score.list) {
+    const auto named = score.names.find(row.plane);
+    rows.push_back({named != score.names.end() ? named->second : "", fmt::format("{}", row.plane),
+                    fmt::format("{}", row.samples), row.region != 0 ? fmt::format("{}", row.region) : "-",
+                    percent(row.common, row.samples), percent(row.common, row.of_region),
+                    fmt::format("{}", row.unlabelled), fmt::format("{}", row.strangers),
+                    fmt::format("{}", row.curved), fmt::format("{}", row.mixed)});
+  }
+  return aligned("planes of " + id + " one by one, the worst first", rows);
+}
+
 std::string poses_table(const SceneScore& score) {
   std::vector<Row> rows = {{"scan", "status", "rotation deg", "place mm", "scale"}};
   for (const ScanScore& scan : score.scans) {
@@ -145,7 +160,7 @@ std::string planes_table(const std::vector<std::pair<std::string, const PlaneSco
                     fmt::format("{} of {}", labels.found, labels.planes),
                     percent(labels.curved_called_planar, labels.curved), boundary(score->boundary.displaced),
                     boundary(score->boundary.invented)});
-    hoover += hoover_table(id, *score);
+    hoover += hoover_table(id, *score) + plane_list(id, *score);
   }
   if (rows.size() == 1) return "";
   return aligned("planes (borders: median / 95th percentile, samples / share beyond one)", rows) + hoover;
