@@ -8,13 +8,18 @@
 
 namespace hybrid::stages {
 
-// Takes from planes the samples at their rims whose beams met another surface as well, before or behind the
-// plane: each is within its noise, all of a rim lie to that surface's side. Looks, where samples are dense
-// enough, at those from which a jump in depth is a few nodes away; where the mean of a rim's samples around
-// one of them is off the plane, it loses its label unless it lies to the other side. The rows that become
-// the rim are looked at once more. How many samples each label lost.
+// Within which samples were given to planes: sigmas of range noise, and this along the normal.
+struct RimTolerance {
+  double sigmas = 0, waviness_m = 0;
+};
+
+// Takes from planes the samples at their rims whose beams met another surface as well: where there is a jump
+// in depth to it, those that lean to its side, the more so the smaller the jump is; where the two meet in a
+// crease, those nearer to it than half a beam (BeamWidth), if the surface beyond soon leaves the plane. The
+// samples that become the rim are looked at once more. Small planes that are hardly wider than a beam are
+// dropped. How many samples each label lost.
 std::vector<std::int64_t> trim_mixed_rims(const RangeImage& image, const RangeNoise& noise,
-                                          const std::vector<Plane>& planes, const PlaneRegions& regions,
-                                          std::vector<std::uint32_t>& labels);
+                                          const RimTolerance& tolerance, const std::vector<Plane>& planes,
+                                          const PlaneRegions& regions, std::vector<std::uint32_t>& labels);
 
 }  // namespace hybrid::stages
