@@ -15,7 +15,7 @@ constexpr std::size_t kRangeBins = 24;
 constexpr std::int64_t kFewest = 50;  // crossings of a bin
 // Wider is no beam: a side of a recess, seen over a few nodes, that is no plane in a scan so coarse.
 constexpr BeamWidth kWidest{0.01, 0.003};
-constexpr int kSolid = 3;             // samples of each plane beside the gap
+constexpr int kSolid = 3;  // samples of each plane beside the gap
 
 struct GapBin {
   std::array<std::int64_t, RimCrossings::kMostGap + 1> crossings{};  // by gap
@@ -53,7 +53,7 @@ void count_gaps(const RangeImage& image, const RimCrossings& crossings,
                 const std::vector<std::uint32_t>& labels, int row, GapBins& bins) {
   for (int col = 0; col < image.cols; ++col) {
     const std::size_t i = image.index(row, col);
-    if (!crossings.on_plane(i)) continue;
+    if (!crossings.on_plane(i) || crossings.is_inside(row, col)) continue;
     for (int row_step = 0; row_step < 2; ++row_step) {
       const int col_step = 1 - row_step;
       const auto crossing = crossings.cross(row, col, row_step, col_step);

@@ -170,7 +170,9 @@ std::vector<std::int64_t> trim_mixed_rims(const RangeImage& image, const RangeNo
     parallel_for(of_row.size(), [&](std::size_t row) {
       for (int col = 0; col < image.cols; ++col) {
         const std::size_t i = image.index(static_cast<int>(row), col);
-        if (crossings.on_plane(i) && mixed.is_mixed(static_cast<int>(row), col)) of_row[row].push_back(i);
+        if (crossings.on_plane(i) && !crossings.is_inside(static_cast<int>(row), col) &&
+            mixed.is_mixed(static_cast<int>(row), col))
+          of_row[row].push_back(i);
       }
     });
     for (const auto& row : of_row)

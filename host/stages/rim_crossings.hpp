@@ -32,6 +32,12 @@ class RimCrossings {
   bool on_plane(std::size_t i) const {
     return labels_[i] != 0 && image_.mask[i] == kMeasured && !regions_.regions[labels_[i] - 1].curved;
   }
+  // All four neighbours have the node's label: as most do.
+  bool is_inside(int row, int col) const {
+    if (row == 0 || row + 1 == image_.rows || col == 0 || col + 1 == image_.cols) return false;
+    const std::uint32_t* at = &labels_[image_.index(row, col)];
+    return at[-1] == *at && at[1] == *at && at[-image_.cols] == *at && at[image_.cols] == *at;
+  }
   const Plane& plane(std::size_t i) const { return planes_[labels_[i] - 1]; }
   std::optional<std::size_t> node(int row, int col) const {
     if (image_.wraps) col = (col + image_.cols) % image_.cols;
