@@ -5,7 +5,6 @@
 #include <map>
 
 #include "core/parallel.hpp"
-#include "stages/beam_width.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -20,9 +19,10 @@ constexpr double kRoom_m = 4;  // a range for which the rounds, of a sample each
 // deviation that it leans to the surface beyond, by kByAway for the square of those it lies to the other side
 // (where a third surface is), and falls by kByJump with each doubling of a jump beyond kTolerances: mixed
 // samples then seldom lie within the plane's tolerance at all. Logistic regression on the nave of
-// hybrid-synth's church, seed 3, 20 MP (seed 4: the same shares); how wide the beam is adds nothing to these
-// three.
+// hybrid-synth's church, seed 3, 20 MP (seed 4: the same shares), where the beam is wider than the spacing;
+// where it is narrower, it meets fewer of the rims.
 constexpr double kOdds = -1.3, kByLean = 1.13, kByAway = 0.144, kByJump = 0.87, kTolerances = 2;
+constexpr double kFewestOfScatter = 30;  // samples
 constexpr double kMostLean = 4, kLeastCosine = 0.05;
 // At a crease, where another surface takes over within half a beam: how far that one is from the plane there.
 // 77 of 100 that lose their label are mixed (the same scan).
@@ -107,12 +107,53 @@ std::vector<std::int64_t> drop_mixed_strips(const RangeImage& image, const std::
   return lost;
 }
 
+// By label: how far its samples inside lie from its plane, in standard deviations of noise, root mean square;
+// more than 1 where a wall strays from its plane, and at least that. Of a large image some rows say it.
+std::vector<double> scatter_of_planes(const RangeImage& image, const RangeNoise& noise,
+                                      const RimCrossings& crossings, const std::vector<std::uint32_t>& labels,
+                                      std::size_t planes) {
+  constexpr int kRowsOfScatter = 512;
+  const int every = std::max(1, image.rows / kRowsOfScatter);
+  std::vector<std::map<std::uint32_t, std::pair<double, double>>> of_row(
+      static_cast<std::size_t>((image.rows + every - 1) / every));
+  parallel_for(of_row.size(), [&](std::size_t k) {
+    const int row = static_cast<int>(k) * every;
+    for (int col = 0; col < image.cols; ++col) {
+      const std::size_t i = image.index(row, col);
+      if (!crossings.on_plane(i) || !crossings.is_inside(row, col)) continue;
+      const auto off = crossings.behind_m(crossings.plane(i), i);
+      if (!off) continue;
+      const double sigmas = *off / noise.at(image.point(i).norm(), crossings.cosine(i));
+      auto& [squares, samples] = of_row[k][labels[i]];
+      squares += std::min(sigmas * sigmas, kMostLean * kMostLean);
+      samples += 1;
+    }
+  });
+  std::vector<double> squares(planes + 1), samples(planes + 1), scatter(planes + 1, 1);
+  for (const auto& row : of_row)
+    for (const auto& [label, sum] : row) {
+      squares[label] += sum.first;
+      samples[label] += sum.second;
+    }
+  for (std::size_t label = 0; label <= planes; ++label)
+    if (samples[label] >= kFewestOfScatter)
+      scatter[label] = std::max(1.0, std::sqrt(squares[label] / samples[label]));
+  return scatter;
+}
+
 // Whether the beams of samples at rims met two surfaces.
 class MixedSamples {
  public:
   MixedSamples(const RangeImage& image, const RangeNoise& noise, const BeamWidth& beam,
-               const RimTolerance& tolerance, const RimCrossings& crossings)
-      : image_(image), noise_(noise), beam_(beam), tolerance_(tolerance), crossings_(crossings) {}
+               const RimTolerance& tolerance, const RimCrossings& crossings,
+               const std::vector<std::uint32_t>& labels, std::size_t planes)
+      : image_(image),
+        noise_(noise),
+        beam_(beam),
+        tolerance_(tolerance),
+        crossings_(crossings),
+        labels_(labels),
+        scatter_(scatter_of_planes(image, noise, crossings, labels, planes)) {}
 
   bool is_mixed(int row, int col) const {
     for (int direction = 0; direction < 4; ++direction) {
@@ -121,29 +162,36 @@ class MixedSamples {
       const auto crossing = crossings_.cross(row, col, row_step, col_step);
       if (!crossing) continue;
       const std::size_t i = image_.index(row, col);
-      if (crossing->is_crease() ? at_crease(i, col_step, *crossing) : at_jump(i, *crossing)) return true;
+      if (crossing->is_crease() ? at_crease(i, col_step, *crossing) : at_jump(i, col_step, *crossing))
+        return true;
     }
     return false;
   }
 
  private:
+  double beam_nodes(std::size_t i, int col_step) const {
+    return beam_.at(image_.point(i).norm()) / crossings_.spacing_m(i, col_step);
+  }
+
   bool at_crease(std::size_t i, int col_step, const RimCrossing& crossing) const {
     if (!crossing.to_plane) return false;
     const double here = std::abs(crossing.behind_here_m), there = std::abs(crossing.behind_there_m);
     const double nodes = crossing.gap + 1, to_crease = nodes * there / (here + there);
-    const double half_beam = beam_.at(image_.point(i).norm()) / 2 / crossings_.spacing_m(i, col_step);
+    const double half_beam = beam_nodes(i, col_step) / 2;
     return (half_beam - to_crease) * (here + there) / nodes > kAtCrease_m;
   }
 
-  bool at_jump(std::size_t i, const RimCrossing& crossing) const {
+  bool at_jump(std::size_t i, int col_step, const RimCrossing& crossing) const {
     const double jump = crossing.jump_m();
     const auto off = crossings_.behind_m(crossings_.plane(i), i);
     if (std::abs(jump) < kJump_m || !off) return false;
     const double cosine = std::max(crossings_.cosine(i), kLeastCosine);
     const double sigma = noise_.at(image_.point(i).norm(), crossings_.cosine(i));
     const double tolerance = tolerance_.sigmas * sigma + tolerance_.waviness_m / cosine;
-    const double lean = std::clamp((jump > 0 ? *off : -*off) / sigma, -kMostLean, kMostLean);
-    return kOdds + (lean > 0 ? kByLean * lean : kByAway * lean * lean) >
+    const double lean =
+        std::clamp((jump > 0 ? *off : -*off) / (sigma * scatter_[labels_[i]]), -kMostLean, kMostLean);
+    return kOdds + std::log(std::min(1.0, beam_nodes(i, col_step))) +
+               (lean > 0 ? kByLean * lean : kByAway * lean * lean) >
            kByJump * std::max(0.0, std::log2(std::abs(jump) / (kTolerances * tolerance)));
   }
 
@@ -152,17 +200,20 @@ class MixedSamples {
   const BeamWidth& beam_;
   const RimTolerance& tolerance_;
   const RimCrossings& crossings_;
+  const std::vector<std::uint32_t>& labels_;
+  std::vector<double> scatter_;
 };
 
 }  // namespace
 
 std::vector<std::int64_t> trim_mixed_rims(const RangeImage& image, const RangeNoise& noise,
-                                          const RimTolerance& tolerance, const std::vector<Plane>& planes,
-                                          const PlaneRegions& regions, std::vector<std::uint32_t>& labels) {
+                                          const BeamWidth& beam, const RimTolerance& tolerance,
+                                          const std::vector<Plane>& planes, const PlaneRegions& regions,
+                                          std::vector<std::uint32_t>& labels) {
   std::vector<std::int64_t> lost = drop_mixed_strips(image, planes, regions, labels);
   const RimCrossings crossings(image, planes, regions, labels);
-  const BeamWidth beam = measure_beam(image, crossings, labels);
-  const MixedSamples mixed(image, noise, beam, tolerance, crossings);
+  if (!(beam.at(kRoom_m) > 0)) return lost;
+  const MixedSamples mixed(image, noise, beam, tolerance, crossings, labels, planes.size());
   const double half_beam = beam.at(kRoom_m) / 2 / (image.step_rad() * kRoom_m);
   const int rounds = std::clamp(static_cast<int>(std::ceil(half_beam)), kFewestRounds, kMostRounds);
   for (int round = 0; round < rounds; ++round) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "geometry/range_image.hpp"
+#include "stages/beam_width.hpp"
 #include "stages/noise_model.hpp"
 #include "stages/plane_regions.hpp"
 
@@ -17,9 +18,10 @@ struct RimTolerance {
 // in depth to it, those that lean to its side, the more so the smaller the jump is; where the two meet in a
 // crease, those nearer to it than half a beam (BeamWidth), if the surface beyond soon leaves the plane. The
 // samples that become the rim are looked at once more. Small planes that are hardly wider than a beam are
-// dropped. How many samples each label lost.
+// dropped. With no width of the beam to go by, that is all. How many samples each label lost.
 std::vector<std::int64_t> trim_mixed_rims(const RangeImage& image, const RangeNoise& noise,
-                                          const RimTolerance& tolerance, const std::vector<Plane>& planes,
-                                          const PlaneRegions& regions, std::vector<std::uint32_t>& labels);
+                                          const BeamWidth& beam, const RimTolerance& tolerance,
+                                          const std::vector<Plane>& planes, const PlaneRegions& regions,
+                                          std::vector<std::uint32_t>& labels);
 
 }  // namespace hybrid::stages

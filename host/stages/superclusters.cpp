@@ -234,10 +234,11 @@ std::vector<Plane> label_and_fit(device::Queue& queue, const RangeImage& image, 
   const auto trimmed =
       trim_tangent_rims(image, squares.noise, excess, labels, planes, regions, squares.square);
   // The fit holds little to rims (polish_planes): only planes of which they are much are fitted again.
+  const BeamWidth beam = measure_beam(image, RimCrossings(image, planes, regions, labels), labels);
+  const RimTolerance tolerance{options.label_sigmas, options.waviness_m};
   const auto of_mixed =
-      much_moved(trim_mixed_rims(image, squares.noise, {options.label_sigmas, options.waviness_m}, planes,
-                                 regions, labels),
-                 regions, squares.square, 50);
+      much_moved(trim_mixed_rims(image, squares.noise, beam, tolerance, planes, regions, labels), regions,
+                 squares.square, 50);
   for (const auto* those : {&stepped, &trimmed, &of_mixed})
     changed.insert(changed.end(), those->begin(), those->end());
   if (!changed.empty()) polish(PolishRounds::last, changed);

@@ -18,6 +18,7 @@ constexpr double kSigma_m = 0.001, kWall_m = 5;
 // neighbours lie `spacing_m` apart. `height` (row, col): metres beyond the wall that its samples are off.
 struct Corner {
   double behind_m = 0.5, spacing_m = 0.005;
+  stages::BeamWidth beam{0.01, 0};
   std::function<double(int, int)> height = [](int, int) { return 0.0; };
 
   RangeImage image = make_range_image(kSide, kSide);
@@ -42,7 +43,7 @@ struct Corner {
         if (wall && labels[i] == 0) labels[i] = 1;
       }
     }
-    return stages::trim_mixed_rims(image, stages::RangeNoise{kSigma_m}, {3.5, 0.005}, planes, regions,
+    return stages::trim_mixed_rims(image, stages::RangeNoise{kSigma_m}, beam, {3.5, 0.005}, planes, regions,
                                    labels);
   }
   std::int64_t left_in_column(int col) const {
@@ -89,6 +90,23 @@ TEST(MixedRims, samples_that_lean_to_the_other_side_are_no_mixtures) {
   corner.behind_m = 0.03;
   corner.height = two_columns_lean(-2);
   EXPECT_LE(corner.trim()[1], kSide / 10);
+}
+
+TEST(MixedRims, where_walls_stray_from_their_planes_leaning_is_no_sign) {
+  Corner corner;
+  corner.behind_m = 0.03;
+  corner.height = [](int row, int) { return row % 8 < 4 ? 4 * kSigma_m : -4 * kSigma_m; };
+  EXPECT_LE(corner.trim()[1], kSide / 5);
+}
+
+TEST(MixedRims, beams_much_narrower_than_the_spacing_or_unknown_mix_little) {
+  for (const double width_m : {0.0005, 0.0}) {
+    Corner corner;
+    corner.behind_m = 0.03;
+    corner.height = two_columns_lean(2);
+    corner.beam.base_m = width_m;
+    EXPECT_LE(corner.trim()[1], width_m > 0 ? kSide / 10 : 0) << width_m;
+  }
 }
 
 TEST(MixedRims, without_a_jump_nothing_is_mixed) {
@@ -170,7 +188,9 @@ struct Creased {
     }
   }
   std::vector<std::int64_t> trim() {
-    return stages::trim_mixed_rims(image, stages::RangeNoise{kSigma_m}, {3.5, 0.005}, planes, regions,
+    const stages::BeamWidth beam =
+        stages::measure_beam(image, stages::RimCrossings(image, planes, regions, labels), labels);
+    return stages::trim_mixed_rims(image, stages::RangeNoise{kSigma_m}, beam, {3.5, 0.005}, planes, regions,
                                    labels);
   }
 };
