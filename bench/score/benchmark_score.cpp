@@ -127,7 +127,7 @@ BenchmarkScore score_benchmark(const fs::path& truth, const fs::path& results, c
       fs::is_directory(results) ? read_folder(results) : read_machine_segmentation(results);
   const JoinedScan joined = join(labelled.grid, samples, options.min_samples, results.string());
   if (!segcomp) check_same_scan(labelled.grid, samples, results.string(), truth.string());
-  score.planes = score_planes(joined, labelled.normals, plane_normals);
+  score.planes = score_planes(joined, labelled.normals, plane_normals, options);
   score.planes.normals_from = labelled.normals_from;
   if (segcomp) compare_angles(fs::path(truth).replace_extension(".gt-ang"), labelled.normals, score);
   return score;

@@ -55,11 +55,10 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
   else
     region_normals = fit_region_normals(grid);
   const auto true_planes = planes_in_scan(truth, scan.world_from_scan);
-  score.planes = score_planes(joined, region_normals, normals_of(true_planes));
+  score.planes = score_planes(joined, region_normals, normals_of(true_planes), options);
   if (!grid.point.empty())
     score.planes->normals =
         score_normals(grid, samples, hoover_at(*score.planes, 0.80), region_normals, true_planes);
-  if (options.list_planes) score.planes->list = list_planes(joined);
   for (const PlaneRow& row : score.planes->list)
     score.planes->names[row.plane] = truth.planes.at(row.plane).name;
   score.planes->normals_from = planes ? "planes.json" : "fit to the labelled samples";
@@ -111,7 +110,8 @@ std::vector<std::string> list_absent(const SceneTruth& truth, const SceneScore& 
 
 }  // namespace
 
-PlaneScore score_planes(const JoinedScan& scan, const Normals& region_normals, const Normals& plane_normals) {
+PlaneScore score_planes(const JoinedScan& scan, const Normals& region_normals, const Normals& plane_normals,
+                        const ScoreOptions& options) {
   PlaneScore score;
   score.input_samples = scan.input_samples;
   score.measured = scan.measured;
@@ -120,6 +120,7 @@ PlaneScore score_planes(const JoinedScan& scan, const Normals& region_normals, c
   for (const double overlap : kHooverOverlaps)
     score.hoover.push_back(score_hoover(table, overlap, scan.min_samples, region_normals, plane_normals));
   score.boundary = score_boundaries(scan);
+  if (options.list_planes) score.list = list_planes(scan);
   return score;
 }
 

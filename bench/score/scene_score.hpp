@@ -67,7 +67,8 @@ SceneScore score_scene(const std::filesystem::path& truth_file, const std::files
                        const ScoreOptions& options);
 
 // The label measures of one joined scan; region normals from planes.json or a fit.
-PlaneScore score_planes(const JoinedScan& scan, const Normals& region_normals, const Normals& plane_normals);
+PlaneScore score_planes(const JoinedScan& scan, const Normals& region_normals, const Normals& plane_normals,
+                        const ScoreOptions& options);
 Normals fit_region_normals(const LabelledGrid& grid);
 
 }  // namespace score

@@ -5,6 +5,7 @@
 #include "score/measure/coplanar_pieces.hpp"
 #include "score/measure/labels.hpp"
 #include "score/measure/openings.hpp"
+#include "score/measure/plane_list.hpp"
 #include "score/measure/polygon.hpp"
 #include "score/read/camera.hpp"
 
@@ -167,6 +168,29 @@ TEST(Geometry, poses_that_are_none_are_refused) {
   const auto pose = score::similarity_from_row_major({0, -2, 0, 5, 2, 0, 0, 6, 0, 0, 2, 7, 0, 0, 0, 1});
   EXPECT_NEAR(pose.scale, 2, 1e-12);
   EXPECT_NEAR(score::rotation_angle_deg(pose.rotation), 90, 1e-9);
+}
+
+TEST(PlaneList, says_what_keeps_a_plane_and_its_region_apart) {
+  score::JoinedScan scan = row_of(20, 10, 7, false);  // plane 1: 7 samples in region 7, 3 in region 8
+  scan.kind[18] = score::kCurved;
+  scan.kind[19] = score::kMixed;
+  scan.label[0] = 0;
+  scan.plane[18] = scan.plane[19] = 0;
+  const auto list = score::list_planes(scan);
+  ASSERT_EQ(list.size(), 2u);
+  const score::PlaneRow &first = list[0], &second = list[1];
+  EXPECT_EQ(first.plane, 1u);
+  EXPECT_EQ(first.region, 7u);
+  EXPECT_EQ(first.unlabelled, 1);
+  EXPECT_EQ(first.strangers, 0);
+  EXPECT_DOUBLE_EQ(first.share_of_plane(), 0.6);
+  EXPECT_DOUBLE_EQ(first.share_of_region(), 1);
+  EXPECT_EQ(second.region, 8u);
+  EXPECT_EQ(second.strangers, 3);
+  EXPECT_EQ(second.curved, 1);
+  EXPECT_EQ(second.mixed, 1);
+  EXPECT_DOUBLE_EQ(second.share_of_plane(), 1);
+  EXPECT_DOUBLE_EQ(second.share_of_region(), 8.0 / 13);
 }
 
 }  // namespace score_tests

@@ -129,9 +129,7 @@ Json registration_json(const SceneScore& score) {
           {"after_common_fit", score.common_fit ? common_fit_json(*score.common_fit) : Json()}};
 }
 
-}  // namespace
-
-Json planes_json(const PlaneScore& score) {
+Json plane_figures_json(const PlaneScore& score) {
   const LabelScore& labels = score.labels;
   Json hoover = Json::array();
   for (const HooverScore& row : score.hoover) hoover.push_back(hoover_json(row));
@@ -156,6 +154,25 @@ Json planes_json(const PlaneScore& score) {
           {"normals_from", score.normals_from},
           {"normals", score.normals ? normals_json(*score.normals) : Json()},
           {"hoover", hoover}};
+}
+
+}  // namespace
+
+Json planes_json(const PlaneScore& score) {
+  Json json = plane_figures_json(score);
+  for (const PlaneRow& row : score.list)
+    json["list"].push_back(
+        {{"plane", row.plane},
+         {"name", score.names.count(row.plane) > 0 ? Json(score.names.at(row.plane)) : Json()},
+         {"samples", row.samples},
+         {"region", row.region != 0 ? Json(row.region) : Json()},
+         {"share_of_plane", row.share_of_plane()},
+         {"share_of_region", row.share_of_region()},
+         {"in_no_region", row.unlabelled},
+         {"region_on_other_planes", row.strangers},
+         {"region_curved", row.curved},
+         {"region_mixed", row.mixed}});
+  return json;
 }
 
 Json scene_json(const SceneScore& score, const ScoreOptions& options) {
