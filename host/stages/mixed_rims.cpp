@@ -211,8 +211,8 @@ std::vector<std::int64_t> trim_mixed_rims(const RangeImage& image, const RangeNo
                                           const std::vector<Plane>& planes, const PlaneRegions& regions,
                                           std::vector<std::uint32_t>& labels) {
   std::vector<std::int64_t> lost = drop_mixed_strips(image, planes, regions, labels);
-  const RimCrossings crossings(image, planes, regions, labels);
   if (!(beam.at(kRoom_m) > 0)) return lost;
+  const RimCrossings crossings(image, planes, regions, labels);
   const MixedSamples mixed(image, noise, beam, tolerance, crossings, labels, planes.size());
   const double half_beam = beam.at(kRoom_m) / 2 / (image.step_rad() * kRoom_m);
   const int rounds = std::clamp(static_cast<int>(std::ceil(half_beam)), kFewestRounds, kMostRounds);

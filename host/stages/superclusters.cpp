@@ -233,9 +233,9 @@ std::vector<Plane> label_and_fit(device::Queue& queue, const RangeImage& image, 
                                              {least, options.waviness_m}, labels, planes, regions);
   const auto trimmed =
       trim_tangent_rims(image, squares.noise, excess, labels, planes, regions, squares.square);
-  // The fit holds little to rims (polish_planes): only planes of which they are much are fitted again.
   const BeamWidth beam = measure_beam(image, RimCrossings(image, planes, regions, labels), labels);
   const RimTolerance tolerance{options.label_sigmas, options.waviness_m};
+  // The fit holds little to rims (polish_planes): only planes of which they are much are fitted again.
   const auto of_mixed =
       much_moved(trim_mixed_rims(image, squares.noise, beam, tolerance, planes, regions, labels), regions,
                  squares.square, 50);

@@ -66,7 +66,7 @@ TEST(MixedRims, samples_that_lean_to_the_surface_behind_lose_their_label) {
   const auto lost = corner.trim();
   EXPECT_LE(corner.left_in_column(kEdge - 1), kSide / 20);
   EXPECT_LE(corner.left_in_column(kEdge - 2), kSide / 20);
-  EXPECT_GE(corner.left_in_column(kEdge - 3), kSide - kSide / 10);
+  EXPECT_GE(corner.left_in_column(kEdge - 3), kSide - kSide / 20);
   EXPECT_EQ(lost[1], kSide * kEdge - std::count(corner.labels.begin(), corner.labels.end(), 1u));
 }
 
@@ -74,7 +74,7 @@ TEST(MixedRims, a_clean_edge_keeps_its_samples) {
   for (const double behind_m : {0.03, 0.5}) {
     Corner corner;
     corner.behind_m = behind_m;
-    EXPECT_LE(corner.trim()[1], kSide / 10) << behind_m;
+    EXPECT_LE(corner.trim()[1], kSide / 20) << behind_m;
   }
 }
 
@@ -89,14 +89,14 @@ TEST(MixedRims, samples_that_lean_to_the_other_side_are_no_mixtures) {
   Corner corner;
   corner.behind_m = 0.03;
   corner.height = two_columns_lean(-2);
-  EXPECT_LE(corner.trim()[1], kSide / 10);
+  EXPECT_EQ(corner.trim()[1], 0);
 }
 
 TEST(MixedRims, where_walls_stray_from_their_planes_leaning_is_no_sign) {
   Corner corner;
   corner.behind_m = 0.03;
   corner.height = [](int row, int) { return row % 8 < 4 ? 4 * kSigma_m : -4 * kSigma_m; };
-  EXPECT_LE(corner.trim()[1], kSide / 5);
+  EXPECT_LE(corner.trim()[1], kSide / 20);
 }
 
 TEST(MixedRims, beams_much_narrower_than_the_spacing_or_unknown_mix_little) {
@@ -111,8 +111,8 @@ TEST(MixedRims, beams_much_narrower_than_the_spacing_or_unknown_mix_little) {
 
 TEST(MixedRims, without_a_jump_nothing_is_mixed) {
   Corner corner;
-  corner.height = two_columns_lean(4);
-  corner.behind_m = 0.005;
+  corner.height = two_columns_lean(2);
+  corner.behind_m = 0.008;
   EXPECT_EQ(corner.trim()[1], 0);
 }
 
