@@ -44,17 +44,20 @@ class Conversion {
     if (is_las(request.in) && request.index)
       io::scan_at(request.in, io::list_scans(request.in), *request.index);
     if (!is_e57(request.in)) return;
-    for (const auto& entry : io::list_scans(request.in)) wanted_.insert(entry.index);
+    const auto entries = io::list_scans(request.in, {.salvage = request.salvage});
+    for (const auto& entry : entries) wanted_.insert(entry.index);
     several_ = wanted_.size() > 1;
     if (request.index) {
-      io::scan_at(request.in, io::list_scans(request.in), *request.index);
+      io::scan_at(request.in, entries, *request.index);
       wanted_ = {*request.index};
       several_ = false;
     }
   }
 
   std::unique_ptr<io::E57Source> open(const std::set<std::size_t>& scans) const {
-    if (is_e57(request_.in)) return std::make_unique<io::E57FileSource>(request_.in, scans);
+    if (is_e57(request_.in))
+      return std::make_unique<io::E57FileSource>(request_.in, scans,
+                                                 io::E57Options{.salvage = request_.salvage});
     if (is_las(request_.in)) return std::make_unique<io::LasAsE57>(request_.in);
     std::vector<fs::path> files{request_.in};
     files.insert(files.end(), request_.more.begin(), request_.more.end());
@@ -68,6 +71,9 @@ class Conversion {
     return request_.out.parent_path() /
            (request_.out.stem().string() + number_of(index) + request_.out.extension().string());
   }
+
+  // Of an E57 file in salvage: whether its description can be copied, whatever the points are.
+  void check_description() const { open({}); }
 
   // Reads everything that would be copied. The scans that cannot be read.
   std::map<std::size_t, Error> probe() const {
@@ -126,6 +132,9 @@ class Conversion {
   Json write(const io::E57Source& source, const std::set<std::size_t>& scans) {
     if (!source.dropped().empty())
       log::warning("{}: dropped: {}", request_.in.filename().string(), fmt::join(source.dropped(), ", "));
+    for (std::size_t k = 0; k < source.contents().scans.size(); ++k)
+      for (const auto& note : source.notes(source.points(k)))
+        log::warning("scan {}: {}", name_of(source, k), note);
     Json outputs = Json::array();
     if (is_e57(request_.out)) {
       io::copy_e57(source, request_.out);
@@ -153,15 +162,17 @@ class Conversion {
             {"scans", std::move(scans)}};
   }
 
+  static std::string name_of(const io::E57Source& source, std::size_t k) {
+    const std::string& name = source.contents().scans[k].name;
+    return !name.empty() ? name : fs::path(source.name()).stem().string() + number_of(k);
+  }
+
   static Json scan_json(const io::E57Source& source, std::size_t k) {
-    const io::E57Scan& scan = source.contents().scans[k];
-    const std::string name =
-        !scan.name.empty() ? scan.name : fs::path(source.name()).stem().string() + number_of(k);
-    return {{"name", name},
-            {"samples", scan.points.count},
+    return {{"name", name_of(source, k)},
+            {"samples", source.contents().scans[k].points.count},
             {"dropped", source.dropped()},
             {"changed", Json::array()},
-            {"notes", Json::array()},
+            {"notes", source.notes(source.points(k))},
             {"records", "as stored"}};
   }
 
@@ -194,6 +205,7 @@ std::size_t photographs_in(const ConvertRequest& request) {
 
 std::vector<fs::path> record_outputs(const ConvertRequest& request) {
   const Conversion conversion(request);
+  if (request.salvage && is_e57(request.in)) conversion.check_description();
   std::vector<fs::path> files;
   for (const std::size_t index : conversion.wanted()) files.push_back(conversion.output_of(index));
   if (is_e57(request.out) || files.empty()) files = {request.out};
@@ -202,15 +214,7 @@ std::vector<fs::path> record_outputs(const ConvertRequest& request) {
   return files;
 }
 
-std::optional<ConvertRun> convert_records(const ConvertRequest& request) {
-  if (request.salvage) {
-    try {
-      if (!Conversion(request).probe().empty()) return std::nullopt;
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::input) throw;
-      return std::nullopt;
-    }
-  }
+ConvertRun convert_records(const ConvertRequest& request) {
   return Conversion(request).go();
 }
 

@@ -168,10 +168,13 @@ std::vector<fs::path> checked_outputs(const ConvertRequest& request) {
 
 ConvertRun run_convert(const ConvertRequest& request) {
   io::writer_for(request.out);
-  if (keeps_records(request) && !damaged_description(request)) {
-    checked_outputs(request);
-    if (auto run = convert_records(request)) return *run;
-    log::warning("{}: damaged: its samples are converted, not all that is stored", request.in.string());
+  if (keeps_records(request)) {
+    if (!damaged_description(request)) {
+      checked_outputs(request);
+      return convert_records(request);
+    }
+    log::warning("{}: its description is damaged: its samples are converted, not all that is stored",
+                 request.in.string());
   }
   return Conversion(request, io::writer_for(request.out)).go();
 }

@@ -71,10 +71,6 @@ Scan read_e57_entry(const std::filesystem::path& file, const ScanEntry& entry) {
   return read_e57(E57File(file, {.salvage = entry.salvage}), entry.index, entry.exact);
 }
 
-std::unique_ptr<ScanStream> stream_e57(const std::filesystem::path& file, const ScanEntry& entry) {
-  return entry.salvage ? nullptr : E57Stream::open(file, entry);
-}
-
 std::vector<ScanEntry> list_ply_entry(const std::filesystem::path& file, const ReadOptions&) {
   return list_ply(file);
 }
@@ -86,7 +82,7 @@ Scan read_one(const std::filesystem::path& file, const ScanEntry& entry) {
 }
 
 constexpr ScanFormat kFormats[] = {
-    {".e57", list_e57, read_e57_entry, stream_e57},
+    {".e57", list_e57, read_e57_entry, E57Stream::open},
     {".pcd", list_pcd, read_one<read_pcd>, stream_pcd},
     {".ply", list_ply_entry, read_one<read_ply>, stream_ply},
     {".ptx", list_ptx, read_ptx, stream_ptx},

@@ -159,6 +159,41 @@ TEST_F(ConvertRecords, ADamagedScanDoesNotStopTheOthers) {
   EXPECT_TRUE(same("c.e57", "d.e57"));
   EXPECT_EQ(Json::parse(hybrid("info d.e57 --json").out)["scans"].size(), 2u);
   EXPECT_FALSE(fs::exists(folder_ / "c-1.exr"));
+  // With --salvage its records that are left, as they are stored; by way of range images, too.
+  const Outcome saved = hybrid("convert b.e57 e.e57 --salvage --json");
+  ASSERT_EQ(saved.exit_code, 0) << saved.err;
+  const Json scans = Json::parse(saved.out)["outputs"][0]["scans"];
+  ASSERT_EQ(scans.size(), 3u);
+  EXPECT_EQ(scans[0]["samples"], 600);
+  EXPECT_TRUE(scans[0]["notes"].empty());
+  const auto left = scans[1]["samples"].get<int>();
+  EXPECT_TRUE(left > 0 && left < 600) << left;
+  EXPECT_EQ(scans[1]["records"], "as stored");
+  EXPECT_TRUE(holds(scans[1]["notes"].dump(), "the first at byte 19456")) << scans[1]["notes"];
+  EXPECT_TRUE(holds(saved.err, "of 600 points")) << saved.err;
+  expect_done("convert b.e57 f.exr --salvage");
+  expect_done("convert f-0.exr f-1.exr f-2.exr g.e57");
+  EXPECT_TRUE(same("e.e57", "g.e57"));
+  const Json info = Json::parse(hybrid("info g.e57 --json").out)["scans"][1];
+  EXPECT_EQ(info["points"], left);
+  EXPECT_FALSE(info.contains("damage")) << info;
+}
+
+// A description with a damaged page cannot be trusted with what it says of records: samples, then.
+TEST_F(ConvertRecords, ADamagedDescription) {
+  write("a.ptx", kHeader + "0 0 0 1\n" + kPoints);
+  expect_done("convert a.ptx a.e57");
+  std::string damaged = bytes("a.e57");
+  const std::size_t at = damaged.find("<guid") + 40;
+  damaged[at] = static_cast<char>(damaged[at] ^ 1);
+  write("b.e57", damaged);
+  EXPECT_EQ(hybrid("convert b.e57 c.e57").exit_code, 4);
+  const Outcome saved = hybrid("convert b.e57 c.e57 --salvage --json");
+  EXPECT_EQ(saved.exit_code, 0);
+  EXPECT_TRUE(holds(saved.err, "its description is damaged: its samples are converted")) << saved.err;
+  const Json scan = Json::parse(saved.out)["outputs"][0]["scans"][0];
+  EXPECT_EQ(scan["samples"], 4);
+  EXPECT_FALSE(scan.contains("records"));
 }
 
 // A list in a range image is the list that was in the file: the same planes, bytes and all.

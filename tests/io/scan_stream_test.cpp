@@ -5,17 +5,15 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <random>
 
 #include "core/scratch_file.hpp"
 #include "io/allocation_watch.hpp"
-#include "io/e57_scans.hpp"
-#include "io/exr_e57.hpp"
+#include "io/e57_grids.hpp"
 #include "io/files.hpp"
 #include "io/las_samples.hpp"
-#include "io/node_blocks.hpp"
 #include "io/read_scan.hpp"
+#include "io/same_in_blocks.hpp"
 #include "io/samples/sample_file.hpp"
 #include "io/scan_samples.hpp"
 #include "io/stream_scan.hpp"
@@ -23,93 +21,12 @@
 
 namespace hybrid::io {
 namespace {
+using testing::all_nodes;
+using testing::e57_of;
 using testing::error_of;
+using testing::expect_same;
 using testing::TemporaryFolder;
 namespace fs = std::filesystem;
-
-// The columns of all samples.
-struct Samples {
-  std::string points, exact;  // bytes, as NaN are the same here
-  std::vector<float> intensity;
-  std::vector<std::array<std::uint8_t, 3>> rgb;
-  std::vector<std::uint32_t> node;
-
-  void add(const SampleBlock& block) {
-    points.append(reinterpret_cast<const char*>(block.points.data()), block.points.size_bytes());
-    exact.append(reinterpret_cast<const char*>(block.exact.data()), block.exact.size_bytes());
-    intensity.insert(intensity.end(), block.intensity.begin(), block.intensity.end());
-    rgb.insert(rgb.end(), block.rgb.begin(), block.rgb.end());
-    node.insert(node.end(), block.node.begin(), block.node.end());
-  }
-  bool operator==(const Samples&) const = default;
-};
-
-Samples samples_of(const ScanStream& scan) {
-  Samples samples;
-  scan.for_each_block([&](const SampleBlock& block) {
-    samples.add(block);
-    return true;
-  });
-  return samples;
-}
-
-void expect_same_facts(const SampleFacts& a, const SampleFacts& b) {
-  EXPECT_EQ(a.returns, b.returns);
-  EXPECT_EQ(a.no_returns, b.no_returns);
-  EXPECT_EQ(a.beside, b.beside);
-  EXPECT_EQ(a.least, b.least);
-  EXPECT_EQ(a.greatest, b.greatest);
-  EXPECT_EQ(a.least_finite, b.least_finite);
-  EXPECT_EQ(a.greatest_finite, b.greatest_finite);
-  EXPECT_EQ(a.whole, b.whole);
-  EXPECT_EQ(a.least_m, b.least_m);
-  EXPECT_EQ(a.greatest_m, b.greatest_m);
-  EXPECT_EQ(a.hash, b.hash);
-  EXPECT_EQ(a.seen, b.seen);
-  EXPECT_EQ(a.least_seen_m, b.least_seen_m);
-  EXPECT_EQ(a.greatest_seen_m, b.greatest_seen_m);
-  EXPECT_EQ(a.least_range_m, b.least_range_m);
-  EXPECT_EQ(a.greatest_range_m, b.greatest_range_m);
-}
-
-// Every scan of a file, streamed, against the same read at once; returns the last.
-std::unique_ptr<ScanStream> expect_same(const fs::path& file, bool streams = true) {
-  std::unique_ptr<ScanStream> stream;
-  for (const bool exact : {false, true})
-    for (ScanEntry& entry : list_scans(file, {.exact = exact})) {
-      entry.kept_bytes = exact ? 1 << 20 : 0;  // some of them, or all; none
-      SCOPED_TRACE(::testing::Message() << file.filename() << ' ' << entry.name << (exact ? " exact" : ""));
-      const ScanInMemory whole(read_scan(file, entry));
-      stream = stream_scan(file, entry);
-      EXPECT_EQ(dynamic_cast<const ScanInMemory*>(stream.get()) == nullptr, streams);
-      const Scan &a = whole.head(), &b = stream->head();
-      EXPECT_EQ(a.name, b.name);
-      EXPECT_EQ(a.origin, b.origin);
-      EXPECT_EQ(a.grid_rows, b.grid_rows);
-      EXPECT_EQ(a.grid_cols, b.grid_cols);
-      EXPECT_EQ(a.row_by_row, b.row_by_row);
-      EXPECT_EQ(a.intensity_limits, b.intensity_limits);
-      EXPECT_EQ(a.crs, b.crs);
-      EXPECT_EQ(a.notes, b.notes);
-      EXPECT_EQ(a.steps.has_value(), b.steps.has_value());
-      EXPECT_EQ(a.world_from_scan.has_value(), b.world_from_scan.has_value());
-      EXPECT_EQ(a.range_grid.has_value(), b.range_grid.has_value());
-      expect_same_facts(whole.facts(), stream->facts());
-      const Samples expected = samples_of(whole);
-      EXPECT_TRUE(expected == samples_of(*stream));
-      // Anywhere.
-      std::mt19937 random(3);
-      for (int i = 0; i < 6 && whole.count() > 0; ++i) {
-        const std::uint64_t first = random() % whole.count();
-        const std::size_t count = 1 + random() % (whole.count() - first);
-        Samples some, same;
-        some.add(whole.read(first, count));
-        same.add(stream->read(first, count));
-        EXPECT_TRUE(some == same) << first << " " << count;
-      }
-    }
-  return stream;
-}
 
 std::string number(std::mt19937& random) {
   return fmt::format("{:.5f}", static_cast<double>(random() % 2'000'001) / 1e4 - 100);
@@ -362,106 +279,6 @@ TEST(ScanStream, DamageIsTheSameErrorInBlocks) {
     const ScanEntry entry = list_scans(file).at(0);
     EXPECT_EQ(error_of(ErrorKind::input, [&] { stream_scan(file, entry); }),
               error_of(ErrorKind::input, [&] { read_scan(file, entry); }));
-  }
-}
-
-namespace {
-
-// A scan of rows x cols nodes: `order` says which node each record has.
-fs::path e57_of(const fs::path& file, int rows, int cols, const std::vector<std::uint32_t>& order,
-                std::optional<E57Limits> declared_rows = {}, bool returns = false) {
-  E57Scan scan;
-  scan.name = "a";
-  for (const char* axis : {"cartesianX", "cartesianY", "cartesianZ"})
-    scan.points.fields.push_back(testing::scaled_field(axis, -100'000, 100'000, 1e-4));
-  scan.points.fields.push_back(testing::integer_field("intensity", 0, 2047));
-  scan.points.fields.push_back(testing::integer_field("rowIndex", 0, 5000));
-  scan.points.fields.push_back(testing::integer_field("columnIndex", 0, 5000));
-  if (returns) {
-    scan.points.fields.push_back(testing::integer_field("returnIndex", 0, 300));
-    scan.points.fields.push_back(testing::integer_field("cartesianInvalidState", 0, 2));
-  }
-  scan.intensity = E57Limits{0, 2047};
-  scan.rows = declared_rows ? declared_rows : E57Limits{7, 7.0 + rows - 1};
-  scan.columns = E57Limits{0, cols - 1.0};
-  testing::E57Columns columns = testing::random_columns(scan.points.fields, order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    columns.integers[4][i] = 7 + order[i] / static_cast<std::uint32_t>(cols);
-    columns.integers[5][i] = order[i] % static_cast<std::uint32_t>(cols);
-  }
-  testing::write_e57(file, scan, columns);
-  return file;
-}
-
-std::vector<std::uint32_t> all_nodes(int rows, int cols, bool by_columns) {
-  std::vector<std::uint32_t> nodes;
-  for (int i = 0; i < rows * cols; ++i)
-    nodes.push_back(static_cast<std::uint32_t>(by_columns ? i % rows * cols + i / rows : i));
-  return nodes;
-}
-
-}  // namespace
-
-TEST(ScanStream, E57AndItsRangeImageAreTheSameInBlocks) {
-  const TemporaryFolder folder;
-  constexpr int kRows = 421, kCols = 330;
-  auto shuffled = all_nodes(kRows, kCols, true);
-  std::ranges::shuffle(shuffled, std::mt19937(4));
-  shuffled.resize(shuffled.size() - 999);
-  auto twice = all_nodes(9, 8, false);
-  twice.insert(twice.end(), {5, 5, 70});
-  auto some = all_nodes(kRows, kCols, true);
-  std::erase_if(some, [](std::uint32_t node) { return node % 11 == 0; });
-  const fs::path file = folder.path() / "a.e57", exr = folder.path() / "a.exr";
-  const auto check = [&] {
-    expect_same(file);
-    write_exr_scan(E57FileSource(file), 0, exr, {});
-    expect_same(exr);
-  };
-  for (const auto& order : {all_nodes(kRows, kCols, true), all_nodes(kRows, kCols, false), some, shuffled})
-    e57_of(file, kRows, kCols, order), check();
-  e57_of(file, 9, 8, twice), check();
-  e57_of(file, 9, 8, all_nodes(9, 8, true), E57Limits{0, 3}), check();     // indices beyond
-  e57_of(file, 9, 8, all_nodes(9, 8, true), E57Limits{0, 4000}), check();  // far fewer than declared
-  e57_of(file, 1, 8, all_nodes(1, 8, true)), check();
-  e57_of(file, 4000, 4000, {1, 4000 * 4000 - 1}), check();  // no grid worth its memory
-  e57_of(file, 9, 8, twice, {}, true), check();             // several returns of a node
-  auto thrice = all_nodes(kRows, kCols, true);
-  for (std::size_t i = 0; i < thrice.size(); ++i) thrice[i] = thrice[i / 3];
-  e57_of(file, kRows, kCols, thrice, {}, true), check();
-  e57_of(file, 9, 8, all_nodes(9, 8, false), {}, true), check();  // by the index alone
-  e57_of(file, 9, 8, {}), check();
-}
-
-// Lines of a grid that do not all fit, in both directions, against all at once.
-TEST(ScanStream, NodesInBandsAreTheNodesAtOnce) {
-  const TemporaryFolder folder;
-  auto order = all_nodes(37, 29, false);
-  std::erase_if(order, [](std::uint32_t node) { return node % 5 == 0; });
-  order.push_back(17);  // again: the last one counts
-  for (const bool shuffle : {false, true}) {
-    if (shuffle) std::ranges::shuffle(order, std::mt19937(6));
-    const auto stream = expect_same(e57_of(folder.path() / "a.e57", 37, 29, order));
-    for (const bool by_columns : {false, true}) {
-      const auto in_bands = [&](std::uint64_t nodes) {
-        Samples samples;
-        for_each_node_block(
-            *stream, by_columns, [&](const SampleBlock& block) { samples.add(block); }, nodes);
-        return samples;
-      };
-      const Samples all = in_bands(kBandNodes);
-      ASSERT_EQ(all.node.size(), 37u * 29u);
-      for (std::uint32_t i = 0; i < all.node.size(); ++i) {
-        const std::uint32_t node = by_columns ? i % 37 * 29 + i / 37 : i;
-        const bool there = std::ranges::find(order, node) != order.end();
-        ASSERT_EQ(all.node[i], there ? node : Scan::kNoNode);
-        if (!there) continue;
-        const auto last = std::find(order.rbegin(), order.rend(), node);
-        const auto record = static_cast<std::uint64_t>(order.rend() - last - 1);
-        ASSERT_EQ(all.intensity[i], stream->read(record, 1).intensity[0]);
-      }
-      for (const std::uint64_t nodes : {1u, 37u, 100u, 500u}) EXPECT_TRUE(all == in_bands(nodes)) << nodes;
-    }
   }
 }
 

@@ -19,23 +19,28 @@ std::string pages_note(const std::string& what, const std::vector<std::uint64_t>
                      bad_pages.front() * PagedFile::kPage_bytes);
 }
 
-std::string read_stretch(const PagedFile& pages, const E57Stretch& xml, std::vector<std::string>& notes) {
+struct Description {
+  std::string text;
+  bool damaged = false;
+};
+
+Description read_stretch(const PagedFile& pages, const E57Stretch& xml, std::vector<std::string>& notes) {
   std::string text(xml.length, '\0');
   std::vector<std::uint64_t> bad_pages;
   pages.read(xml.offset, text, pages.salvage() ? &bad_pages : nullptr);
   if (!bad_pages.empty()) notes.push_back(pages_note("XML section", bad_pages));
-  return text;
+  return {std::move(text), !bad_pages.empty()};
 }
 
-std::string read_xml(const PagedFile& pages, std::vector<std::string>& notes) {
+Description read_xml(const PagedFile& pages, std::vector<std::string>& notes) {
   if (pages.xml_length() > kLongestXml_bytes && !pages.salvage())
     fail_input(
         "{}: byte 32: expected an XML section of at most {} bytes, found {}; export fewer scans into one "
         "file",
         pages.name(), kLongestXml_bytes, pages.xml_length());
   const E57Stretch told{pages.xml_offset(), std::min(pages.xml_length(), kLongestXml_bytes)};
-  std::string text = read_stretch(pages, told, notes);
-  if (!pages.salvage() || text.find("<e57Root") != text.npos) return text;
+  Description description = read_stretch(pages, told, notes);
+  if (!pages.salvage() || description.text.find("<e57Root") != description.text.npos) return description;
   const auto found = find_description(pages);
   if (!found)
     fail_input(
@@ -52,8 +57,7 @@ std::string read_xml(const PagedFile& pages, std::vector<std::string>& notes) {
 
 E57File::E57File(const std::filesystem::path& file, const E57Options& options)
     : pages_(file, options.salvage), notes_(pages_.notes()) {
-  const std::string text = read_xml(pages_, notes_);
-  contents_ = parse_e57_xml(name(), text, options.salvage);
+  contents_ = parse_e57_xml(name(), read_xml(pages_, notes_).text, options.salvage);
   notes_.insert(notes_.end(), contents_.notes.begin(), contents_.notes.end());
 }
 
@@ -83,9 +87,11 @@ void E57File::for_each_block(const E57Table& table, std::span<const std::size_t>
   io::for_each_block(open(table), table, fields, most, body);
 }
 
-std::string E57File::xml() const {
+std::string E57File::xml(bool* whole) const {
   std::vector<std::string> noted;
-  return read_xml(pages_, noted);
+  Description description = read_xml(pages_, noted);
+  if (whole) *whole = !description.damaged;
+  return std::move(description.text);
 }
 
 }  // namespace hybrid::io

@@ -36,8 +36,8 @@ class E57File {
   void for_each_block(const E57Table& table, std::span<const std::size_t> fields, std::size_t most,
                       const std::function<void(const E57Records&)>& body) const;
 
-  // The description itself, as it is written; in salvage what can be read of it.
-  std::string xml() const;
+  // The description itself, as it is written; in salvage what can be read of it, and whether that is all.
+  std::string xml(bool* whole = nullptr) const;
 
   // A picture's bytes (JPEG or PNG). In salvage damaged pages are noted.
   std::vector<char> read_blob(const E57Blob& blob, const std::string& what,

@@ -113,6 +113,7 @@ class Walk {
       std::uint64_t number = 0;
       std::from_chars(value.data(), value.data() + value.size(), number);
       if (attribute.name == "length") part.length = number;
+      if (attribute.name == "recordCount") part.count_text = attribute.value;
       if (attribute.name != "fileOffset") continue;
       part.offset = number;
       part.offset_text = attribute.value;
@@ -132,6 +133,8 @@ class Walk {
     const auto table = std::ranges::find_if(open_, [](const Open& outer) { return outer.part.has_value(); });
     if (element.type == "String" && within("prototype") && table != open_.end())
       outline_.texts.push_back({std::string(element.name), range, *table->part});
+    if (open_.size() == 3 && open_[1].name == "data3D" && element.name == "pointGroupingSchemes")
+      outline_.groupings.push_back({range, outline_.scans.size()});
     if (open_.size() != 2) return;
     if (open_[1].name == "data3D") outline_.scans.push_back(range);
     if (open_[1].name == "images2D") outline_.images.push_back(range);

@@ -18,6 +18,7 @@ struct E57Part {
   bool blob = false;                     // else a table
   std::uint64_t offset = 0, length = 0;  // fileOffset; of blobs, their length
   TextRange element{}, offset_text{};    // the element; the digits of its fileOffset
+  TextRange count_text{};                // of tables: those of its recordCount
   std::optional<std::size_t> scan{};     // whose description it stands in
   bool points = false;                   // that scan's own table
 };
@@ -34,6 +35,11 @@ struct E57Outline {
     std::size_t part = 0;  // the table whose prototype it belongs to
   };
   std::vector<Text> texts{};  // fields of text, which no table here holds
+  struct Grouping {
+    TextRange element{};
+    std::size_t scan = 0;
+  };
+  std::vector<Grouping> groupings{};  // pointGroupingSchemes: they name a scan's points by their numbers
 };
 
 // Of XML that parse_e57_xml() accepts. Throws ErrorKind::input naming the file for what that lets pass.

@@ -107,10 +107,12 @@ class ScanReader {
         exact_ ? std::span(scan_.exact).subspan(first, count) : std::span<std::array<double, 3>>());
     if (columns_.intensity) samples_.intensities(records, std::span(scan_.intensity).subspan(first, count));
     if (columns_.colour) samples_.colours(records, std::span(scan_.rgb).subspan(first, count));
-    std::uint64_t done = first;  // the lost ranges of several fields overlap
-    for (const auto& lost : records.lost)
-      for (done = std::max(done, lost.first); done < lost.end; ++done, ++tally.lost)
-        scan_.points[done] = {kNaN, kNaN, kNaN};
+    LostRecords lost(records.lost);
+    for (std::size_t i = first; !records.lost.empty() && i < first + count; ++i)
+      if (lost.has(i)) {
+        ++tally.lost;
+        scan_.points[i] = {kNaN, kNaN, kNaN};
+      }
   }
 
   bool salvage_;

@@ -8,6 +8,7 @@
 
 #include "io/e57/e57.hpp"
 #include "io/e57/e57_outline.hpp"
+#include "io/e57/kept_records.hpp"
 #include "io/e57/record_reader.hpp"
 
 namespace hybrid::io {
@@ -28,6 +29,8 @@ class E57Source {
   const E57Table& table(std::size_t part) const { return tables_.at(part); }
   virtual std::unique_ptr<E57RecordReader> open(std::size_t part) const = 0;
   virtual std::vector<char> blob(std::size_t part) const = 0;
+  // What salvage has to say of a part.
+  virtual std::vector<std::string> notes(std::size_t) const { return {}; }
   // The part that holds a scan's points.
   std::size_t points(std::size_t scan) const;
 
@@ -46,16 +49,33 @@ class E57Source {
 // An E57 file's, or some of its scans with their photographs (those that belong to none stay). Fields of text
 // are left out, and tables that cannot be read other than points; all are named in dropped(). Throws as
 // E57File does.
+// In salvage all is read once: records that are lost are left out and the description says how many there are
+// now; so is what is damaged of pictures and other tables, and a scan's groups of points when some of its
+// points are lost, all of which dropped() names. Throws ErrorKind::input when the description is damaged, or
+// the points of one of the scans cannot be read at all.
 class E57FileSource : public E57Source {
  public:
   explicit E57FileSource(const std::filesystem::path& file,
-                         const std::optional<std::set<std::size_t>>& scans = {});
+                         const std::optional<std::set<std::size_t>>& scans = {},
+                         const E57Options& options = {});
   std::unique_ptr<E57RecordReader> open(std::size_t part) const override;
   std::vector<char> blob(std::size_t part) const override;
+  std::vector<std::string> notes(std::size_t part) const override;
 
  private:
+  struct Cuts;
+  void cut_other_scans(Cuts& cuts, const std::set<std::size_t>& scans);
+  void cut_damaged_blobs(Cuts& cuts);
+  void keep_points(Cuts& cuts, const E57Part& part);
+  bool keep_table(Cuts& cuts, const E57Part& part);
+  KeptRanges kept_of(const E57Table& table) const;
+
   E57File file_;
-  std::vector<E57Table> stored_;  // by part, with fields of text
+  struct Stored {
+    E57Table table{};  // with fields of text
+    std::optional<KeptRanges> kept{};
+  };
+  std::vector<Stored> stored_;  // by part
 };
 
 // Writes it all into an E57 file: every record of every table and every byte of every blob as it was, the

@@ -23,26 +23,35 @@ struct Indices {
     column = {std::min(column.low, c), std::max(column.high, c)};
   }
   void add(const Indices& other) {
+    by_columns &= other.by_columns;
+    by_rows &= other.by_rows;
     if (other.none) return;
     add(other.row.low, other.column.low);
     add(other.row.high, other.column.high);
     several |= other.several;
-    by_columns &= other.by_columns;
-    by_rows &= other.by_rows;
   }
 };
 
-// `row` and `column`: the bounds by which the order is judged.
+// `row` and `column`: the bounds by which the order is judged. In salvage a record whose point is lost has no
+// place, so that all fields are read.
 Indices read_indices(const ScanColumns& columns, const E57RecordReader& reader, ScanGrid::Bounds row,
-                     ScanGrid::Bounds column) {
+                     ScanGrid::Bounds column, bool salvage) {
   std::vector<std::size_t> fields = {columns.fields[*columns.row], columns.fields[*columns.column]};
   if (columns.return_index) fields.push_back(columns.fields[*columns.return_index]);
+  if (salvage)
+    for (const std::size_t field : columns.fields)
+      if (std::ranges::find(fields, field) == fields.end()) fields.push_back(field);
   const std::uint64_t rows = std::max<std::uint64_t>(row.extent(), 1),
                       cols = std::max<std::uint64_t>(column.extent(), 1);
   std::vector<Indices> ranges(reader.count() / E57RecordReader::kRange + 1);
   const auto take = [&](const E57Records& records) {
     Indices& range = ranges[records.first / E57RecordReader::kRange];
+    LostRecords lost(records.lost);
     for (std::size_t i = 0; i < records.count; ++i) {
+      if (lost.has(records.first + i)) {
+        range.by_columns = range.by_rows = false;
+        continue;
+      }
       const std::int64_t r = records.integers[0][i], c = records.integers[1][i];
       range.add(r, c);
       const std::uint64_t record = records.first + i,
@@ -68,7 +77,8 @@ bool same(ScanGrid::Bounds a, ScanGrid::Bounds b) {
 
 }  // namespace
 
-GridOutline outline_grid(const E57Scan& scan, const ScanColumns& columns, const E57RecordReader& reader) {
+GridOutline outline_grid(const E57Scan& scan, const ScanColumns& columns, const E57RecordReader& reader,
+                         bool salvage) {
   GridOutline outline;
   if (!columns.row || reader.count() == 0) return outline;
   const auto field = [&](std::size_t slot) -> const E57Field& {
@@ -80,9 +90,10 @@ GridOutline outline_grid(const E57Scan& scan, const ScanColumns& columns, const 
   }
   outline.row = ScanGrid::declared(scan.rows, field(*columns.row));
   outline.column = ScanGrid::declared(scan.columns, field(*columns.column));
-  Indices found = read_indices(columns, reader, outline.row, outline.column);
+  Indices found = read_indices(columns, reader, outline.row, outline.column, salvage);
   if (!same(found.row, outline.row) || !same(found.column, outline.column))
-    found = read_indices(columns, reader, found.row, found.column);
+    found = read_indices(columns, reader, found.row, found.column, salvage);
+  if (found.none) return outline;  // all are lost
   outline.row = found.row;
   outline.column = found.column;
   outline.several_returns = found.several;
@@ -97,11 +108,13 @@ GridOutline outline_grid(const E57Scan& scan, const ScanColumns& columns, const 
   return outline;
 }
 
-E57Stream::E57Stream(const std::string& file, const E57Scan& source, std::unique_ptr<E57RecordReader> reader)
+E57Stream::E57Stream(const std::string& file, const E57Scan& source, std::unique_ptr<E57RecordReader> reader,
+                     bool salvage)
     : source_(source),
       where_(file + ": " + source.points.what),
       reader_(std::move(reader)),
-      samples_(where_, source, *reader_) {}
+      samples_(where_, source, *reader_),
+      salvage_(salvage) {}
 
 std::unique_ptr<ScanStream> E57Stream::open(const std::string& file, const E57Contents& contents,
                                             std::size_t index, std::unique_ptr<E57RecordReader> reader,
@@ -110,16 +123,18 @@ std::unique_ptr<ScanStream> E57Stream::open(const std::string& file, const E57Co
   if (reader->count() > kMost)
     fail_input("{}: {}: expected at most {} points, found {}; split the file", file,
                contents.scans.at(index).points.what, kMost, reader->count());
-  std::unique_ptr<E57Stream> stream(new E57Stream(file, contents.scans.at(index), std::move(reader)));
+  std::unique_ptr<E57Stream> stream(
+      new E57Stream(file, contents.scans.at(index), std::move(reader), entry.salvage));
   stream->owner_ = std::move(owner);
-  const GridOutline grid = outline_grid(stream->source_, stream->samples_.columns(), *stream->reader_);
+  const GridOutline grid =
+      outline_grid(stream->source_, stream->samples_.columns(), *stream->reader_, entry.salvage);
   stream->take(grid, entry);
   name_e57_scan(file, contents, index, stream->head_);
   return stream;
 }
 
 std::unique_ptr<ScanStream> E57Stream::open(const std::filesystem::path& file, const ScanEntry& entry) {
-  const auto opened = std::make_shared<const E57File>(file);
+  const auto opened = std::make_shared<const E57File>(file, E57Options{.salvage = entry.salvage});
   const std::vector<E57Scan>& scans = opened->contents().scans;
   if (entry.index >= scans.size())
     fail_input("{}: expected scan {}, found {} scans; choose one of them", opened->name(), entry.index,
@@ -151,7 +166,7 @@ void E57Stream::take(const GridOutline& grid, const ScanEntry& entry) {
   measuring_ = true;
   measure(entry.kept_bytes);
   measuring_ = false;
-  note_tallies(where_, sum_of(tallies_), *reader_, false, head_);
+  note_tallies(where_, sum_of(tallies_), *reader_, salvage_, head_);
   tallies_.clear();
   if (exact_) head_.steps = samples_.steps();
   if (!grid.note.empty()) head_.notes.push_back(grid.note);
@@ -185,8 +200,9 @@ void E57Stream::find_first_returns() {
     std::array<std::array<float, 3>, E57RecordReader::kRange> points;
     SampleTally ignored;
     samples_.points(records, std::span(points).first(records.count), ignored);
+    LostRecords lost(records.lost);
     for (std::size_t i = 0; i < records.count; ++i) {
-      if (!std::isfinite(points[i][0])) continue;
+      if (!std::isfinite(points[i][0]) || lost.has(records.first + i)) continue;
       const std::uint8_t found = return_of(records, i);
       const std::atomic_ref<std::uint8_t> first(first_return_[node_of(records, i)]);
       std::uint8_t held = first.load(std::memory_order_relaxed);
@@ -209,10 +225,19 @@ SampleBlock E57Stream::load(std::uint64_t first, std::size_t count) const {
     const auto part = [&](auto& values) {
       return std::span(values).subspan(values.empty() ? 0 : at, values.empty() ? 0 : records.count);
     };
-    samples_.points(records, part(block_.points), tallies[at / E57RecordReader::kRange], part(block_.exact));
+    SampleTally& tally = tallies[at / E57RecordReader::kRange];
+    samples_.points(records, part(block_.points), tally, part(block_.exact));
     if (intensity_) samples_.intensities(records, part(block_.intensity));
     if (colour_) samples_.colours(records, part(block_.rgb));
-    for (std::size_t i = 0; node_ && i < records.count; ++i) {
+    LostRecords lost(records.lost);
+    for (std::size_t i = 0; i < records.count; ++i) {
+      if (lost.has(records.first + i)) {
+        ++tally.lost;
+        block_.points[at + i] = {NAN, NAN, NAN};
+        if (node_) block_.node[at + i] = Scan::kNoNode;
+        continue;
+      }
+      if (!node_) continue;
       const std::uint32_t node = node_of(records, i);
       const bool has_it = first_return_.empty() || return_of(records, i) <= first_return_[node];
       block_.node[at + i] = has_it ? node : Scan::kNoNode;

@@ -23,6 +23,19 @@ struct E57Records {
   std::vector<Lost> lost{};  // in salvage: records with a value that could not be read, which is 0; ascending
 };
 
+// Which of consecutive records are lost, asked for in ascending order.
+class LostRecords {
+ public:
+  explicit LostRecords(const std::vector<E57Records::Lost>& lost) : at_(lost.begin()), end_(lost.end()) {}
+  bool has(std::uint64_t record) {
+    while (at_ != end_ && at_->end <= record) ++at_;
+    return at_ != end_ && at_->first <= record;
+  }
+
+ private:
+  std::vector<E57Records::Lost>::const_iterator at_, end_;
+};
+
 // A table's records, wherever they lie: in an E57 file, or in a range image made from one.
 class E57RecordReader {
  public:

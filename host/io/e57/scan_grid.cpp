@@ -62,13 +62,12 @@ void ScanGrid::add(const E57Records& records) {
   range = {};
   const auto rows = records.integers[*columns_.row], columns = records.integers[*columns_.column];
   const std::uint64_t across = column_.extent();
-  auto lost = records.lost.begin();
+  LostRecords lost(records.lost);
   bool first = true;
   for (std::size_t i = 0; i < records.count; ++i) {
     const std::uint64_t record = records.first + i;
     std::uint32_t& node = node_[record];
-    while (lost != records.lost.end() && lost->end <= record) ++lost;
-    if (lost != records.lost.end() && lost->first <= record) {
+    if (lost.has(record)) {
       node = Scan::kNoNode;
       continue;
     }

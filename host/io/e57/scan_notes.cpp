@@ -47,13 +47,19 @@ void note_tallies(const std::string& where, const SampleTally& sum, const E57Rec
   }
   note(sum.not_finite, "are not finite");
   note(sum.invalid, "are marked invalid");
+  add_damage_notes(reader, sum.lost, "taken as no-returns", scan.notes);
+}
+
+void add_damage_notes(const E57RecordReader& reader, std::uint64_t lost, const std::string& fate,
+                      std::vector<std::string>& notes) {
   if (!reader.bad_pages().empty())
-    scan.notes.push_back(fmt::format("{} damaged pages of 1024 bytes, the first at byte {}",
-                                     reader.bad_pages().size(),
-                                     *reader.bad_pages().begin() * PagedFile::kPage_bytes));
-  const auto share =
-      static_cast<double>(sum.lost) / static_cast<double>(std::max<std::uint64_t>(reader.count(), 1));
-  note(sum.lost, fmt::format("({:.2f} %) are lost to damage", 100 * share));
+    notes.push_back(fmt::format("{} damaged pages of 1024 bytes, the first at byte {}",
+                                reader.bad_pages().size(),
+                                *reader.bad_pages().begin() * PagedFile::kPage_bytes));
+  if (lost == 0) return;
+  const double share = static_cast<double>(lost) / static_cast<double>(reader.count());
+  notes.push_back(fmt::format("{} of {} points ({:.3g} %) are lost to damage: {}", lost, reader.count(),
+                              100 * share, fate));
 }
 
 void add_e57_notes(const E57Scan& source, const ScanColumns& columns, std::uint64_t count, Scan& scan) {

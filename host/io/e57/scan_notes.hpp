@@ -18,6 +18,9 @@ SampleTally sum_of(const std::vector<SampleTally>& in_order);
 // What is no return, and why; damaged pages. Throws ErrorKind::input for absurd coordinates, not in salvage.
 void note_tallies(const std::string& where, const SampleTally& sum, const E57RecordReader& reader,
                   bool salvage, Scan& scan);
+// Damaged pages that were met, and how many of the reader's points are lost: what became of them.
+void add_damage_notes(const E57RecordReader& reader, std::uint64_t lost, const std::string& fate,
+                      std::vector<std::string>& notes);
 // What is not used, limits, the origin.
 void add_e57_notes(const E57Scan& source, const ScanColumns& columns, std::uint64_t count, Scan& scan);
 
