@@ -61,7 +61,7 @@ class Conversion {
     if (is_las(request_.in)) return std::make_unique<io::LasAsE57>(request_.in);
     std::vector<fs::path> files{request_.in};
     files.insert(files.end(), request_.more.begin(), request_.more.end());
-    return std::make_unique<io::ExrSource>(files);
+    return std::make_unique<io::ExrSource>(files, request_.salvage);
   }
   const std::set<std::size_t>& wanted() const { return wanted_; }
 
@@ -133,8 +133,7 @@ class Conversion {
     if (!source.dropped().empty())
       log::warning("{}: dropped: {}", request_.in.filename().string(), fmt::join(source.dropped(), ", "));
     for (std::size_t k = 0; k < source.contents().scans.size(); ++k)
-      for (const auto& note : source.notes(source.points(k)))
-        log::warning("scan {}: {}", name_of(source, k), note);
+      for (const auto& note : source.notes(k)) log::warning("scan {}: {}", name_of(source, k), note);
     Json outputs = Json::array();
     if (is_e57(request_.out)) {
       io::copy_e57(source, request_.out);
@@ -168,12 +167,9 @@ class Conversion {
   }
 
   static Json scan_json(const io::E57Source& source, std::size_t k) {
-    return {{"name", name_of(source, k)},
-            {"samples", source.contents().scans[k].points.count},
-            {"dropped", source.dropped()},
-            {"changed", Json::array()},
-            {"notes", source.notes(source.points(k))},
-            {"records", "as stored"}};
+    return {{"name", name_of(source, k)},  {"samples", source.contents().scans[k].points.count},
+            {"dropped", source.dropped()}, {"changed", Json::array()},
+            {"notes", source.notes(k)},    {"records", "as stored"}};
   }
 
   const ConvertRequest& request_;

@@ -67,7 +67,7 @@ std::string describe_field(const E57Field& field) {
 
 }  // namespace
 
-ExrSource::ExrSource(const std::vector<fs::path>& files) {
+ExrSource::ExrSource(const std::vector<fs::path>& files, bool salvage) : salvage_(salvage) {
   for (const fs::path& file : files) {
     const ExrRecords records(file);
     const RecordsDescription& description = records.description();
@@ -95,6 +95,7 @@ ExrSource::ExrSource(const std::vector<fs::path>& files) {
     fail_input("{}: header: {}: expected one scan, found {} in {}; copy or write the file again",
                images_[0].file.string(), records_attribute::kScanXml, contents().scans.size(),
                images_.size());
+  if (salvage_) leave_out_damage();
 }
 
 std::filesystem::path ExrSource::part_file(std::size_t part) const {
@@ -110,12 +111,13 @@ std::filesystem::path ExrSource::part_file(std::size_t part) const {
   return file;
 }
 
-std::unique_ptr<E57RecordReader> ExrSource::open(std::size_t part) const {
+std::unique_ptr<E57RecordReader> ExrSource::open_stored(std::size_t part) const {
   const E57Part& wanted = outline().parts.at(part);
-  auto records = std::make_unique<ExrRecords>(wanted.points ? images_[*wanted.scan].file : part_file(part));
-  if (records->count() != table(part).count)
+  auto records =
+      std::make_unique<ExrRecords>(wanted.points ? images_[*wanted.scan].file : part_file(part), salvage_);
+  if (records->count() != stored_count(part))
     fail_input("{}: header: expected {} records of {}, found {}; copy or write the file again", name(),
-               table(part).count, wanted.name, records->count());
+               stored_count(part), wanted.name, records->count());
   records->open(table(part));
   return records;
 }
@@ -234,13 +236,13 @@ ScanEntry list_exr_records(const fs::path& file) {
 }
 
 Scan read_exr_records(const fs::path& file, const ReadOptions& options) {
-  const ExrSource source({file});
+  const ExrSource source({file}, options.salvage);
   const auto reader = source.open(source.points(0));
   return read_e57(file.string(), source.contents(), 0, *reader, options);
 }
 
 std::unique_ptr<ScanStream> stream_exr_records(const fs::path& file, const ScanEntry& entry) {
-  const auto source = std::make_shared<const ExrSource>(std::vector{file});
+  const auto source = std::make_shared<const ExrSource>(std::vector{file}, entry.salvage);
   return E57Stream::open(file.string(), source->contents(), 0, source->open(source->points(0)), entry,
                          source);
 }

@@ -14,14 +14,14 @@ namespace hybrid::io {
 
 // Range images with records (exr_records.hpp) as the E57 file they were made from: one of its scans, or
 // several, in any order. What belongs to scans that are not given is left out. Throws ErrorKind::input: no
-// such images, of different files, one twice, damaged.
+// such images, of different files, one twice, damaged; in salvage as E57Source::leave_out_damage().
 class ExrSource : public E57Source {
  public:
-  explicit ExrSource(const std::vector<std::filesystem::path>& files);
-  std::unique_ptr<E57RecordReader> open(std::size_t part) const override;
+  explicit ExrSource(const std::vector<std::filesystem::path>& files, bool salvage = false);
   std::vector<char> blob(std::size_t part) const override;
 
  private:
+  std::unique_ptr<E57RecordReader> open_stored(std::size_t part) const override;
   std::filesystem::path part_file(std::size_t part) const;
 
   struct Image {
@@ -29,6 +29,7 @@ class ExrSource : public E57Source {
     RecordsDescription description;
   };
   std::vector<Image> images_;  // by scan
+  bool salvage_;
 };
 
 // Where a source's blobs and other tables go: `<stem>.parts` beside its range images, and each one's name in

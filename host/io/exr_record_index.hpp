@@ -16,7 +16,8 @@ class RecordIndex {
   static constexpr std::uint32_t kNowhere = 0xffffffffu;  // also: a node without a record
 
   // Refers to all of them.
-  RecordIndex(const std::string& file, const RecordLayout& layout, const std::vector<RecordGroup>& groups);
+  RecordIndex(const std::string& file, const RecordLayout& layout, const std::vector<RecordGroup>& groups,
+              bool salvage);
 
   // Every group once. Throws ErrorKind::input for a record that is there twice or beyond the count.
   void add(std::size_t group, const std::uint32_t* source);
@@ -33,8 +34,9 @@ class RecordIndex {
   // A group comes into memory, or leaves it; not needed where all are kept.
   void load(std::size_t group, const std::uint32_t* source);
   void unload(std::size_t group);
-  // The pixels of records [first, first + count), whose groups are in memory; valid until the next call.
-  // This, keep() and load() throw ErrorKind::input when the file holds other records than add() saw.
+  // The pixels of records [first, first + count), whose groups are in memory; valid until the next call. In
+  // salvage kNowhere for those that no group has. This, keep() and load() throw ErrorKind::input when the
+  // file holds other records than add() saw.
   const std::uint32_t* pixels(std::uint64_t first, std::size_t count);
 
  private:
@@ -50,6 +52,7 @@ class RecordIndex {
   const std::string& file_;
   const RecordLayout& layout_;
   const std::vector<RecordGroup>& groups_;
+  bool salvage_;
   std::vector<bool> seen_;
   std::uint64_t placed_ = 0;
   std::vector<Stretch> stretch_;  // by group

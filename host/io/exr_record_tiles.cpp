@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <memory>
 
@@ -42,6 +43,20 @@ Imf::FrameBuffer RecordTiles::slices(std::span<const RecordChannel> channels) co
   return buffer;
 }
 
+void RecordTiles::clear_tile(int tile_x, int tile_y, std::span<const RecordChannel> channels) {
+  const int x = (tile_x - group_.tile_x) * kTile, y = (tile_y - group_.tile_y) * kTile;
+  const auto width = static_cast<std::size_t>(std::min(kTile, group_.width - x));
+  for (std::size_t k = 0; k < channels.size(); ++k)
+    for (int row = y; row < std::min(y + kTile, group_.height); ++row) {
+      const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(group_.width) +
+                             static_cast<std::size_t>(x);
+      if (channels[k].bytes() == 4)
+        std::fill_n(words(k) + at, width, channels[k].empty);
+      else
+        std::fill_n(halves(k) + at, width, std::uint16_t{0});
+    }
+}
+
 void RecordTiles::hash(std::span<const RecordChannel> channels, int image_tiles_across,
                        std::span<std::uint64_t> tiles) const {
   const auto across = static_cast<std::size_t>(group_.tiles_x);
@@ -61,6 +76,24 @@ void RecordTiles::hash(std::span<const RecordChannel> channels, int image_tiles_
     tiles[static_cast<std::size_t>(group_.tile_y + tile_y) * static_cast<std::size_t>(image_tiles_across) +
           static_cast<std::size_t>(group_.tile_x + tile_x)] = XXH3_64bits_digest(state.get());
   });
+}
+
+std::string tile_sums_text(std::span<const std::uint64_t> tiles) {
+  std::string text;
+  for (const std::uint64_t sum : tiles) text += fmt::format("{:016x}", sum);
+  return text;
+}
+
+std::vector<std::uint64_t> parse_tile_sums(std::string_view text, std::size_t tiles) {
+  std::vector<std::uint64_t> sums;
+  if (text.size() != kTileSum_digits * tiles) return sums;
+  for (std::size_t at = 0; at < text.size(); at += kTileSum_digits) {
+    const char* const end = text.data() + at + kTileSum_digits;
+    std::uint64_t sum = 0;
+    if (std::from_chars(text.data() + at, end, sum, 16).ptr != end) return {};
+    sums.push_back(sum);
+  }
+  return sums;
 }
 
 std::string records_checksum(std::span<const std::string> texts, std::span<const std::uint64_t> tiles) {

@@ -39,6 +39,8 @@ class RecordTiles {
 
   // For the library; valid while this lives.
   Imf::FrameBuffer slices(std::span<const RecordChannel> channels) const;
+  // Makes every node of one of the image's tiles one without a record.
+  void clear_tile(int tile_x, int tile_y, std::span<const RecordChannel> channels);
   // XXH3-64 of every tile over its channels, into the image's tiles, row by row.
   void hash(std::span<const RecordChannel> channels, int image_tiles_across,
             std::span<std::uint64_t> tiles) const;
@@ -47,6 +49,11 @@ class RecordTiles {
   RecordGroup group_;
   std::vector<std::vector<char>> pixels_;  // by channel
 };
+
+// All tiles' checksums as an attribute's text, and back; none where that holds others than so many.
+inline constexpr std::size_t kTileSum_digits = 16;
+std::string tile_sums_text(std::span<const std::uint64_t> tiles);
+std::vector<std::uint64_t> parse_tile_sums(std::string_view text, std::size_t tiles);
 
 // Over the texts of the header and all tiles, in hexadecimal digits.
 std::string records_checksum(std::span<const std::string> texts, std::span<const std::uint64_t> tiles);

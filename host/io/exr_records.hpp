@@ -25,6 +25,7 @@ inline constexpr const char* kScanXml = "hybrid:e57_scan_xml";    // this scan's
 inline constexpr const char* kScan = "hybrid:e57_scan";           // its index there
 inline constexpr const char* kParts = "hybrid:e57_parts";         // the folder beside with blobs and tables
 inline constexpr const char* kPartSums = "hybrid:e57_part_sums";  // of its blobs: "OFFSET:XXH3 ..."
+inline constexpr const char* kTileSums = "hybrid:tile_xxh3";      // XXH3-64 of each, row by row
 inline constexpr const char* kOrigin = "hybrid:origin";           // of x y z, metres, where they are large
 }  // namespace records_attribute
 
@@ -119,13 +120,14 @@ bool holds_exr_records(const std::filesystem::path& file);
 class ExrRecords : public E57RecordReader {
  public:
   // The header alone.
-  explicit ExrRecords(const std::filesystem::path& file);
+  explicit ExrRecords(const std::filesystem::path& file, bool salvage = false);
   ~ExrRecords() override;
   const RecordLayout& layout() const;
   const RecordsDescription& description() const;
 
   // Before the first read(): which table the channels hold. Reads the image once: finds every record and
-  // checks the content. Throws ErrorKind::input.
+  // checks the content. Throws ErrorKind::input; in salvage records of damaged tiles are lost instead, as far
+  // as the header's checksums are there and tell which they are.
   void open(const E57Table& table);
   std::uint64_t count() const override;
   void read(std::span<const std::size_t> fields, std::uint64_t first, std::uint64_t count,

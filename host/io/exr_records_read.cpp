@@ -19,6 +19,7 @@
 #include "io/exr_threads.hpp"
 #include "io/range_exr_band.hpp"
 #include "io/range_exr_header.hpp"
+#include "io/salvage.hpp"
 #include "io/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -28,15 +29,27 @@ using namespace records_attribute;
 
 constexpr std::uint64_t kBlock_records = 1 << 16;
 
+// Those of the records from `first` on that have no pixel.
+std::vector<E57Records::Lost> lost_of(std::uint64_t first, std::span<const std::uint32_t> pixels) {
+  std::vector<E57Records::Lost> lost;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels[i] != RecordIndex::kNowhere) continue;
+    const std::uint64_t record = first + i;
+    if (lost.empty() || lost.back().end != record) lost.push_back({record, record});
+    ++lost.back().end;
+  }
+  return lost;
+}
+
 }  // namespace
 
 struct ExrRecords::State {
-  explicit State(const std::filesystem::path& path) : file(path.string()) {
+  State(const std::filesystem::path& path, bool for_salvage) : file(path.string()), salvage(for_salvage) {
     {
       InputFile input(path);
       check_exr_header(input);
     }
-    guarded([&] { in = std::make_unique<Imf::TiledInputFile>(path.c_str(), start_exr_threads()); });
+    open_image();
     if (text(range_attribute::kFormat) != kFormatName)
       fail_input("{}: header: expected {} \"{}\", found {}; these are no records", file,
                  range_attribute::kFormat, kFormatName, in_quotes(text(range_attribute::kFormat)));
@@ -60,6 +73,10 @@ struct ExrRecords::State {
       description.cuts.push_back(number(kCuts, word));
   }
 
+  void open_image() {
+    guarded([&] { in = std::make_unique<Imf::TiledInputFile>(file.c_str(), start_exr_threads()); });
+  }
+
   const Imf::Header& header() const { return in->header(); }
   std::string text(const char* name) const { return text_attribute(header(), name); }
   std::uint64_t number(const char* name, std::string_view word) const {
@@ -76,8 +93,8 @@ struct ExrRecords::State {
     with_exr_errors(body, [&](const char* what) {
       fail_input(
           "{}: expected a range image with records, found another or a damaged file ({}); copy or write it "
-          "again",
-          file, what);
+          "again, {}",
+          file, what, kSalvageRemedy);
     });
   }
 
@@ -91,7 +108,7 @@ struct ExrRecords::State {
                    : type == Imf::HALF ? "half"
                                        : "float",
                    name);
-      channels.push_back({name, type, 0});
+      channels.push_back({name, type, name == "source" ? RecordIndex::kNowhere : 0});
     };
     const auto has = [&](const char* name) { return header().channels().findChannel(name) != nullptr; };
     add("source", Imf::UINT);
@@ -115,14 +132,83 @@ struct ExrRecords::State {
     for (const std::size_t number : numbers) some.push_back(channels[number]);
     RecordTiles tiles(g, some);
     if (decoded && decoded->get(group, numbers, tiles)) return tiles;
-    guarded([&] {
-      in->setFrameBuffer(tiles.slices(some));
-      in->readTiles(g.tile_x, g.tile_x + g.tiles_x - 1, g.tile_y, g.tile_y + g.tiles_y - 1);
-    });
+    try {
+      guarded([&] {
+        in->setFrameBuffer(tiles.slices(some));
+        in->readTiles(g.tile_x, g.tile_x + g.tiles_x - 1, g.tile_y, g.tile_y + g.tiles_y - 1);
+      });
+    } catch (const Error& error) {
+      if (!salvage || error.kind() != ErrorKind::input) throw;
+      open_image();
+      load_good_tiles(g, some, tiles);
+    }
+    clear_lost(tiles, some);
     return tiles;
   }
 
+  // Of tiles that are lost every node is without a record.
+  void clear_lost(RecordTiles& tiles, std::span<const RecordChannel> some) const {
+    const RecordGroup& g = tiles.group();
+    for (int y = g.tile_y; y < g.tile_y + g.tiles_y; ++y)
+      for (int x = g.tile_x; x < g.tile_x + g.tiles_x; ++x)
+        if (!lost.empty() && lost[tile_number(x, y)]) tiles.clear_tile(x, y, some);
+  }
+
+  std::size_t tile_number(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(in->numXTiles()) +
+           static_cast<std::size_t>(x);
+  }
+
+  // In salvage: tiles that cannot be decoded are lost.
+  void load_good_tiles(const RecordGroup& g, std::span<const RecordChannel> some, RecordTiles& tiles) {
+    for (int y = g.tile_y; y < g.tile_y + g.tiles_y; ++y)
+      for (int x = g.tile_x; x < g.tile_x + g.tiles_x; ++x) {
+        const std::size_t number = tile_number(x, y);
+        try {
+          in->setFrameBuffer(tiles.slices(some));
+          in->readTile(x, y);
+        } catch (const std::bad_alloc&) {
+          throw;
+        } catch (const std::exception&) {
+          lost[number] = true;
+          open_image();  // a stream that met its end stays there
+        }
+      }
+  }
+
+  // In salvage, of a group with all channels: tiles whose checksum is another are lost, too.
+  void lose_changed_tiles(RecordTiles& tiles, std::span<const std::uint64_t> hashes) {
+    const RecordGroup& g = tiles.group();
+    for (int y = g.tile_y; y < g.tile_y + g.tiles_y; ++y)
+      for (int x = g.tile_x; x < g.tile_x + g.tiles_x; ++x)
+        if (hashes[tile_number(x, y)] != sums[tile_number(x, y)]) lost[tile_number(x, y)] = true;
+    clear_lost(tiles, channels);
+  }
+
+  std::vector<std::string> texts() const {
+    std::vector<std::string> all;
+    for (const char* name : {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts})
+      all.push_back(text(name));
+    if (const std::string part_sums = text(kPartSums); !part_sums.empty()) all.push_back(part_sums);
+    return all;
+  }
+
+  // In salvage: the header must be as it was written, or nobody knows what the records are.
+  void prepare_salvage(std::size_t tiles) {
+    lost.assign(tiles, false);
+    sums = parse_tile_sums(text(kTileSums), tiles);
+    if (sums.size() == tiles && records_checksum(texts(), sums) == text(range_attribute::kChecksum)) return;
+    fail_input(
+        "{}: header: expected it with the checksum {} and {} tiles' own, found {}; copy or write the file "
+        "again",
+        file, text(range_attribute::kChecksum), tiles,
+        sums.empty() ? "none of these" : "another: it is damaged");
+  }
+
   std::string file;
+  bool salvage = false;
+  std::vector<bool> lost;           // by tile; empty without salvage
+  std::vector<std::uint64_t> sums;  // the same
   std::unique_ptr<Imf::TiledInputFile> in;
   RecordLayout layout;
   RecordsDescription description;
@@ -172,7 +258,8 @@ struct ExrRecords::State {
       }
     if (!index->keeps_all()) return;
     const std::uint32_t* pixels = index->pixels(first, static_cast<std::size_t>(end - first));
-    for (std::uint64_t i = 0; i < end - first; ++i) want(group_at(layout, pixels[i]));
+    for (std::uint64_t i = 0; i < end - first; ++i)
+      if (pixels[i] != RecordIndex::kNowhere) want(group_at(layout, pixels[i]));
   }
 
   // The stored bits of a field, without its minimum.
@@ -212,7 +299,8 @@ struct ExrRecords::State {
   }
 };
 
-ExrRecords::ExrRecords(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {}
+ExrRecords::ExrRecords(const std::filesystem::path& file, bool salvage)
+    : state_(std::make_unique<State>(file, salvage)) {}
 ExrRecords::~ExrRecords() = default;
 
 const RecordLayout& ExrRecords::layout() const {
@@ -227,18 +315,20 @@ std::uint64_t ExrRecords::count() const {
 
 void ExrRecords::open(const E57Table& table) {
   State& s = *state_;
-  if (!s.in->isComplete())
+  if (!s.in->isComplete() && !s.salvage)
     fail_input(
-        "{}: tiles: expected all {} x {}, found some missing; the file is cut short: copy or write it again",
-        s.file, s.in->numXTiles(), s.in->numYTiles());
+        "{}: tiles: expected all {} x {}, found some missing; the file is cut short: copy or write it "
+        "again, {}",
+        s.file, s.in->numXTiles(), s.in->numYTiles(), kSalvageRemedy);
   s.table = table;
   s.groups = groups_of(s.layout);
   s.fields = channels_of(table, s.layout);
   s.list_channels();
-  s.index.emplace(s.file, s.layout, s.groups);
+  s.index.emplace(s.file, s.layout, s.groups, s.salvage);
   const int across = s.in->numXTiles();
   std::vector<std::uint64_t> hashes(static_cast<std::size_t>(across) *
                                     static_cast<std::size_t>(s.in->numYTiles()));
+  if (s.salvage) s.prepare_salvage(hashes.size());
   std::vector<std::size_t> all(s.channels.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   // Read again are the records' places and what is stored of them.
@@ -248,8 +338,9 @@ void ExrRecords::open(const E57Table& table) {
   DecodedTiles decoded(s.groups, again);
   for (std::size_t group = 0; group < s.groups.size(); ++group) {
     check_interrupted();
-    const RecordTiles tiles = s.load(group, all);
+    RecordTiles tiles = s.load(group, all);
     tiles.hash(s.channels, across, hashes);
+    if (s.salvage) s.lose_changed_tiles(tiles, hashes);
     s.index->add(group, tiles.words(0));
     decoded.put(group, tiles);
   }
@@ -257,17 +348,22 @@ void ExrRecords::open(const E57Table& table) {
   if (s.index->wants_all())
     for (std::size_t group = 0; group < s.groups.size(); ++group)
       s.index->keep(group, s.load(group, std::span(again).first(1)).words(0));
-  std::vector<std::string> texts;
-  for (const char* name : {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts})
-    texts.push_back(s.text(name));
-  if (const std::string sums = s.text(kPartSums); !sums.empty()) texts.push_back(sums);
-  const std::string expected = s.text(range_attribute::kChecksum), found = records_checksum(texts, hashes);
+  if (s.salvage) {
+    const auto tiles = std::ranges::count(s.lost, true);
+    if (tiles == 0) return;
+    const auto first = std::ranges::find(s.lost, true) - s.lost.begin();
+    notes_.push_back(
+        fmt::format("{} of {} tiles of 256 x 256 nodes are damaged, the first at row {}, column {}", tiles,
+                    s.lost.size(), first / across * int{kRangeTile_px}, first % across * int{kRangeTile_px}));
+    return;
+  }
+  const std::string expected = s.text(range_attribute::kChecksum),
+                    found = records_checksum(s.texts(), hashes);
   if (s.index->placed() != s.layout.samples || expected != found)
     fail_input(
         "{}: content: expected {} records and checksum {}, found {} and {}; the file is damaged: copy or "
-        "write "
-        "it again",
-        s.file, s.layout.samples, expected, s.index->placed(), found);
+        "write it again, {}",
+        s.file, s.layout.samples, expected, s.index->placed(), found, kSalvageRemedy);
 }
 
 void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, std::uint64_t count,
@@ -286,14 +382,17 @@ void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, 
       std::vector<std::int64_t> integers(fields.size() * kRange);
       std::vector<double> reals(fields.size() * kRange);
       const std::uint32_t* pixels = block + (records.first - at);
+      if (s.salvage) records.lost = lost_of(records.first, {pixels, records.count});
+      const auto is_there = [&](std::size_t i) { return pixels[i] != RecordIndex::kNowhere; };
       for (std::size_t k = 0; k < fields.size(); ++k) {
         const auto integer = std::span(integers).subspan(k * kRange, records.count);
         const auto real = std::span(reals).subspan(k * kRange, records.count);
         if (s.table.fields[fields[k]].is_integer()) {
-          for (std::size_t i = 0; i < records.count; ++i) integer[i] = s.integer(k, pixels[i]);
+          for (std::size_t i = 0; i < records.count; ++i)
+            integer[i] = is_there(i) ? s.integer(k, pixels[i]) : 0;
           records.integers[k] = integer;
         } else {
-          for (std::size_t i = 0; i < records.count; ++i) real[i] = s.real(k, pixels[i]);
+          for (std::size_t i = 0; i < records.count; ++i) real[i] = is_there(i) ? s.real(k, pixels[i]) : 0;
           records.reals[k] = real;
         }
       }

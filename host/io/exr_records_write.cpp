@@ -65,15 +65,17 @@ class Writer {
   void write() {
     write_atomically(file_, [&](const std::filesystem::path& temporary) {
       write_exr_stream(temporary, [&](ExrStream& stream) {
-        stream.placeholder = std::string(32, '?');
+        const std::string& checksum = stream.add_placeholder(32);
+        const std::string& sums = stream.add_placeholder(kTileSum_digits * hashes_.size());
         {
-          Imf::TiledOutputFile out(stream, header(stream.placeholder), start_exr_threads());
+          Imf::TiledOutputFile out(stream, header(checksum, sums), start_exr_threads());
           out_ = &out;
           for (std::size_t k = 0; k < groups_.size(); ++k)
             if (plan_.last[k] == RecordPlan::kNone) finish(k);
           write_records();
         }
-        stream.replace_placeholder(records_checksum(texts(), hashes_));
+        stream.replace_placeholder(0, records_checksum(texts(), hashes_));
+        stream.replace_placeholder(1, tile_sums_text(hashes_));
       });
     });
   }
@@ -136,7 +138,7 @@ class Writer {
     return texts;
   }
 
-  Imf::Header header(const std::string& checksum) const {
+  Imf::Header header(const std::string& checksum, const std::string& tile_sums) const {
     Imf::Header header(plan_.layout.cols, plan_.layout.rows);
     if (plan_.layout.grid()) header.displayWindow().max.y = plan_.layout.grid_rows - 1;
     header.compression() = Imf::PIZ_COMPRESSION;
@@ -153,6 +155,7 @@ class Writer {
       if (!values[k].empty()) text(names[k], values[k]);
     text(range_attribute::kFormat, kFormatName);
     text(range_attribute::kChecksum, checksum);
+    text(kTileSums, tile_sums);
     for (std::size_t k = 0; k < fields_.size(); ++k)
       text(fmt::format("{}field {}", range_attribute::kPrefix, table_.fields[k].name),
            encoding_of(table_.fields[k], fields_[k]));

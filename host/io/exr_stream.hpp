@@ -1,6 +1,7 @@
 #pragma once
 #include <ImfIO.h>
 
+#include <deque>
 #include <string>
 #include <string_view>
 
@@ -16,24 +17,32 @@ class ExrStream : public Imf::OStream {
   explicit ExrStream(const std::filesystem::path& file) : Imf::OStream(file.c_str()), file_(file) {}
 
   void write(const char bytes[], int count) override {
-    if (std::string_view(bytes, static_cast<std::size_t>(count)) == placeholder) placeholder_at_ = tellp();
+    for (Placeholder& one : placeholders_)
+      if (std::string_view(bytes, static_cast<std::size_t>(count)) == one.text) one.at = tellp();
     file_.write(bytes, static_cast<std::size_t>(count));
   }
   std::uint64_t tellp() override { return file_.position(); }
   void seekp(std::uint64_t position) override { file_.seek(position); }
   void finish() { file_.close(); }
 
-  // An attribute's text that is known only when all else is written: say it before, put another of its length
-  // in its place after the library's output object has ended.
-  std::string placeholder{};
-  void replace_placeholder(const std::string& by) {
-    seekp(placeholder_at_);
-    write(by.data(), static_cast<int>(by.size()));
+  // Texts of attributes that are known only when all else is written: say them before, each another, and put
+  // others of their length in their places after the library's output object has ended.
+  const std::string& add_placeholder(std::size_t length) {
+    placeholders_.push_back({std::string(length, static_cast<char>('!' + placeholders_.size()))});
+    return placeholders_.back().text;
+  }
+  void replace_placeholder(std::size_t number, const std::string& by) {
+    seekp(placeholders_.at(number).at);
+    file_.write(by.data(), by.size());
   }
 
  private:
+  struct Placeholder {
+    std::string text{};
+    std::uint64_t at = 0;
+  };
   OutputFile file_;
-  std::uint64_t placeholder_at_ = 0;
+  std::deque<Placeholder> placeholders_{};
 };
 
 // Calls body(stream), in which the library's output object lives and dies; throws what went wrong with the

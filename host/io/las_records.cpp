@@ -256,7 +256,7 @@ LasAsE57::LasAsE57(const std::filesystem::path& file) {
 
 LasAsE57::~LasAsE57() = default;
 
-std::unique_ptr<E57RecordReader> LasAsE57::open(std::size_t) const {
+std::unique_ptr<E57RecordReader> LasAsE57::open_stored(std::size_t) const {
   return std::make_unique<Reader>(records_);
 }
 

@@ -15,10 +15,10 @@ class LasAsE57 : public E57Source {
  public:
   explicit LasAsE57(const std::filesystem::path& file);
   ~LasAsE57() override;
-  std::unique_ptr<E57RecordReader> open(std::size_t part) const override;
   std::vector<char> blob(std::size_t part) const override;
 
  private:
+  std::unique_ptr<E57RecordReader> open_stored(std::size_t part) const override;
   class Records;
   class Reader;
   std::shared_ptr<const Records> records_;

@@ -36,7 +36,7 @@ std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOpt
 }
 
 Scan read_exr(const std::filesystem::path& file, const ScanEntry& entry) {
-  return holds_exr_records(file) ? read_exr_records(file, {.exact = entry.exact})
+  return holds_exr_records(file) ? read_exr_records(file, {.salvage = entry.salvage, .exact = entry.exact})
                                  : read_exr_scan(file, {.salvage = entry.salvage});
 }
 

@@ -148,7 +148,7 @@ ScanAsE57::ScanAsE57(const ScanStream& scan) : scan_(scan) {
   describe(scan.head().name, write_e57_xml(contents, {}));
 }
 
-std::unique_ptr<E57RecordReader> ScanAsE57::open(std::size_t) const {
+std::unique_ptr<E57RecordReader> ScanAsE57::open_stored(std::size_t) const {
   return std::make_unique<ScanRecords>(scan_);
 }
 

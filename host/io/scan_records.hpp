@@ -36,7 +36,7 @@ class ScanRecords : public E57RecordReader {
 class ScanAsE57 : public E57Source {
  public:
   explicit ScanAsE57(const ScanStream& scan);
-  std::unique_ptr<E57RecordReader> open(std::size_t part) const override;
+  std::unique_ptr<E57RecordReader> open_stored(std::size_t part) const override;
   std::vector<char> blob(std::size_t part) const override;
 
  private:

@@ -8,6 +8,8 @@
 #include "fuzz/check_scan.hpp"
 #include "fuzz/check_stream.hpp"
 #include "fuzz/targets.hpp"
+#include "io/e57_scans.hpp"
+#include "io/exr_e57.hpp"
 #include "io/exr_records.hpp"
 #include "io/file_in_memory.hpp"
 #include "io/foreign_exr.hpp"
@@ -231,6 +233,36 @@ Seeds range_exr(const fs::path& scratch) {
   return seeds;
 }
 
+// An E57 file's records as a grid, and as a list.
+Seeds records_exr(const fs::path& scratch) {
+  Seeds seeds;
+  for (const bool grid : {true, false}) {
+    io::E57Scan scan;
+    for (const char* axis : {"cartesianX", "cartesianY", "cartesianZ"})
+      scan.points.fields.push_back(scaled_field(axis, -70'000, 70'000, 1e-3));
+    scan.points.fields.push_back(real_field("intensity", io::E57Type::double_real));
+    for (const char* name : {"rowIndex", "columnIndex"})
+      if (grid) scan.points.fields.push_back(integer_field(name, 0, 7));
+    E57Columns columns = random_columns(scan.points.fields, 30);
+    for (std::size_t i = 0; grid && i < 30; ++i) {
+      columns.integers[4][i] = static_cast<std::int64_t>(i % 5);
+      columns.integers[5][i] = static_cast<std::int64_t>(i / 5);
+    }
+    write_e57(scratch / "records.e57", scan, columns);
+    io::write_exr_scan(io::E57FileSource(scratch / "records.e57"), 0, scratch / "records.exr", {});
+    seeds.push_back(file_bytes(scratch / "records.exr"));
+  }
+  return seeds;
+}
+
+// As read_both_ways(); damaged ones also in blocks.
+void read_records(const fs::path& file, std::string_view bytes) {
+  read_both_ways(file, bytes);
+  const auto entries = unless_refused([&] { return io::list_scans(file, {.salvage = true}); });
+  for (std::size_t i = 0; entries && i < entries->size(); ++i)
+    check_stream(file, (*entries)[i], unless_refused([&] { return io::read_scan(file, (*entries)[i]); }));
+}
+
 Seeds samples(const fs::path& scratch) {
   Seeds seeds;
   for (const int rows : {1, 70}) {
@@ -295,6 +327,7 @@ std::vector<FuzzTarget> scan_fuzz_targets() {
           {"las", "scan.las", 800, las, read_las_both_ways},
           {"foreign_exr", "scan.exr", 2048, foreign_exr, read_both_ways},
           {"range_exr", "scan.exr", 3200, range_exr, read_both_ways},
+          {"records_exr", "scan.exr", 6144, records_exr, read_records},
           {"samples", "scan.hsf", 3200, samples, read_sealed}};
 }
 

@@ -46,7 +46,7 @@ class E57SalvagedCopy : public ::testing::Test {
     EXPECT_THROW(io::copy_e57(io::E57FileSource(damaged), copy), Error);
     const io::E57FileSource source(damaged, {}, {.salvage = true});
     dropped_ = source.dropped();
-    notes_ = source.notes(source.points(scans - 1));
+    notes_ = source.notes(scans - 1);
     io::copy_e57(source, copy);
     const io::E57File read(copy), original(damaged, {.salvage = true});
     EXPECT_EQ(read.contents().scans.size(), scans);

@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "io/e57/e57_xml.hpp"
+#include "io/salvage.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -52,6 +53,7 @@ bool within(TextRange inner, const std::vector<TextEdit>& cuts) {
 void E57Source::describe(const std::string& name, std::string xml) {
   name_ = name;
   xml_ = std::move(xml);
+  tables_.clear();
   contents_ = parse_e57_xml(name_, xml_, false);
   outline_ = outline_e57_xml(name_, xml_);
   if (outline_.scans.size() != contents_.scans.size() || outline_.images.size() != contents_.images.size())
@@ -72,151 +74,166 @@ std::size_t E57Source::points(std::size_t scan) const {
   return static_cast<std::size_t>(std::ranges::find_if(outline_.parts, is_its) - outline_.parts.begin());
 }
 
-// What is done to the description.
-struct E57FileSource::Cuts {
-  std::string xml;  // the original
-  E57Outline all;   // of that
-  std::vector<TextEdit> edits{};
+std::unique_ptr<E57RecordReader> E57Source::open(std::size_t part) const {
+  auto reader = open_stored(part);
+  if (kept_.empty() || !kept_.at(part)) return reader;
+  return std::make_unique<KeptRecords>(std::move(reader), table(part), *kept_[part]);
+}
 
-  bool has(TextRange range) const { return within(range, edits); }
-  void cut(TextRange range) { edits.push_back({range, {}}); }
-};
+std::vector<std::string> E57Source::notes(std::size_t scan) const {
+  return kept_.empty() ? std::vector<std::string>() : kept_.at(points(scan))->notes;
+}
+
+std::uint64_t E57Source::stored_count(std::size_t part) const {
+  if (kept_.empty() || !kept_.at(part)) return table(part).count;
+  return kept_[part]->count + kept_[part]->lost;
+}
+
+// A picture goes with its mask, and the other way round.
+void E57Source::cut_damaged_blobs(std::vector<TextEdit>& edits) {
+  for (std::size_t part = 0; part < outline_.parts.size(); ++part) {
+    const TextRange element = outline_.parts[part].element;
+    if (!outline_.parts[part].blob || within(element, edits)) continue;
+    try {
+      blob(part);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      TextRange all_of_it = element;
+      std::string what = outline_.parts[part].name;
+      for (std::size_t k = 0; k < outline_.images.size(); ++k)
+        if (within(element, {{outline_.images[k], {}}})) {
+          all_of_it = outline_.images[k];
+          what = fmt::format("photograph {}", contents_.images[k].name);
+        }
+      drop(fmt::format("{} (damaged: {})", what, Damage(name_).shortened(error.what())));
+      edits.push_back({all_of_it, {}});
+    }
+  }
+}
+
+// Nothing for a table that is left out.
+std::optional<KeptRanges> E57Source::find_kept_records(std::size_t part, std::vector<TextEdit>& edits) {
+  const E57Part& described = outline_.parts[part];
+  const E57Table& stored = table(part);
+  std::optional<KeptRanges> kept;
+  try {
+    std::vector<std::size_t> fields(stored.fields.size());
+    std::iota(fields.begin(), fields.end(), std::size_t{0});
+    kept = find_kept(*open_stored(part), fields);
+  } catch (const Error& error) {
+    if (described.points || error.kind() != ErrorKind::input) throw;
+  }
+  if (kept && kept->count == stored.count) return kept;
+  if (!described.points) {
+    drop("table " + described.name);
+    edits.push_back({described.element, {}});
+    return {};
+  }
+  edits.push_back({described.count_text, std::to_string(kept->count)});
+  for (const auto& grouping : outline_.groupings)
+    if (grouping.scan == described.scan) {
+      drop(fmt::format("groups of points of {}, as some points are lost", stored.what));
+      edits.push_back({grouping.element, {}});
+    }
+  return kept;
+}
+
+void E57Source::leave_out_damage() {
+  std::vector<TextEdit> edits;
+  cut_damaged_blobs(edits);
+  std::vector<std::optional<KeptRanges>> kept(outline_.parts.size());
+  for (const bool points : {true, false})  // first: groups of points go with them
+    for (std::size_t part = 0; part < outline_.parts.size(); ++part)
+      if (const E57Part& one = outline_.parts[part];
+          !one.blob && one.points == points && !within(one.element, edits))
+        kept[part] = find_kept_records(part, edits);
+  std::vector<std::size_t> left;
+  for (std::size_t part = 0; part < outline_.parts.size(); ++part)
+    if (!within(outline_.parts[part].element, edits)) {
+      left.push_back(part);
+      kept_.push_back(std::move(kept[part]));
+    }
+  keep_parts(left);
+  describe(name_, edited(xml_, std::move(edits)));
+}
 
 E57FileSource::E57FileSource(const std::filesystem::path& file,
                              const std::optional<std::set<std::size_t>>& scans, const E57Options& options)
     : file_(file, options) {
   bool whole = true;
-  Cuts cuts{.xml = file_.xml(&whole), .all = {}};
+  const std::string original = file_.xml(&whole);
   if (!whole)
     fail_input("{}: XML section: expected it undamaged, found damaged pages; convert to another format",
                file_.name());
-  cuts.all = outline_e57_xml(file_.name(), cuts.xml);
+  if (options.salvage) parse_e57_xml(file_.name(), original, false);  // an outline needs all to be in order
+  const E57Outline all = outline_e57_xml(file_.name(), original);
   const E57Contents& contents = file_.contents();
-  if (cuts.all.scans.size() != contents.scans.size() || cuts.all.images.size() != contents.images.size())
+  if (all.scans.size() != contents.scans.size() || all.images.size() != contents.images.size())
     fail_input(
         "{}: XML section: expected one element data3D and one images2D, found more; export the file again",
         file_.name());
-  if (scans) cut_other_scans(cuts, *scans);
-  if (options.salvage) cut_damaged_blobs(cuts);
-  for (const E57Part& part : cuts.all.parts)
-    if (part.points && !cuts.has(part.element)) keep_points(cuts, part);
-  // In the order of the description.
-  std::vector<Stored> points = std::move(stored_);
-  stored_.clear();
-  auto next = points.begin();
-  for (const E57Part& part : cuts.all.parts) {
-    if (cuts.has(part.element)) continue;
-    if (part.points)
-      stored_.push_back(std::move(*next++));
-    else if (part.blob)
-      stored_.emplace_back();
-    else if (!keep_table(cuts, part)) {
-      drop("table " + part.name);
-      cuts.cut(part.element);
-    }
-  }
-  for (const auto& text : cuts.all.texts)
-    if (!cuts.has(text.element)) {
-      drop("field of text " + text.name);
-      cuts.cut(text.element);
-    }
-  describe(file_.name(), edited(cuts.xml, std::move(cuts.edits)));
-}
-
-void E57FileSource::cut_other_scans(Cuts& cuts, const std::set<std::size_t>& scans) {
-  const E57Contents& contents = file_.contents();
+  std::vector<TextEdit> cuts;
   std::set<std::string> cut_guids;
-  for (std::size_t k = 0; k < cuts.all.scans.size(); ++k)
-    if (!scans.contains(k)) {
-      cuts.cut(cuts.all.scans[k]);
+  for (std::size_t k = 0; k < all.scans.size(); ++k)
+    if (scans && !scans->contains(k)) {
+      cuts.push_back({all.scans[k], {}});
       cut_guids.insert(contents.scans[k].guid);
     }
   std::size_t photographs = 0;
-  for (std::size_t k = 0; k < cuts.all.images.size(); ++k)
+  for (std::size_t k = 0; k < all.images.size(); ++k)
     if (const std::string& guid = contents.images[k].scan_guid; !guid.empty() && cut_guids.contains(guid)) {
-      cuts.cut(cuts.all.images[k]);
+      cuts.push_back({all.images[k], {}});
       ++photographs;
     }
   if (photographs > 0) drop(fmt::format("photographs of the other scans ({})", photographs));
-}
-
-// A picture goes with its mask, and the other way round.
-void E57FileSource::cut_damaged_blobs(Cuts& cuts) {
-  for (const E57Part& part : cuts.all.parts) {
-    if (!part.blob || cuts.has(part.element)) continue;
-    std::vector<std::string> problems;
+  for (const E57Part& part : all.parts) {
+    if (within(part.element, cuts)) continue;
+    if (part.blob || part.points) {
+      stored_.push_back(part.points ? contents.scans[*part.scan].points : E57Table{});
+      continue;
+    }
     try {
-      file_.read_blob({part.offset, part.length}, part.name, &problems);
+      E57Table table =
+          parse_e57_table(file_.name(), std::string(text_at(original, part.element)), "table " + part.name);
+      if (!std::ranges::all_of(table.fields, is_text)) {
+        stored_.push_back(std::move(table));
+        continue;
+      }
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;
-      problems.emplace_back(error.what());
     }
-    if (problems.empty()) continue;
-    TextRange all_of_it = part.element;
-    std::string what = part.name;
-    for (std::size_t k = 0; k < cuts.all.images.size(); ++k)
-      if (within(part.element, {{cuts.all.images[k], {}}})) {
-        all_of_it = cuts.all.images[k];
-        what = fmt::format("photograph {}", file_.contents().images[k].name);
-      }
-    drop(fmt::format("{} (damaged: {})", what, problems[0]));
-    cuts.cut(all_of_it);
+    drop("table " + part.name);
+    cuts.push_back({part.element, {}});
   }
-}
-
-KeptRanges E57FileSource::kept_of(const E57Table& table) const {
-  const NumberFields reader(file_.pages(), table);
-  std::vector<std::size_t> fields(static_cast<std::size_t>(
-      std::ranges::count_if(table.fields, [](const E57Field& field) { return !is_text(field); })));
-  std::iota(fields.begin(), fields.end(), std::size_t{0});
-  return find_kept(reader, fields);
-}
-
-void E57FileSource::keep_points(Cuts& cuts, const E57Part& part) {
-  const E57Table& table = file_.contents().scans[*part.scan].points;
-  Stored& stored = stored_.emplace_back(table);
-  if (!file_.pages().salvage()) return;
-  stored.kept = kept_of(table);
-  if (stored.kept->count == table.count) return;
-  cuts.edits.push_back({part.count_text, std::to_string(stored.kept->count)});
-  for (const auto& grouping : cuts.all.groupings)
-    if (grouping.scan == part.scan) {
-      drop(fmt::format("groups of points of {}, as some points are lost", table.what));
-      cuts.cut(grouping.element);
+  for (const auto& text : all.texts)
+    if (!within(text.element, cuts)) {
+      drop("field of text " + text.name);
+      cuts.push_back({text.element, {}});
     }
+  describe(file_.name(), edited(original, std::move(cuts)));
+  if (options.salvage) leave_out_damage();
 }
 
-// False when it cannot be read.
-bool E57FileSource::keep_table(Cuts& cuts, const E57Part& part) {
-  try {
-    E57Table table =
-        parse_e57_table(file_.name(), std::string(text_at(cuts.xml, part.element)), "table " + part.name);
-    if (std::ranges::all_of(table.fields, is_text)) return false;
-    if (file_.pages().salvage() && kept_of(table).count != table.count) return false;
-    stored_.push_back({std::move(table), {}});
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::input) throw;
-    return false;
-  }
-  return true;
-}
-
-std::unique_ptr<E57RecordReader> E57FileSource::open(std::size_t part) const {
-  const Stored& stored = stored_.at(part);
-  auto reader = std::make_unique<NumberFields>(file_.pages(), stored.table);
-  if (!stored.kept) return reader;
-  return std::make_unique<KeptRecords>(std::move(reader), table(part), *stored.kept);
+std::unique_ptr<E57RecordReader> E57FileSource::open_stored(std::size_t part) const {
+  return std::make_unique<NumberFields>(file_.pages(), stored_.at(part));
 }
 
 std::vector<char> E57FileSource::blob(std::size_t part) const {
   const E57Part& blob = outline().parts.at(part);
-  return file_.read_blob({blob.offset, blob.length}, blob.name);
+  std::vector<std::string> problems;
+  auto bytes = file_.read_blob({blob.offset, blob.length}, blob.name, &problems);
+  if (!problems.empty()) fail_input("{}: {}", file_.name(), problems[0]);
+  return bytes;
 }
 
-std::vector<std::string> E57FileSource::notes(std::size_t part) const {
-  const Stored& stored = stored_.at(part);
-  if (!stored.kept) return {};
-  std::vector<std::string> notes = stored.kept->notes;
+void E57FileSource::keep_parts(std::span<const std::size_t> parts) {
+  std::vector<E57Table> kept;
+  for (const std::size_t part : parts) kept.push_back(std::move(stored_[part]));
+  stored_ = std::move(kept);
+}
+
+std::vector<std::string> E57FileSource::notes(std::size_t scan) const {
+  auto notes = E57Source::notes(scan);
   notes.insert(notes.end(), file_.notes().begin(), file_.notes().end());
   return notes;
 }

@@ -27,55 +27,56 @@ class E57Source {
 
   // Of the part with this number in the outline: a table's description and records, a blob's bytes.
   const E57Table& table(std::size_t part) const { return tables_.at(part); }
-  virtual std::unique_ptr<E57RecordReader> open(std::size_t part) const = 0;
+  std::unique_ptr<E57RecordReader> open(std::size_t part) const;
   virtual std::vector<char> blob(std::size_t part) const = 0;
-  // What salvage has to say of a part.
-  virtual std::vector<std::string> notes(std::size_t) const { return {}; }
   // The part that holds a scan's points.
   std::size_t points(std::size_t scan) const;
+  // What salvage has to say of a scan's points.
+  virtual std::vector<std::string> notes(std::size_t scan) const;
 
  protected:
   void describe(const std::string& name, std::string xml);
   void drop(std::string what) { dropped_.push_back(std::move(what)); }
 
+  // For salvage, after describe(). Reads all once: records that are lost are left out, and the description
+  // says how many there are now; so is what is damaged of pictures and other tables, and a scan's groups of
+  // points when some of its points are lost, all of which dropped() names. Throws ErrorKind::input where the
+  // points of a scan cannot be read at all.
+  void leave_out_damage();
+  // As stored, with what is lost; blob() throws for a damaged one.
+  virtual std::unique_ptr<E57RecordReader> open_stored(std::size_t part) const = 0;
+  std::uint64_t stored_count(std::size_t part) const;
+  virtual void keep_parts(std::span<const std::size_t>) {}  // of the description before: the others are gone
+
  private:
+  void cut_damaged_blobs(std::vector<TextEdit>& edits);
+  std::optional<KeptRanges> find_kept_records(std::size_t part, std::vector<TextEdit>& edits);
+
   std::string name_, xml_;
   E57Contents contents_;
   E57Outline outline_;
-  std::vector<E57Table> tables_;  // by part; of blobs empty
+  std::vector<E57Table> tables_;                 // by part; of blobs empty
+  std::vector<std::optional<KeptRanges>> kept_;  // the same; none without salvage
   std::vector<std::string> dropped_;
 };
 
 // An E57 file's, or some of its scans with their photographs (those that belong to none stay). Fields of text
 // are left out, and tables that cannot be read other than points; all are named in dropped(). Throws as
-// E57File does.
-// In salvage all is read once: records that are lost are left out and the description says how many there are
-// now; so is what is damaged of pictures and other tables, and a scan's groups of points when some of its
-// points are lost, all of which dropped() names. Throws ErrorKind::input when the description is damaged, or
-// the points of one of the scans cannot be read at all.
+// E57File does; in salvage also where the description is damaged, or all points of one of the scans.
 class E57FileSource : public E57Source {
  public:
   explicit E57FileSource(const std::filesystem::path& file,
                          const std::optional<std::set<std::size_t>>& scans = {},
                          const E57Options& options = {});
-  std::unique_ptr<E57RecordReader> open(std::size_t part) const override;
   std::vector<char> blob(std::size_t part) const override;
-  std::vector<std::string> notes(std::size_t part) const override;
+  std::vector<std::string> notes(std::size_t scan) const override;
 
  private:
-  struct Cuts;
-  void cut_other_scans(Cuts& cuts, const std::set<std::size_t>& scans);
-  void cut_damaged_blobs(Cuts& cuts);
-  void keep_points(Cuts& cuts, const E57Part& part);
-  bool keep_table(Cuts& cuts, const E57Part& part);
-  KeptRanges kept_of(const E57Table& table) const;
+  std::unique_ptr<E57RecordReader> open_stored(std::size_t part) const override;
+  void keep_parts(std::span<const std::size_t> parts) override;
 
   E57File file_;
-  struct Stored {
-    E57Table table{};  // with fields of text
-    std::optional<KeptRanges> kept{};
-  };
-  std::vector<Stored> stored_;  // by part
+  std::vector<E57Table> stored_;  // by part, with fields of text
 };
 
 // Writes it all into an E57 file: every record of every table and every byte of every blob as it was, the
