@@ -4,16 +4,16 @@
 
 #include "core/error.hpp"
 #include "core/free_memory.hpp"
-#include "io/salvage.hpp"
 
 namespace hybrid::io {
 
 RecordIndex::RecordIndex(const std::string& file, const RecordLayout& layout,
-                         const std::vector<RecordGroup>& groups, bool salvage)
+                         const std::vector<RecordGroup>& groups, bool salvage, const std::string& remedy)
     : file_(file),
       layout_(layout),
       groups_(groups),
       salvage_(salvage),
+      remedy_(remedy),
       seen_(layout.samples),
       stretch_(groups.size()) {}
 
@@ -37,7 +37,7 @@ void RecordIndex::add(std::size_t group, const std::uint32_t* source) {
           "{}: channel source: row {}, column {}: expected every record from 0 to {} once, found {}; copy or "
           "write the file again, {}",
           file_, pixel / static_cast<std::uint32_t>(layout_.cols),
-          pixel % static_cast<std::uint32_t>(layout_.cols), layout_.samples - 1, record, kSalvageRemedy);
+          pixel % static_cast<std::uint32_t>(layout_.cols), layout_.samples - 1, record, remedy_);
     seen_[record] = true;
     ++placed_;
     stretch.first = std::min<std::uint64_t>(stretch.first, record);

@@ -17,7 +17,7 @@ class RecordIndex {
 
   // Refers to all of them.
   RecordIndex(const std::string& file, const RecordLayout& layout, const std::vector<RecordGroup>& groups,
-              bool salvage);
+              bool salvage, const std::string& remedy);
 
   // Every group once. Throws ErrorKind::input for a record that is there twice or beyond the count.
   void add(std::size_t group, const std::uint32_t* source);
@@ -53,6 +53,7 @@ class RecordIndex {
   const RecordLayout& layout_;
   const std::vector<RecordGroup>& groups_;
   bool salvage_;
+  const std::string& remedy_;  // for what add() throws
   std::vector<bool> seen_;
   std::uint64_t placed_ = 0;
   std::vector<Stretch> stretch_;  // by group

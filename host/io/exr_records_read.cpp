@@ -1,6 +1,7 @@
 #include <ImfChannelList.h>
+#include <ImfMultiPartInputFile.h>
 #include <ImfStringAttribute.h>
-#include <ImfTiledInputFile.h>
+#include <ImfTiledInputPart.h>
 
 #include <algorithm>
 #include <bit>
@@ -73,11 +74,16 @@ struct ExrRecords::State {
       description.cuts.push_back(number(kCuts, word));
   }
 
+  // Its header; the library takes memory for tiles with open_tiles() only.
   void open_image() {
-    guarded([&] { in = std::make_unique<Imf::TiledInputFile>(file.c_str(), start_exr_threads()); });
+    in.reset();
+    guarded([&] { image = std::make_unique<Imf::MultiPartInputFile>(file.c_str(), start_exr_threads()); });
+  }
+  void open_tiles() {
+    guarded([&] { in.emplace(*image, 0); });
   }
 
-  const Imf::Header& header() const { return in->header(); }
+  const Imf::Header& header() const { return image->header(0); }
   std::string text(const char* name) const { return text_attribute(header(), name); }
   std::uint64_t number(const char* name, std::string_view word) const {
     std::uint64_t value = 0;
@@ -94,7 +100,7 @@ struct ExrRecords::State {
       fail_input(
           "{}: expected a range image with records, found another or a damaged file ({}); copy or write it "
           "again, {}",
-          file, what, kSalvageRemedy);
+          file, what, remedy);
     });
   }
 
@@ -140,6 +146,7 @@ struct ExrRecords::State {
     } catch (const Error& error) {
       if (!salvage || error.kind() != ErrorKind::input) throw;
       open_image();
+      open_tiles();
       load_good_tiles(g, some, tiles);
     }
     clear_lost(tiles, some);
@@ -172,6 +179,7 @@ struct ExrRecords::State {
         } catch (const std::exception&) {
           lost[number] = true;
           open_image();  // a stream that met its end stays there
+          open_tiles();
         }
       }
   }
@@ -193,23 +201,22 @@ struct ExrRecords::State {
     return all;
   }
 
-  // In salvage: the header must be as it was written, or nobody knows what the records are.
+  // In salvage: by the tiles' checksums, where header and sums are as they were written. Where they are not,
+  // nobody knows what the records are: then all must be in order, as without salvage.
   void prepare_salvage(std::size_t tiles) {
-    lost.assign(tiles, false);
     sums = parse_tile_sums(text(kTileSums), tiles);
-    if (sums.size() == tiles && records_checksum(texts(), sums) == text(range_attribute::kChecksum)) return;
-    fail_input(
-        "{}: header: expected it with the checksum {} and {} tiles' own, found {}; copy or write the file "
-        "again",
-        file, text(range_attribute::kChecksum), tiles,
-        sums.empty() ? "none of these" : "another: it is damaged");
+    salvage = sums.size() == tiles && records_checksum(texts(), sums) == text(range_attribute::kChecksum);
+    lost.assign(salvage ? tiles : 0, false);
+    if (!salvage) remedy = "as its header has no checksums of tiles by which salvage could tell damaged ones";
   }
 
   std::string file;
   bool salvage = false;
+  std::string remedy = kSalvageRemedy;
   std::vector<bool> lost;           // by tile; empty without salvage
   std::vector<std::uint64_t> sums;  // the same
-  std::unique_ptr<Imf::TiledInputFile> in;
+  std::unique_ptr<Imf::MultiPartInputFile> image;
+  std::optional<Imf::TiledInputPart> in;
   RecordLayout layout;
   RecordsDescription description;
   std::string cuts_text;
@@ -315,20 +322,21 @@ std::uint64_t ExrRecords::count() const {
 
 void ExrRecords::open(const E57Table& table) {
   State& s = *state_;
+  s.open_tiles();
+  const int across = s.in->numXTiles();
+  const std::size_t count = static_cast<std::size_t>(across) * static_cast<std::size_t>(s.in->numYTiles());
+  if (s.salvage) s.prepare_salvage(count);
   if (!s.in->isComplete() && !s.salvage)
     fail_input(
         "{}: tiles: expected all {} x {}, found some missing; the file is cut short: copy or write it "
         "again, {}",
-        s.file, s.in->numXTiles(), s.in->numYTiles(), kSalvageRemedy);
+        s.file, s.in->numXTiles(), s.in->numYTiles(), s.remedy);
   s.table = table;
   s.groups = groups_of(s.layout);
   s.fields = channels_of(table, s.layout);
   s.list_channels();
-  s.index.emplace(s.file, s.layout, s.groups, s.salvage);
-  const int across = s.in->numXTiles();
-  std::vector<std::uint64_t> hashes(static_cast<std::size_t>(across) *
-                                    static_cast<std::size_t>(s.in->numYTiles()));
-  if (s.salvage) s.prepare_salvage(hashes.size());
+  s.index.emplace(s.file, s.layout, s.groups, s.salvage, s.remedy);
+  std::vector<std::uint64_t> hashes(count);
   std::vector<std::size_t> all(s.channels.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   // Read again are the records' places and what is stored of them.
@@ -363,7 +371,7 @@ void ExrRecords::open(const E57Table& table) {
     fail_input(
         "{}: content: expected {} records and checksum {}, found {} and {}; the file is damaged: copy or "
         "write it again, {}",
-        s.file, s.layout.samples, expected, s.index->placed(), found, kSalvageRemedy);
+        s.file, s.layout.samples, expected, s.index->placed(), found, s.remedy);
 }
 
 void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, std::uint64_t count,

@@ -255,12 +255,17 @@ Seeds records_exr(const fs::path& scratch) {
   return seeds;
 }
 
-// As read_both_ways(); damaged ones also in blocks.
-void read_records(const fs::path& file, std::string_view bytes) {
-  read_both_ways(file, bytes);
-  const auto entries = unless_refused([&] { return io::list_scans(file, {.salvage = true}); });
-  for (std::size_t i = 0; entries && i < entries->size(); ++i)
-    check_stream(file, (*entries)[i], unless_refused([&] { return io::read_scan(file, (*entries)[i]); }));
+// As read_both_ways(), damaged ones also in blocks; listed once, which is the same with salvage.
+void read_records(const fs::path& file, std::string_view) {
+  const auto entries = unless_refused([&] { return io::list_scans(file); });
+  if (!entries) return;
+  io::ScanEntry entry = entries->at(0);
+  auto strict = unless_refused([&] { return io::read_scan(file, entry); });
+  entry.salvage = true;
+  auto salvaged = unless_refused([&] { return io::read_scan(file, entry); });
+  check_salvage(strict, salvaged);
+  entry.salvage = !strict;
+  check_stream(file, entry, strict ? std::move(strict) : std::move(salvaged));
 }
 
 Seeds samples(const fs::path& scratch) {
