@@ -13,6 +13,7 @@
 namespace hybrid::stages {
 namespace {
 
+constexpr double kBeside_m = 1.5;  // a tile of 2 m reaches as far from its centroid
 // Pieces of one plane: whole within the first, none of it beyond the second.
 constexpr double kSamePlane_m = 0.01, kOtherPlane_m = 0.03;
 // Of the offsets: a finer spread would lock onto floor and ceiling, which are most of the area, and drop
@@ -26,6 +27,27 @@ constexpr double kSettledAngleRad = 1e-7, kSettledDistanceM = 1e-6;
 // 1 up to `whole`, falling to 0 at `none`.
 double taper(double value, double whole, double none) {
   return std::clamp((none - std::abs(value)) / (none - whole), 0.0, 1.0);
+}
+
+// Per tile the face that it lies on. A tile whose centroid lies beside its face, as of those around an
+// opening, goes with the others of its supercluster.
+std::vector<TilePair> find_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose,
+                                 double reach_m) {
+  std::vector<TilePair> pairs = find_tile_pairs(scan, model, pose, reach_m);
+  std::map<std::uint32_t, std::map<const FaceShape*, double>> areas;  // of superclusters on faces
+  for (std::size_t t = 0; t < pairs.size(); ++t)
+    if (pairs[t].face) areas[scan.tiles[t].supercluster][pairs[t].face] += scan.tiles[t].area_m2;
+  for (std::size_t t = 0; t < pairs.size(); ++t) {
+    const auto on = areas.find(scan.tiles[t].supercluster);
+    if (pairs[t].face || on == areas.end()) continue;
+    const auto larger = [](const auto& a, const auto& b) {
+      return a.second != b.second ? a.second < b.second : a.first->face > b.first->face;
+    };
+    const FaceShape& face = *std::ranges::max_element(on->second, larger)->first;
+    const TilePair pair = pair_of(scan.tiles[t], face, pose);
+    if (std::abs(pair.height_m) < reach_m && face.outside_m(pair.centroid) < kBeside_m) pairs[t] = pair;
+  }
+  return pairs;
 }
 
 // The tiles on one face, with the share of each that counts.
@@ -105,7 +127,7 @@ Pose solve_jointly(const PlaneSegmentation& segmentation, const ScanEvidence& sc
   const double radius = pose.scale * std::max(scan.reach_m, 1e-6);
   bool returned = false;
   for (int k = 0; k < kMaxIterations; ++k) {
-    const auto pairs = find_tile_pairs(scan, model, pose, options.reach_m);
+    const auto pairs = find_pairs(scan, model, pose, options.reach_m);
     const FaceMap faces = find_faces(segmentation, scan, pairs);
     const double spread = std::max(robust_spread(faces), kLeastSpread_m);
     const Vec3 pivot = pose * centre;
@@ -203,7 +225,7 @@ FaceOffsets measure_face_offsets(const PlaneSegmentation& segmentation, const Sc
         shapes.all_faces);
     return result;
   }
-  const auto pairs = find_tile_pairs(scan, shapes, pose, options.reach_m);
+  const auto pairs = find_pairs(scan, shapes, pose, options.reach_m);
   const FaceMap faces = find_faces(segmentation, scan, pairs);
   result.disagreement_m = robust_spread(faces);
   result.agree = faces_agree(scan, pairs, faces, pose, options);

@@ -59,30 +59,36 @@ void describe(const PlaneSums& sums, double radius, TileFit& fit) {
 
 }  // namespace
 
+TilePair pair_of(const PlaneTile& tile, const FaceShape& face, const Pose& pose) {
+  TilePair pair;
+  pair.face = &face;
+  pair.centroid = pose * tile.centroid;
+  pair.height_m = face.plane.distance(pair.centroid);
+  const Vec3 n = pose.scale * (pose.rotation.conjugate() * face.plane.normal);
+  const double thickness2 = n.dot(tile.scatter * n) / tile.area_m2;  // below 0 by rounding
+  pair.rms_m = std::sqrt(pair.height_m * pair.height_m + std::max(thickness2, 0.0));
+  return pair;
+}
+
 std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose,
                                       double reach_m) {
   std::vector<TilePair> pairs(scan.tiles.size());
-  const Mat3 linear = pose.scale * pose.rotation.toRotationMatrix();
   for (std::size_t t = 0; t < scan.tiles.size(); ++t) {
     const PlaneTile& tile = scan.tiles[t];
-    TilePair& pair = pairs[t];
-    pair.centroid = pose * tile.centroid;
+    pairs[t].centroid = pose * tile.centroid;
     const Vec3 normal = pose.rotate(tile.normal);
+    const FaceShape* nearest = nullptr;
     double nearest2 = reach_m * reach_m;
     for (const FaceShape& face : model.faces) {
-      const double height = face.plane.distance(pair.centroid);
+      const double height = face.plane.distance(pairs[t].centroid);
       if (height * height >= nearest2 || face.plane.normal.dot(normal) < kCompatible) continue;
-      const double outside = face.outside_m(pair.centroid);
+      const double outside = face.outside_m(pairs[t].centroid);
       const double distance2 = height * height + outside * outside;
       if (distance2 >= nearest2) continue;
       nearest2 = distance2;
-      pair.face = &face;
+      nearest = &face;
     }
-    if (!pair.face) continue;
-    const Vec3 n = linear.transpose() * pair.face->plane.normal;
-    pair.height_m = pair.face->plane.distance(pair.centroid);
-    const double thickness2 = n.dot(tile.scatter * n) / tile.area_m2;  // below 0 by rounding
-    pair.rms_m = std::sqrt(pair.height_m * pair.height_m + std::max(thickness2, 0.0));
+    if (nearest) pairs[t] = pair_of(tile, *nearest, pose);
   }
   return pairs;
 }

@@ -27,6 +27,9 @@ struct TilePair {
 std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose,
                                       double reach_m);
 
+// The same with the face given.
+TilePair pair_of(const PlaneTile& tile, const FaceShape& face, const Pose& pose);
+
 // Adds `factor` times a tile's area to the normal equations of the plane step about `pivot` (world): exact
 // over the tile's samples. Error and inlier sums are the caller's.
 void add_tile(const PlaneTile& tile, const TilePair& pair, const Pose& pose, const Vec3& pivot, double factor,
