@@ -30,11 +30,19 @@ constexpr double kDistinguishable = 0.003, kSlide_m = 0.3;
 struct Trial {
   std::string outcome;  // right | wrong | abstained
   bool distinguishable = false, best_is_right = false;
+  PoseDifference from_truth;  // of the pose that was found
+  // Right, or as near to the pose that ICP on this proxy makes of the true one: where a proxy is off by
+  // centimetres no fit to it is the truth.
+  bool same_as_fitted_truth = false;
   stages::AutomaticAlignment alignment;
   double seconds = 0;
   stages::SightShares truth;      // under the true pose
   stages::Comparison with_truth;  // of the pose that was found against the true one
 };
+
+bool is_near(const PoseDifference& difference) {
+  return difference.distance_m < kRight_m && difference.angle_rad < kRightDeg * std::numbers::pi / 180;
+}
 
 double margin_of_truth(device::Queue& queue, const stages::ScanEvidence& evidence,
                        const stages::ProxyModel& proxy, const Pose& truth,
@@ -68,9 +76,13 @@ Trial judge(device::Queue& queue, const stages::ScanEvidence& evidence, const st
   const auto begin = std::chrono::steady_clock::now();
   trial.alignment = stages::align_automatically(queue, evidence, proxy, options);
   trial.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  const auto error = difference(truth, trial.alignment.world_from_scan);
-  trial.best_is_right = trial.alignment.has_pose && error.distance_m < kRight_m &&
-                        error.angle_rad < kRightDeg * std::numbers::pi / 180;
+  const Pose& found = trial.alignment.world_from_scan;
+  trial.from_truth = difference(truth, found);
+  trial.best_is_right = trial.alignment.has_pose && is_near(trial.from_truth);
+  trial.same_as_fitted_truth =
+      trial.best_is_right ||
+      (trial.alignment.has_pose &&
+       is_near(difference(stages::fit_tiles(evidence, proxy.shapes(), truth).world_from_scan, found)));
   trial.outcome = !trial.alignment.accepted ? "abstained" : trial.best_is_right ? "right" : "wrong";
   trial.distinguishable = margin_of_truth(queue, evidence, proxy, truth, options, trial) >= kDistinguishable;
   return trial;
@@ -94,6 +106,7 @@ class Tally {
     slowest_ = std::max(slowest_, trial.seconds);
     right_ += trial.outcome == "right";
     wrong_ += trial.outcome == "wrong";
+    elsewhere_ += trial.outcome == "wrong" && !trial.same_as_fitted_truth;
     abstained_ += trial.outcome == "abstained";
     distinguishable_ += trial.distinguishable;
     right_of_these_ += trial.distinguishable && trial.outcome == "right";
@@ -101,11 +114,15 @@ class Tally {
     if (verbose || trial.outcome == "wrong") print(trial, which);
   }
 
+  void skip() { ++no_model_; }
+
   Json json() const {
     return {{"kind", kind_},
             {"trials", trials_},
+            {"no_model", no_model_},
             {"accepted_right", right_},
             {"accepted_wrong", wrong_},
+            {"accepted_elsewhere", elsewhere_},
             {"abstained", abstained_},
             {"best_right", best_right_},
             {"distinguishable", distinguishable_},
@@ -134,12 +151,15 @@ class Tally {
     const auto& t = trial.with_truth;
     std::cerr << fmt::format(" against the truth: for {:.4f} against {:.4f} firm {:.4f}", t.for_it,
                              t.against_it, t.largest_firm);
+    std::cerr << fmt::format(" from the truth {:.3f} m {:.3f} deg{}", trial.from_truth.distance_m,
+                             trial.from_truth.angle_rad * 180 / std::numbers::pi,
+                             trial.same_as_fitted_truth ? ", where ICP takes it" : "");
     std::cerr << " " << a.reason.substr(0, 90) << "\n";
   }
 
   std::string kind_;
-  int trials_ = 0, right_ = 0, wrong_ = 0, abstained_ = 0, distinguishable_ = 0, right_of_these_ = 0,
-      best_right_ = 0;
+  int trials_ = 0, no_model_ = 0, right_ = 0, wrong_ = 0, elsewhere_ = 0, abstained_ = 0,
+      distinguishable_ = 0, right_of_these_ = 0, best_right_ = 0;
   double seconds_ = 0, slowest_ = 0;
 };
 
@@ -161,8 +181,13 @@ Json run_kind(device::Queue& queue, const std::string& kind, const Request& requ
       proxy = testing::make_trial_room(kind, seed + 500000, request.proxy_error_m).proxy;
       truth.translation += Vec3(1e3, 0, 0);  // nothing is right
     }
-    tally.add(judge(queue, evidence, proxy, truth, options), fmt::format("{} crop {:.2f}", seed, crop),
-              request.verbose);
+    try {
+      tally.add(judge(queue, evidence, proxy, truth, options), fmt::format("{} crop {:.2f}", seed, crop),
+                request.verbose);
+    } catch (const Error& error) {  // a model so far off that it is none: a recess beyond its wall
+      if (error.kind() != ErrorKind::input) throw;
+      tally.skip();
+    }
   }
   return tally.json();
 }
