@@ -13,6 +13,7 @@ namespace {
 constexpr double kFloodSigmas = 3;
 constexpr double kLeastCosine = 0.02;       // as window_planes' seeds
 constexpr int kSparseReach = 2;             // samples
+constexpr double kLeastBody = 0.7;          // of a flood's samples, in what is no tongue of it
 constexpr std::uint8_t kEnoughFloods = 16;  // of too few samples each, over one sample
 
 // Marks of samples while one plane floods: 0, one of these, or the number of the fit that rejected the
@@ -27,6 +28,7 @@ class WholeField {
   }
   FloodSample sample(std::uint32_t i) const { return FloodSample(image_.point(i)); }
   void mark(std::uint32_t i, std::uint32_t value) { marks().of(i) = value; }
+  std::uint32_t marked(std::uint32_t i) const { return marks().of(i); }
   template <typename Visit>
   bool for_neighbours(std::uint32_t i, int reach, std::uint32_t fit, const Visit& visit) const {
     const int cols = image_.cols, row = static_cast<int>(i) / cols, col = static_cast<int>(i) % cols;
@@ -136,10 +138,9 @@ int reach_of(const WindowSeed& seed) {
 
 }  // namespace
 
-PlaneFlood PlaneFlooder::flood(const WindowSeed& seed) const {
+PlaneFlood PlaneFlooder::through(std::vector<std::uint32_t> samples) const {
   PlaneFlood result;
-  WholeField field(image_, use_);
-  result.samples = stages::flood(field, noise_, reach_of(seed), seed_samples(image_, use_, seed));
+  result.samples = std::move(samples);
   if (result.samples.empty()) return {};
   std::sort(result.samples.begin(), result.samples.end());
   result.plane = RayPlane(image_.point(result.samples[0]));
@@ -153,6 +154,61 @@ PlaneFlood PlaneFlooder::flood(const WindowSeed& seed) const {
     result.chi2 += sigmas * sigmas;
   }
   return result;
+}
+
+PlaneFlood PlaneFlooder::flood(const WindowSeed& seed) const {
+  WholeField field(image_, use_);
+  return through(stages::flood(field, noise_, reach_of(seed), seed_samples(image_, use_, seed)));
+}
+
+PlaneFlood PlaneFlooder::without_tongues(const PlaneFlood& flood) const {
+  // Samples inside, whose four neighbours are the flood's, too, in parts that touch; then what surrounds
+  // them.
+  constexpr std::uint32_t kOfFlood = 1, kInner = 2, kSeen = 3;
+  WholeField field(image_, use_);
+  const auto neighbours = [&](std::uint32_t i, const auto& visit) {
+    const int cols = image_.cols, row = static_cast<int>(i) / cols, col = static_cast<int>(i) % cols;
+    for (int side = 0; side < 4; ++side) {
+      const int r = row + (side == 1) - (side == 3);
+      int c = col + (side == 0) - (side == 2);
+      if (image_.wraps) c = (c + cols) % cols;
+      if (r < 0 || r >= image_.rows || c < 0 || c >= cols) continue;
+      visit(static_cast<std::uint32_t>(image_.index(r, c)));
+    }
+  };
+  for (const std::uint32_t i : flood.samples) field.mark(i, kOfFlood);
+  std::vector<std::uint32_t> inner;
+  for (const std::uint32_t i : flood.samples) {
+    int held = 0;
+    neighbours(i, [&](std::uint32_t other) { held += field.marked(other) != 0; });
+    if (held == 4) inner.push_back(i);
+  }
+  for (const std::uint32_t i : inner) field.mark(i, kInner);
+  std::vector<std::uint32_t> largest;
+  for (const std::uint32_t start : inner) {
+    if (field.marked(start) != kInner) continue;
+    std::vector<std::uint32_t> part{start};
+    field.mark(start, kSeen);
+    for (std::size_t next = 0; next < part.size(); ++next)
+      neighbours(part[next], [&](std::uint32_t other) {
+        if (field.marked(other) != kInner) return;
+        field.mark(other, kSeen);
+        part.push_back(other);
+      });
+    if (part.size() > largest.size()) largest = std::move(part);
+  }
+  std::vector<std::uint32_t> body = largest;
+  for (const std::uint32_t i : largest) {
+    field.mark(i, 0);
+    neighbours(i, [&](std::uint32_t other) {
+      if (field.marked(other) == kOfFlood) {
+        field.mark(other, 0);
+        body.push_back(other);
+      }
+    });
+  }
+  if (static_cast<double>(body.size()) < kLeastBody * static_cast<double>(flood.samples.size())) return {};
+  return through(std::move(body));
 }
 
 BlockFloods::BlockFloods(const RangeImage& image, const std::vector<std::uint8_t>& use,

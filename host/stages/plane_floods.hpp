@@ -51,8 +51,14 @@ class PlaneFlooder {
   // that lie within three sigmas of the plane through all of them, the uncertainty of the plane while it is
   // small included. Empty when the seed's free samples fix no plane.
   PlaneFlood flood(const WindowSeed& seed) const;
+  // The largest part of a flood that hangs together by more than a sample's width, where that is most of it:
+  // where another surface crosses the plane, the flood runs out along it, and the plane turns with it. Else
+  // empty.
+  PlaneFlood without_tongues(const PlaneFlood& flood) const;
 
  private:
+  PlaneFlood through(std::vector<std::uint32_t> samples) const;
+
   const RangeImage& image_;
   const std::vector<std::uint8_t>& use_;
   RangeNoise noise_;

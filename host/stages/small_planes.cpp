@@ -32,6 +32,7 @@ constexpr double kFoundBySquares = 0.25;  // of the samples
 constexpr double kSameNormal = 0.998;     // cosine
 constexpr double kFollowing = 2;          // standard deviations
 constexpr double kMostBesideCurved = 0.3;
+constexpr double kMostOn = 0.8;
 constexpr double kMostWorse = 30;  // chi2 of the three numbers that two planes have more than one
 
 // Of a scan with smaller steps than kStep_rad windows of a few samples say little, their noise is wider than
@@ -245,6 +246,18 @@ std::optional<RayPlane> joint_plane(const RangeImage& image, const RayPlane& par
   return joint;
 }
 
+// Most of the flood's samples would be labelled with this plane.
+bool lies_on(const RangeImage& image, const PlaneFlood& flood, const Plane& plane, const RangeNoise& noise,
+             const SuperclusterOptions& options) {
+  const auto on = std::count_if(flood.samples.begin(), flood.samples.end(), [&](std::uint32_t i) {
+    const Vec3 point = image.point(i);
+    const double range = point.norm(), cosine = std::abs(plane.normal.dot(point)) / range;
+    return std::abs(plane.distance(point)) <=
+           options.label_sigmas * noise.at(range, cosine) * cosine + options.waviness_m;
+  });
+  return static_cast<double>(on) >= kMostOn * static_cast<double>(flood.samples.size());
+}
+
 // Squares in which the flood has samples, sorted.
 std::vector<std::uint32_t> squares_of(const PlaneFlood& flood, const RangeImage& image,
                                       const SquareGrid& grid, int side, int stride) {
@@ -288,7 +301,7 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
     while (!heap.empty()) {
       Candidate best = heap.top();
       heap.pop();
-      const PlaneFlood flood = flooder.flood(best.seed);
+      PlaneFlood flood = flooder.flood(best.seed);
       const std::size_t size = flood.samples.size();
       if (size < least) continue;
       if (size < best.size && !heap.empty() &&
@@ -298,11 +311,26 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
         continue;
       }
       PlaneRegion region = region_of_flood(seen, flood);
-      const bool scattered = flood.chi2 > kMostChi2 * static_cast<double>(size - 3) &&
-                             !(squares_found(regions, flood, stride, options.waviness_m) &&
-                               !follows_neighbours(seen, squares.noise, flood));
-      const SampleUse verdict =
-          judge(seen, use, flood, region, scattered, sigma_m, options.min_curvature, blocked_normal);
+      const auto judged = [&] {
+        const bool scattered = flood.chi2 > kMostChi2 * static_cast<double>(flood.samples.size() - 3) &&
+                               !(squares_found(regions, flood, stride, options.waviness_m) &&
+                                 !follows_neighbours(seen, squares.noise, flood));
+        return judge(seen, use, flood, region, scattered, sigma_m, options.min_curvature, blocked_normal);
+      };
+      SampleUse verdict = judged();
+      if (verdict == kBlocked) {
+        PlaneFlood body = flooder.without_tongues(flood);
+        if (body.samples.size() >= least && body.samples.size() < size) {
+          std::swap(flood, body);
+          region = region_of_flood(seen, flood);
+          if (judged() == kTaken) {
+            verdict = kTaken;
+          } else {
+            std::swap(flood, body);
+            region = region_of_flood(seen, flood);
+          }
+        }
+      }
       if (verdict == kFree) continue;
       for (const std::uint32_t i : flood.samples) {
         use[i] = verdict;
@@ -315,6 +343,8 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
       if (id != 0 && regions.regions[id - 1].small) {
         joint = joint_plane(seen, plane_of_small.at(id), flood, options.waviness_m);
         if (!joint) id = 0;
+      } else if (id != 0 && !lies_on(seen, flood, planes[id - 1], squares.noise, options)) {
+        id = 0;  // the two agree within what their few squares say: samples will tell (rejoin_planes)
       }
       if (id == 0) {
         regions.regions.push_back(region);
