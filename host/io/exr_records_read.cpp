@@ -57,7 +57,7 @@ struct ExrRecords::State {
     const Imath::Box2i window = header().dataWindow();
     layout = RecordLayout::parse(file, text(kLayout), whole(kSamples));
     if (window.min != Imath::V2i(0, 0) || window.max != Imath::V2i(layout.cols - 1, layout.rows - 1) ||
-        header().tileDescription().mode != Imf::ONE_LEVEL ||
+        !header().hasTileDescription() || header().tileDescription().mode != Imf::ONE_LEVEL ||
         header().tileDescription().xSize != kRangeTile_px ||
         header().tileDescription().ySize != kRangeTile_px)
       fail_input(

@@ -164,6 +164,16 @@ TEST_F(E57SalvagedCopy, GroupsOfPointsAndPictures) {
   EXPECT_EQ(dropped_, std::vector<std::string>{"table groups"});
 }
 
+// XML that says a number twice is read by the first, and changed there.
+TEST_F(E57SalvagedCopy, AttributesThatAreThereTwice) {
+  const fs::path file = folder_.path() / "a.e57";
+  e57_of(file, kRows, kCols, all_nodes(kRows, kCols, true));
+  const std::string count = fmt::format("recordCount=\"{}\"", kRows * kCols);
+  const std::string twice = with_xml(bytes_of(file), "fileOffset=\"48\" " + count,
+                                     "fileOffset=\"48\" " + count + " recordCount=\"0\" fileOffset=\"3\"");
+  EXPECT_LT(expect_copied(zeroed(twice, 60)), std::uint64_t{kRows * kCols});
+}
+
 // Where it cannot be told what the records are.
 TEST_F(E57SalvagedCopy, ADamagedDescription) {
   const fs::path file = folder_.path() / "a.e57";

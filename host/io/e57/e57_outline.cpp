@@ -82,8 +82,11 @@ class Walk {
     element.name = name();
     std::vector<Attribute> attributes;
     for (skip_blanks(); at_ < xml_.size() && xml_[at_] != '>' && xml_[at_] != '/'; skip_blanks()) {
-      attributes.push_back(attribute());
-      if (attributes.back().name == "type") element.type = text(attributes.back().value);
+      const Attribute one = attribute();
+      // Of one that is there twice the first counts, as in parse_e57_xml().
+      if (std::ranges::find(attributes, one.name, &Attribute::name) != attributes.end()) continue;
+      attributes.push_back(one);
+      if (one.name == "type") element.type = text(one.value);
     }
     const bool empty = at_ < xml_.size() && xml_[at_] == '/';
     at_ += empty;
