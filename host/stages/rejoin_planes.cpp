@@ -18,8 +18,9 @@ constexpr double kAsClose = 1.3;           // a part's residuals about the plane
 constexpr double kLeastOwn = 0.5;          // standard deviations; few samples fit their own plane too well
 // Standard deviations: samples this close that lie to both sides are the plane's however well another fits
 // them, for it crosses the plane and took those that lie its way.
-constexpr double kCrossing = 1.5, kCentred = 0.5;
-constexpr double kMostPredicted = 1;  // variances of noise that the plane is uncertain by
+constexpr double kCrossing = 1.5, kTurnsMost = 2, kCentred = 0.5;
+constexpr double kTakingTurns = 0.25;  // of a part's samples, that have one of the plane beside them
+constexpr double kMostPredicted = 1;   // variances of noise that the plane is uncertain by
 constexpr double kLongestWalk_rad = 0.06, kShortestWalk = 64;  // between the two; the second in nodes
 
 int longest_walk(const RangeImage& image) {
@@ -86,9 +87,9 @@ class Rejoining {
         changed = false;
         for (std::size_t j = i + 1; j < order.size(); ++j) {
           const std::uint32_t b = order[j];
-          if (heir[b] != b || !is_part(b, a)) continue;
+          if (heir[b] != b || !is_part(b, a, heir)) continue;
           const auto part = rim_squares(grid_, regions_, b);
-          if (is_seen_through_between(b, part, a, rim, heir)) continue;
+          if (!takes_turns(b, a, heir) && is_seen_through_between(b, part, a, rim, heir)) continue;
           rim.insert(rim.end(), part.begin(), part.end());
           heir[b] = a;
           changed = true;
@@ -157,6 +158,22 @@ class Rejoining {
     return walks;
   }
 
+  // The two share a surface sample by sample, each taking those that lie its way: nothing is between them.
+  bool takes_turns(std::uint32_t part, std::uint32_t of, const std::vector<std::uint32_t>& heir) const {
+    std::size_t beside = 0;
+    for (const std::uint32_t i : looked_[part - 1].samples) {
+      const int row = static_cast<int>(i) / image_.cols, col = static_cast<int>(i) % image_.cols;
+      const auto holds = [&](int r, int c) {
+        if (image_.wraps) c = (c + image_.cols) % image_.cols;
+        return r >= 0 && r < image_.rows && c >= 0 && c < image_.cols &&
+               heir[labels_[image_.index(r, c)]] == of;
+      };
+      beside += holds(row - 1, col) || holds(row + 1, col) || holds(row, col - 1) || holds(row, col + 1);
+    }
+    return static_cast<double>(beside) >=
+           kTakingTurns * static_cast<double>(looked_[part - 1].samples.size());
+  }
+
   // Samples of the two that are close to each other tell; their squares where there are none.
   bool is_seen_through_between(std::uint32_t part, const std::vector<std::uint32_t>& part_rim,
                                std::uint32_t of, const std::vector<std::uint32_t>& rim,
@@ -181,7 +198,7 @@ class Rejoining {
     return looked.count > 0;
   }
 
-  bool is_part(std::uint32_t part, std::uint32_t of) {
+  bool is_part(std::uint32_t part, std::uint32_t of, const std::vector<std::uint32_t>& heir) {
     const Plane& plane = planes_[of - 1];
     if (plane.normal.dot(planes_[part - 1].normal) < kLeastCosine) return false;
     const Looked& small = looked_[part - 1];
@@ -190,7 +207,8 @@ class Rejoining {
     if (!fitted(large) || predicted_variance(large, small.mean) > kMostPredicted) return false;
     const auto own = closeness(small, planes_[part - 1], nullptr), other = closeness(small, plane, &large);
     return other.median <= kAsClose * std::max(own.median, kLeastOwn) ||
-           (other.median <= kCrossing && std::abs(other.mean) <= kCentred);
+           (other.median <= kCrossing && std::abs(other.mean) <= kCentred) ||
+           (other.median <= kTurnsMost && takes_turns(part, of, heir));
   }
 
   const RangeImage& image_;
