@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <numeric>
 #include <set>
 
 #include "core/error.hpp"
@@ -121,11 +120,8 @@ class Conversion {
         source.blob(part);
         continue;
       }
-      const io::E57Table& table = source.table(part);
-      std::vector<std::size_t> fields(table.fields.size());
-      std::iota(fields.begin(), fields.end(), 0);
       const auto reader = source.open(part);
-      reader->read(fields, 0, reader->count(), [](const io::E57Records&) {});
+      reader->read(io::all_fields(source.table(part)), 0, reader->count(), [](const io::E57Records&) {});
     }
   }
 

@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/error.hpp"
 #include "core/interrupt.hpp"
@@ -173,8 +172,7 @@ class Writer {
   }
 
   void write_records() {
-    std::vector<std::size_t> all(table_.fields.size());
-    std::iota(all.begin(), all.end(), 0);
+    const auto all = all_fields(table_);
     const auto slot = [&](const char* name) {
       return std::ranges::find(table_.fields, name, &E57Field::name) - table_.fields.begin();
     };

@@ -1,4 +1,3 @@
-#include <numeric>
 
 #include "core/interrupt.hpp"
 #include "io/e57/e57_writer.hpp"
@@ -20,10 +19,8 @@ void write_e57(const std::filesystem::path& file, const ScanSource& next) {
     for (; scan; scan = next()) {
       const ScanRecords records(*scan);
       const E57Table& table = records.description().points;
-      std::vector<std::size_t> fields(table.fields.size());
-      std::iota(fields.begin(), fields.end(), 0);
       writer.begin_scan(records.description());
-      for_each_block(records, table, fields, kBlock_records, [&](const E57Records& block) {
+      for_each_block(records, table, all_fields(table), kBlock_records, [&](const E57Records& block) {
         check_interrupted();
         writer.write(block);
       });

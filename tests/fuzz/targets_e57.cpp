@@ -1,6 +1,5 @@
 // E57 as a whole file, its description alone, and its bit decoder alone.
 #include <atomic>
-#include <numeric>
 
 #include "fuzz/check_scan.hpp"
 #include "fuzz/check_stream.hpp"
@@ -48,12 +47,10 @@ void read_copy(const fs::path& path) {
         continue;
       }
       const io::E57Table& table = source.table(part);
-      std::vector<std::size_t> fields(table.fields.size());
-      std::iota(fields.begin(), fields.end(), std::size_t{0});
       const auto reader = source.open(part);
       expect(reader->count() == table.count, "as many records as the description says");
       std::atomic<std::uint64_t> read{0};
-      reader->read(fields, 0, reader->count(), [&](const io::E57Records& records) {
+      reader->read(io::all_fields(table), 0, reader->count(), [&](const io::E57Records& records) {
         expect(records.lost.empty(), "only records that can be read");
         read += records.count;
       });

@@ -16,12 +16,11 @@ std::uint64_t copy_table(const E57Source& source, std::size_t part, E57Writer& w
   E57Scan scan;
   scan.points = source.table(part);
   writer.begin_scan(scan);
-  std::vector<std::size_t> fields(scan.points.fields.size());
-  std::iota(fields.begin(), fields.end(), 0);
-  for_each_block(*source.open(part), scan.points, fields, kBlock_records, [&](const E57Records& records) {
-    check_interrupted();
-    writer.write(records);
-  });
+  for_each_block(*source.open(part), scan.points, all_fields(scan.points), kBlock_records,
+                 [&](const E57Records& records) {
+                   check_interrupted();
+                   writer.write(records);
+                 });
   return writer.end_scan();
 }
 

@@ -1,7 +1,6 @@
 #include "io/e57/e57_source.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/error.hpp"
 #include "io/e57/e57_xml.hpp"
@@ -117,9 +116,7 @@ std::optional<KeptRanges> E57Source::find_kept_records(std::size_t part, std::ve
   const E57Table& stored = table(part);
   std::optional<KeptRanges> kept;
   try {
-    std::vector<std::size_t> fields(stored.fields.size());
-    std::iota(fields.begin(), fields.end(), std::size_t{0});
-    kept = find_kept(*open_stored(part), fields);
+    kept = find_kept(*open_stored(part), all_fields(stored));
   } catch (const Error& error) {
     if (described.points || error.kind() != ErrorKind::input) throw;
   }

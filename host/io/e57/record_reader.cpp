@@ -1,8 +1,15 @@
 #include "io/e57/record_reader.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace hybrid::io {
+
+std::vector<std::size_t> all_fields(const E57Table& table) {
+  std::vector<std::size_t> fields(table.fields.size());
+  std::iota(fields.begin(), fields.end(), std::size_t{0});
+  return fields;
+}
 
 void for_each_block(const E57RecordReader& reader, const E57Table& table, std::span<const std::size_t> fields,
                     std::size_t most, const std::function<void(const E57Records&)>& body) {

@@ -58,6 +58,9 @@ class E57RecordReader {
   mutable std::set<std::uint64_t> bad_pages_;
 };
 
+// The indices of all of a table's fields.
+std::vector<std::size_t> all_fields(const E57Table& table);
+
 // The same in order, columns of up to `most` records at a time.
 void for_each_block(const E57RecordReader& reader, const E57Table& table, std::span<const std::size_t> fields,
                     std::size_t most, const std::function<void(const E57Records&)>& body);
