@@ -229,6 +229,7 @@ SampleBlock E57Stream::load(std::uint64_t first, std::size_t count) const {
     samples_.points(records, part(block_.points), tally, part(block_.exact));
     if (intensity_) samples_.intensities(records, part(block_.intensity));
     if (colour_) samples_.colours(records, part(block_.rgb));
+    if (!node_ && records.lost.empty()) return;
     LostRecords lost(records.lost);
     for (std::size_t i = 0; i < records.count; ++i) {
       if (lost.has(records.first + i)) {
