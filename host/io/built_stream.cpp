@@ -8,6 +8,7 @@ std::vector<std::string> BuiltStream::take(const std::string& file, bool zero_is
                      ScanBuilder::Options{.intensity = intensity_,
                                           .colour = colour_ ? ColourKind::byte : ColourKind::none,
                                           .zero_is_no_return = zero_is_no_return,
+                                          .salvage = salvage_,
                                           .exact = exact_,
                                           .origin = head_.origin,
                                           .part = kBlock});

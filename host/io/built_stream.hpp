@@ -81,7 +81,7 @@ struct ScaledColours {
 // A stream whose samples a ScanBuilder makes, block after block.
 class BuiltStream : public ScanStream {
  protected:
-  explicit BuiltStream(const ScanEntry& entry) : kept_bytes_(entry.kept_bytes) {
+  explicit BuiltStream(const ScanEntry& entry) : salvage_(entry.salvage), kept_bytes_(entry.kept_bytes) {
     head_.name = entry.name;
     exact_ = entry.exact;
   }
@@ -111,6 +111,7 @@ class BuiltStream : public ScanStream {
  private:
   SampleBlock load(std::uint64_t first, std::size_t count) const override;
 
+  bool salvage_;
   std::size_t kept_bytes_;
   std::optional<double> colour_scale_;
   mutable std::optional<ScanBuilder> builder_;

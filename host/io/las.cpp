@@ -71,14 +71,6 @@ class LasReader {
                          .exact = exact_});
     for (const std::string& note : header_.notes) builder.add_note(note);
     add_points(0, header_.points, builder);
-    if (header_.points < header_.announced) {
-      Damage damage(input_.name());
-      damage.add(header_.announced - header_.points,
-                 fmt::format("byte {}: the points that the header announces end",
-                             header_.data_offset + header_.points * header_.record_bytes));
-      builder.add_note(damage.note(header_.announced));
-    }
-    if (const auto note = check_las_rest(input_, header_, salvage_)) builder.add_note(*note);
     for (const std::string& note : notes()) builder.add_note(note);
     Scan scan = builder.finish();
     describe(scan, !scan.exact.empty());
@@ -98,8 +90,16 @@ class LasReader {
   }
 
   // Of all points, which were added.
-  std::vector<std::string> notes() const {
+  std::vector<std::string> notes() {
     std::vector<std::string> notes;
+    if (header_.points < header_.announced) {
+      Damage damage(input_.name());
+      damage.add(header_.announced - header_.points,
+                 fmt::format("byte {}: the points that the header announces end",
+                             header_.data_offset + header_.points * header_.record_bytes));
+      notes.push_back(damage.note(header_.announced));
+    }
+    if (const auto note = check_las_rest(input_, header_, salvage_)) notes.push_back(*note);
     note_extent(notes);
     note_unused(notes);
     return notes;
@@ -205,7 +205,7 @@ class LasReader {
 class LasStream : public BuiltStream {
  public:
   LasStream(const std::filesystem::path& file, const ScanEntry& entry)
-      : BuiltStream(entry), reader_(file, entry.name, {}) {
+      : BuiltStream(entry), reader_(file, entry.name, {.salvage = entry.salvage}) {
     const LasHeader& header = reader_.header();
     count_ = header.points;
     intensity_ = true;
@@ -214,7 +214,6 @@ class LasStream : public BuiltStream {
     reader_.add_points(0, count_, all);
     take_first(all);
     head_.notes = header.notes;
-    if (const auto note = check_las_rest(reader_.input(), header, false)) head_.notes.push_back(*note);
     add_notes(reader_.notes());
     add_notes(take(reader_.input().name(), false));
     reader_.describe(head_, exact_);
@@ -244,7 +243,6 @@ std::vector<ScanEntry> list_las(const std::filesystem::path& file, const ReadOpt
 }
 
 std::unique_ptr<ScanStream> stream_las(const std::filesystem::path& file, const ScanEntry& entry) {
-  if (entry.salvage) return nullptr;
   return std::make_unique<LasStream>(file, entry);
 }
 

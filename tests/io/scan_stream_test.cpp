@@ -82,6 +82,8 @@ TEST(ScanStream, LasIsTheSameInBlocks) {
   for (std::size_t record = bytes.size() - 4 * 26; record < bytes.size(); record += 26)
     for (const std::size_t high : {21u, 23u, 25u}) bytes[record + high] = '\0';
   expect_same(folder.write("bytes.las", bytes));
+  const auto cut = expect_same(folder.write("cut.las", bytes.substr(0, bytes.size() - 30)), true, true);
+  EXPECT_EQ(cut->count(), 2u);  // of four records one is gone and one is cut
   const fs::path made = folder.path() / "made.las";
   for (const std::string first : {"", "530000.123456 180000.5 3 0 9 9 9\n"}) {
     const std::size_t count = first.empty() ? 300'000 : 20;
