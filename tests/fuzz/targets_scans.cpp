@@ -233,7 +233,8 @@ Seeds range_exr(const fs::path& scratch) {
   return seeds;
 }
 
-// An E57 file's records as a grid, and as a list.
+// An E57 file's records as a grid, and as a list; with the tiles' checksums, and without as older images: in
+// these, damage reaches what decodes the tiles.
 Seeds records_exr(const fs::path& scratch) {
   Seeds seeds;
   for (const bool grid : {true, false}) {
@@ -251,12 +252,18 @@ Seeds records_exr(const fs::path& scratch) {
     write_e57(scratch / "records.e57", scan, columns);
     io::write_exr_scan(io::E57FileSource(scratch / "records.e57"), 0, scratch / "records.exr", {});
     seeds.push_back(file_bytes(scratch / "records.exr"));
+    std::string older = seeds.back();
+    const std::string_view sums(io::records_attribute::kTileSums);
+    older.at(older.find(sums) + sums.size() - 1) = '?';
+    seeds.push_back(older);
   }
   return seeds;
 }
 
-// As read_both_ways(), damaged ones also in blocks; listed once, which is the same with salvage.
+// As read_both_ways(), damaged ones also in blocks; listed once, which is the same with salvage. What a
+// mutation has made another image is range_exr's and foreign_exr's.
 void read_records(const fs::path& file, std::string_view) {
+  if (!unless_refused([&] { return io::holds_exr_records(file); }).value_or(false)) return;
   const auto entries = unless_refused([&] { return io::list_scans(file); });
   if (!entries) return;
   io::ScanEntry entry = entries->at(0);
