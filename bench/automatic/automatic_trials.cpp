@@ -135,12 +135,13 @@ class Tally {
   void print(const Trial& trial, const std::string& which) const {
     const auto& a = trial.alignment;
     std::cerr << fmt::format(
-        "{} {}: {}{}{} score {:.3f} S {:.2f} F {:.2f} T {:.2f} B {:.2f} doubt {:.2f} planes {} off {:.3f} "
+        "{} {}: {}{}{} score {:.3f} S {:.2f} F {:.2f} T {:.2f} B {:.2f} doubt {:.2f} planes {} off {:.3f} by "
+        "{:.2f} deg "
         "margin {:.4f} finalists {}",
         kind_, which, trial.outcome, trial.distinguishable ? " distinguishable" : "",
         trial.best_is_right ? " best-right" : " best-WRONG", a.shares.score, a.shares.supported,
-        a.shares.in_front, a.shares.through, a.shares.behind, a.doubt, a.planes, a.farthest_m, a.margin,
-        a.finalists);
+        a.shares.in_front, a.shares.through, a.shares.behind, a.doubt, a.planes, a.farthest_m,
+        a.farthest_rad * 180 / std::numbers::pi, a.margin, a.finalists);
     if (!a.rivals.empty()) {
       const auto& c = a.rivals[0].comparison;
       std::cerr << fmt::format(

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "stages/automatic_checks.hpp"
 #include "stages/automatic_search.hpp"
@@ -68,10 +69,14 @@ std::size_t choose(const ScanEvidence& scan, const Search& search) {
 
 constexpr double kSeenShare = 0.002;
 constexpr double kPlaneShare = 0.03, kSmallPlaneShare = 0.01;
+// Cosines of two planes that are neither nearly parallel nor nearly at right angles, as any room's are; and
+// how little all may be turned for the angle between these to speak for this room.
+constexpr double kLeastOblique = 0.1, kMostOblique = 0.99, kTurned_rad = 0.5 * std::numbers::pi / 180;
 
 // What lies on one face or plane of the model.
 struct Held {
   double area_m2 = 0, moment_m3 = 0;  // area; times the signed distance from the plane
+  Vec3 normal = Vec3::Zero();         // of the scan's planes: sum over the area
   double offset_m() const { return moment_m3 / area_m2; }
 };
 
@@ -86,6 +91,7 @@ std::map<std::uint32_t, Held> held_by_face(const ScanEvidence& scan, const Final
     const SightRay& ray = scan.rays[k];
     Held& held = by_face[pose.lines[k].face];
     held.area_m2 += ray.area_m2;
+    held.normal += ray.area_m2 * pose.fit.world_from_scan.rotate(ray.normal);
     if (const auto plane = planes.find(pose.lines[k].face); plane != planes.end()) {
       const Vec3 point = pose.fit.world_from_scan * Vec3(ray.range_m * ray.direction);
       held.moment_m3 += ray.area_m2 * plane->second.distance(point);
@@ -102,12 +108,25 @@ void count_planes(const std::map<std::uint32_t, Held>& by_face, const ModelShape
     if (const auto held = by_face.find(face.face); held != by_face.end()) {
       by_plane[face.plane_index].area_m2 += held->second.area_m2;
       by_plane[face.plane_index].moment_m3 += held->second.moment_m3;
+      by_plane[face.plane_index].normal += held->second.normal;
     }
+  std::vector<Vec3> large;
+  bool oblique = false;
   for (const auto& [plane, held] : by_plane) {
     if (held.area_m2 < kSmallPlaneShare * area_m2) continue;
     result.planes += held.area_m2 < kPlaneShare * area_m2 ? 0.5 : 1;
     result.farthest_m = std::max(result.farthest_m, std::abs(held.offset_m()));
+    if (held.area_m2 < kPlaneShare * area_m2) continue;
+    const Vec3& normal = model.planes[plane].plane.normal;
+    result.farthest_rad =
+        std::max(result.farthest_rad, std::atan2(held.normal.cross(normal).norm(), held.normal.dot(normal)));
+    for (const Vec3& other : large) {
+      const double cosine = std::abs(other.dot(normal));
+      oblique = oblique || (cosine > kLeastOblique && cosine < kMostOblique);
+    }
+    large.push_back(normal);
   }
+  if (oblique && result.farthest_rad < kTurned_rad) result.planes += 1;
 }
 
 }  // namespace

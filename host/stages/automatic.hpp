@@ -11,20 +11,21 @@
 namespace hybrid::stages {
 
 struct AutomaticOptions {
-  int rays = 4000;              // lines of sight a pose is judged by, chosen by area
+  int rays = 16000;             // lines of sight a pose is judged by, chosen by area
   double tolerance_m = 0.05;    // a sample this near a face supports it
   double clear_m = 0.15;        // and beyond this it contradicts it
   double face_offset_m = 0.05;  // each face may be this far off
-  double least_gap = 0.006;     // MarginRule: what must speak for a pose against every rival
-  double least_consistency = 0.6;
-  double least_without_largest = 0.003;
-  double least_firm = 0.006;
+  double least_gap = 0.003;     // MarginRule: what must speak for a pose against every rival
+  double least_consistency = 0.5;
+  double least_without_largest = 0.0015;
+  double least_firm = 0.003;
   double least_single = 0.06;
   double least_support = 0.35;  // of the planar area on faces
   double most_doubt = 0.5;      // doubt(): planes off the faces against planes on them, worst direction
   // Any corner lies on three planes, and one more (the height, say) may fit by chance: so many of the model's
-  // must hold the scan. Less than three more must all lie within `tolerance_m`; where there is not even one
-  // more, within 0.7 of it, and the doubt be below 0.7 of `most_doubt`.
+  // must hold the scan; walls that meet at an angle of their own count one more. Less than three more must
+  // all lie within `tolerance_m`; where there is not even one more, within 0.7 of it, and the doubt be below
+  // 0.7 of `most_doubt`.
   double least_planes = 5;
   double most_through = 0.35;  // of the planar area seen through faces
   double least_hold = 0.002;   // least resistance along any direction, share of the area
@@ -51,9 +52,10 @@ struct AutomaticAlignment {
   Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
   bool has_pose = false;
   double doubt = 0;  // doubt() of it
-  // Of the model, under it: with 3 % of the planar area and more on them each, those with 1 % and more half;
-  // and how far the one that is farthest off is, m.
-  double planes = 0, farthest_m = 0;
+  // Of the model, under it: with 3 % of the planar area and more on them each, those with 1 % and more half,
+  // one more where two of the former are oblique and all are turned by less than half a degree; and how far
+  // the one that is farthest off is, and by how much that of the former which is turned most.
+  double planes = 0, farthest_m = 0, farthest_rad = 0;
   SightShares shares;                // under it
   std::vector<std::uint32_t> faces;  // that hold 0.2 % of the planar area and more under it, ascending
   double margin = 0;                 // least gap to a rival, share of the planar area; 1 without rivals

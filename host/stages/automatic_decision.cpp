@@ -34,11 +34,14 @@ struct Said {
 Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLine>& pose,
                    const std::vector<SightLine>& other) {
   std::map<std::uint32_t, Said> by_plane;
-  double total = 0, against = 0;
+  double total = 0, against = 0, recess = 0;
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const double area = rays[k].area_m2;
     total += area;
-    if (other[k].sight == Sight::supported) against += area * contradiction(pose[k].sight, rays[k].spans);
+    if (other[k].sight == Sight::supported) {
+      against += area * contradiction(pose[k].sight, rays[k].spans);
+      if (pose[k].sight == Sight::through && !rays[k].spans && !other[k].recess) recess += area;
+    }
     if (pose[k].sight != Sight::supported) continue;
     Said& said = by_plane[rays[k].plane];
     said.all += area * contradiction(other[k].sight, rays[k].spans);
@@ -60,16 +63,19 @@ Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLin
     result.largest_firm = std::max(result.largest_firm, firm / total);
   }
   result.against_it = against / total;
+  result.against_recess = recess / total;
   return result;
 }
 
 double strength(const Comparison& c, const MarginRule& rule) {
+  const double against = c.against_it - 0.5 * c.against_recess, gap = c.for_it - against,
+               consistency = c.for_it + against > 0 ? gap / (c.for_it + against) : 0;
   // What speaks against weighs threefold where a single plane speaks for the pose.
-  const double several = (c.without_largest() - c.against_it) / rule.least_without_largest;
-  const double firm = (c.largest_firm - 3 * c.against_it) / rule.least_firm;
-  const double single = (c.largest - 3 * c.against_it) / rule.least_single;
-  return std::min({c.gap() / rule.least_gap, c.consistency() / rule.least_consistency,
-                   std::max({several, firm, single})});
+  const double several = (c.without_largest() - against) / rule.least_without_largest;
+  const double firm = (c.largest_firm - 3 * against) / rule.least_firm;
+  const double single = (c.largest - 3 * against) / rule.least_single;
+  return std::min(
+      {gap / rule.least_gap, consistency / rule.least_consistency, std::max({several, firm, single})});
 }
 
 // A plane right beside a face is a similar room's: clutter seldom lies so.

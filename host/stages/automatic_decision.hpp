@@ -18,13 +18,12 @@ struct Comparison {
   // a plane most of which lies on the other pose's faces too, what lies in front of them is no furniture and
   // counts whole. So does a plane that reaches from floor to ceiling (SightRay::spans).
   double largest = 0, largest_firm = 0;
+  // Of what speaks against the pose, what may be a recess that the model lacks, and counts half in
+  // strength(): seen through the pose's faces, of planes that do not reach from floor to ceiling, on the
+  // other's walls.
+  double against_recess = 0;
   double without_largest() const { return for_it - largest; }
   double gap() const { return for_it - against_it; }
-  // 1: all evidence points one way; 0: as much speaks for one as for the other.
-  double consistency() const {
-    const double all = for_it + against_it;
-    return all > 0 ? gap() / all : 0;
-  }
 };
 Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLine>& pose,
                    const std::vector<SightLine>& other);
@@ -33,10 +32,10 @@ Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLin
 // must speak (`least_without_largest`), as one piece of furniture can look like a wall; or one plane firmly
 // (`least_firm`); or one as large as a wall (`least_single`).
 struct MarginRule {
-  double least_gap = 0.006;
-  double least_consistency = 0.6;
-  double least_without_largest = 0.003;
-  double least_firm = 0.006;
+  double least_gap = 0.003;
+  double least_consistency = 0.5;  // 1: all evidence points one way; 0: as much either way
+  double least_without_largest = 0.0015;
+  double least_firm = 0.003;
   double least_single = 0.06;
 };
 

@@ -175,7 +175,8 @@ std::vector<SightLine> SightCaster::cast(const std::vector<SightRay>& rays, cons
   std::vector<SightLine> lines(count);
   for (std::size_t k = 0; k < count; ++k) {
     const auto offset = offsets.find(hits[k].face);
-    lines[k] = {judge(hits[k], offset == offsets.end() ? 0 : offset->second, options), hits[k].face};
+    lines[k] = {judge(hits[k], offset == offsets.end() ? 0 : offset->second, options), hits[k].face,
+                recess_[hits[k].face] != 0};
   }
   if (options.recesses) doubt_recesses(rays, stride, hits, options, lines);
   return lines;

@@ -21,6 +21,7 @@ enum class Sight : std::uint8_t {
 struct SightLine {
   Sight sight = Sight::nothing;
   std::uint32_t face = 0;  // index in the model; of the first face on the line
+  bool recess = false;     // it is one of a recess's
 };
 
 struct SightOptions {

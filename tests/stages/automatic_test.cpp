@@ -35,7 +35,7 @@ struct Trial {
 Trial trial(const std::string& kind, std::uint32_t seed, double crop = 1) {
   Trial t{make_trial_room(kind, seed, 0.01), {}, {}};
   t.scan = scan_trial_room(testing::queue(), t.room, seed, crop);
-  t.evidence = stages::gather_evidence(t.scan.image, t.scan.segmentation, 4000, 1);
+  t.evidence = stages::gather_evidence(t.scan.image, t.scan.segmentation, AutomaticOptions().rays, 1);
   return t;
 }
 
@@ -113,7 +113,7 @@ TEST(Automatic, a_scan_of_another_room_abstains) {
 // elsewhere.
 TEST(Automatic, a_recess_like_the_proxys_places_nothing_by_its_back_alone) {
   const std::pair<std::uint32_t, bool> cases[] = {
-      {61079, true}, {64012, false}, {64023, true}, {64044, false}};
+      {61079, true}, {64012, false}, {64023, true}, {64044, false}, {8014, false}};
   for (const auto& [seed, cropped] : cases) {
     const Trial t = trial("alcoves", seed, cropped ? testing::Draw(seed, 3).within(0.5, 1) : 1);
     const auto alignment = align(t.evidence, t.room.proxy);
@@ -160,6 +160,16 @@ TEST(Automatic, a_corner_that_would_fit_another_room_places_nothing) {
     careless.least_planes = 0;
     EXPECT_TRUE(align(t.evidence, other, careless).accepted) << kind;
   }
+}
+
+// Two walls at an angle of their own are as much as three of a room with right angles.
+TEST(Automatic, an_oblique_corner_tells_its_room) {
+  const Trial t = trial("oblique", 2007, testing::Draw(2007, 3).within(0.5, 1));
+  const auto alignment = align(t.evidence, t.room.proxy);
+  EXPECT_TRUE(alignment.accepted) << alignment.reason;
+  EXPECT_TRUE(is_right(alignment, t.scan.world_from_scan));
+  EXPECT_EQ(alignment.planes, 5);  // floor, ceiling, two walls, and their angle
+  EXPECT_LT(alignment.farthest_rad, 0.2 * kDegree);
 }
 
 // A wall or two more, which come to lie on the model's only when walls may be as far off as that.
@@ -288,6 +298,29 @@ TEST(AutomaticEvidence, a_wall_before_a_face_speaks_firmly) {
   EXPECT_DOUBLE_EQ(wall.for_it, 0.4);
   EXPECT_DOUBLE_EQ(wall.largest_firm, 0.4);
   EXPECT_DOUBLE_EQ(stages::compare(rays, other, pose).against_it, 0.4);
+}
+
+// What is seen through a wall's face speaks against the pose by half where it may be a recess's back.
+TEST(AutomaticEvidence, a_recess_that_the_model_may_lack_speaks_by_half) {
+  using stages::Sight;
+  std::vector<stages::SightRay> rays(10);
+  std::vector<stages::SightLine> pose(10), other(10);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    rays[k].area_m2 = 1;
+    rays[k].plane = k < 2 ? 1 : 0;
+    rays[k].spans = k >= 2;
+    pose[k].sight = k < 2 ? Sight::through : Sight::supported;
+    other[k].sight = k < 2 ? Sight::supported : Sight::in_front;
+  }
+  const stages::MarginRule rule;
+  const auto wall = stages::compare(rays, pose, other);
+  EXPECT_DOUBLE_EQ(wall.against_it, 0.2);
+  EXPECT_DOUBLE_EQ(wall.against_recess, 0.2);
+  EXPECT_DOUBLE_EQ(stages::strength(wall, rule), (0.8 - 0.1) / (0.8 + 0.1) / rule.least_consistency);
+  for (std::size_t k = 0; k < 2; ++k) other[k].recess = true;  // a recess of the model's own, and it fits
+  const auto niche = stages::compare(rays, pose, other);
+  EXPECT_DOUBLE_EQ(niche.against_recess, 0);
+  EXPECT_DOUBLE_EQ(stages::strength(niche, rule), (0.8 - 0.2) / (0.8 + 0.2) / rule.least_consistency);
 }
 
 TEST(TileIcp, comes_back_from_half_a_metre_and_ten_degrees) {
