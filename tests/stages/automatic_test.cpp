@@ -279,46 +279,48 @@ TEST(AutomaticEvidence, what_reaches_from_floor_to_ceiling_is_no_furniture) {
   EXPECT_LT(taken, 0.05 * other);
 }
 
+// Ten lines of sight of a square metre each, the first `few` of one plane, the others of a larger one.
+struct TwoPlanes {
+  using Sight = stages::Sight;
+  std::vector<stages::SightRay> rays = std::vector<stages::SightRay>(10);
+  std::vector<stages::SightLine> pose = std::vector<stages::SightLine>(10), other = pose;
+
+  TwoPlanes(std::size_t few, std::pair<Sight, Sight> of_few, std::pair<Sight, Sight> of_others) {
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      rays[k].area_m2 = 1;
+      rays[k].plane = k < few ? 1 : 0;
+      pose[k].sight = (k < few ? of_few : of_others).first;
+      other[k].sight = (k < few ? of_few : of_others).second;
+    }
+  }
+};
+
 // One plane, in front of the other pose's faces: a wardrobe's front says half; a wall's all, and firmly.
 TEST(AutomaticEvidence, a_wall_before_a_face_speaks_firmly) {
   using stages::Sight;
-  std::vector<stages::SightRay> rays(10);
-  std::vector<stages::SightLine> pose(10), other(10);
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    rays[k].area_m2 = 1;
-    rays[k].plane = k < 4 ? 1 : 0;
-    pose[k].sight = Sight::supported;
-    other[k].sight = k < 4 ? Sight::in_front : Sight::supported;
-  }
-  const auto furniture = stages::compare(rays, pose, other);
+  TwoPlanes at(4, {Sight::supported, Sight::in_front}, {Sight::supported, Sight::supported});
+  const auto furniture = stages::compare(at.rays, at.pose, at.other);
   EXPECT_DOUBLE_EQ(furniture.for_it, 0.2);
   EXPECT_DOUBLE_EQ(furniture.largest_firm, 0);
-  for (std::size_t k = 0; k < 4; ++k) rays[k].spans = true;
-  const auto wall = stages::compare(rays, pose, other);
+  for (std::size_t k = 0; k < 4; ++k) at.rays[k].spans = true;
+  const auto wall = stages::compare(at.rays, at.pose, at.other);
   EXPECT_DOUBLE_EQ(wall.for_it, 0.4);
   EXPECT_DOUBLE_EQ(wall.largest_firm, 0.4);
-  EXPECT_DOUBLE_EQ(stages::compare(rays, other, pose).against_it, 0.4);
+  EXPECT_DOUBLE_EQ(stages::compare(at.rays, at.other, at.pose).against_it, 0.4);
 }
 
 // What is seen through a wall's face speaks against the pose by half where it may be a recess's back.
 TEST(AutomaticEvidence, a_recess_that_the_model_may_lack_speaks_by_half) {
   using stages::Sight;
-  std::vector<stages::SightRay> rays(10);
-  std::vector<stages::SightLine> pose(10), other(10);
-  for (std::size_t k = 0; k < rays.size(); ++k) {
-    rays[k].area_m2 = 1;
-    rays[k].plane = k < 2 ? 1 : 0;
-    rays[k].spans = k >= 2;
-    pose[k].sight = k < 2 ? Sight::through : Sight::supported;
-    other[k].sight = k < 2 ? Sight::supported : Sight::in_front;
-  }
+  TwoPlanes at(2, {Sight::through, Sight::supported}, {Sight::supported, Sight::in_front});
+  for (std::size_t k = 2; k < at.rays.size(); ++k) at.rays[k].spans = true;
   const stages::MarginRule rule;
-  const auto wall = stages::compare(rays, pose, other);
+  const auto wall = stages::compare(at.rays, at.pose, at.other);
   EXPECT_DOUBLE_EQ(wall.against_it, 0.2);
   EXPECT_DOUBLE_EQ(wall.against_recess, 0.2);
   EXPECT_DOUBLE_EQ(stages::strength(wall, rule), (0.8 - 0.1) / (0.8 + 0.1) / rule.least_consistency);
-  for (std::size_t k = 0; k < 2; ++k) other[k].recess = true;  // a recess of the model's own, and it fits
-  const auto niche = stages::compare(rays, pose, other);
+  for (std::size_t k = 0; k < 2; ++k) at.other[k].recess = true;  // a recess of the model's own, and it fits
+  const auto niche = stages::compare(at.rays, at.pose, at.other);
   EXPECT_DOUBLE_EQ(niche.against_recess, 0);
   EXPECT_DOUBLE_EQ(stages::strength(niche, rule), (0.8 - 0.2) / (0.8 + 0.2) / rule.least_consistency);
 }
