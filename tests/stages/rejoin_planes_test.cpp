@@ -19,6 +19,10 @@ constexpr double kSigma_m = 0.001, kWall_m = 5;
 struct Wall {
   double rail_m = 0.05, lower_m = 0, tilt = 0;
   bool upper_owned = false, lower_owned = false;  // the parts' squares
+  // The lower part's plane lies this far before its samples, and has those that are nearer to it: the upper
+  // part's has the others, or none has.
+  double turns_m = 0;
+  bool others_labelled = true;
 
   RangeImage image = make_range_image(kSide, kSide);
   std::vector<std::uint32_t> labels = std::vector<std::uint32_t>(image.count());
@@ -42,13 +46,16 @@ struct Wall {
         labels[i] = row < kRailTop ? 1 : row < kRailBottom ? 3 : 2;
         const double height = row < kRailTop ? 0 : row < kRailBottom ? rail_m : lower_m;
         image.mask[i] = kMeasured;
-        image.x[i] = static_cast<float>(kWall_m - height + noise(random));
+        const double before = -noise(random);
+        if (labels[i] == 2 && turns_m > 0 && before < turns_m / 2) labels[i] = others_labelled ? 1 : 0;
+        image.x[i] = static_cast<float>(kWall_m - height - before);
         image.y[i] = static_cast<float>(0.01 * (col - kSide / 2));
         image.z[i] = static_cast<float>(0.01 * (kSide / 2 - row));
         const auto square = static_cast<std::uint32_t>(grid.at(row / kSquare, col / kSquare));
         if (row % kSquare == 0 && col % kSquare == 0) {
-          regions.regions[labels[i] - 1].squares.push_back(square);
-          presence.emplace_back(square, labels[i]);
+          const std::uint32_t part = row < kRailTop ? 1 : row < kRailBottom ? 3 : 2;
+          regions.regions[part - 1].squares.push_back(square);
+          presence.emplace_back(square, part);
         }
       }
     const std::array<bool, 3> own = {upper_owned, lower_owned, false};
@@ -60,7 +67,7 @@ struct Wall {
     const double middle_z = 0.01 * (kSide / 2 - (kRailBottom + kSide) / 2.0);
     const Vec3 tilted(-std::cos(tilt), 0, std::sin(tilt));
     const std::vector<Plane> planes = {{-Vec3::UnitX(), -kWall_m},
-                                       {tilted, tilted.dot(Vec3(kWall_m - lower_m, 0, middle_z))},
+                                       {tilted, tilted.dot(Vec3(kWall_m - lower_m - turns_m, 0, middle_z))},
                                        {-Vec3::UnitX(), -(kWall_m - rail_m)}};
     return stages::rejoin_planes(image, squares, grid, {}, planes, labels, regions, presence);
   }
@@ -100,6 +107,23 @@ TEST(RejoinPlanes, a_step_beyond_the_noise_stays) {
   wall.lower_m = 0.003;
   EXPECT_TRUE(wall.rejoin().empty());
   EXPECT_EQ(wall.below(), 2u);
+}
+
+// Two planes with less than two standard deviations between them took turns on one wall, sample by sample.
+TEST(RejoinPlanes, planes_that_take_turns_on_a_wall_are_one) {
+  Wall wall;
+  wall.turns_m = 1.6 * kSigma_m;
+  EXPECT_EQ(wall.rejoin(), std::vector<std::uint32_t>{1});
+  EXPECT_EQ(std::count(wall.labels.begin(), wall.labels.end(), 2u), 0);
+}
+
+// ... as far from the other plane, but alone: it may lie on another board.
+TEST(RejoinPlanes, planes_as_near_that_do_not_take_turns_stay_two) {
+  Wall wall;
+  wall.turns_m = 1.6 * kSigma_m;
+  wall.others_labelled = false;
+  EXPECT_TRUE(wall.rejoin().empty());
+  EXPECT_GT(std::count(wall.labels.begin(), wall.labels.end(), 2u), 100);
 }
 
 TEST(RejoinPlanes, a_plane_that_owns_squares_takes_a_larger_small_one) {
