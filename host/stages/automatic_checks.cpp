@@ -12,8 +12,9 @@ constexpr double kSpan = 0.1;
 constexpr double kNothing = 10;  // so many times as much off the faces as on them: nothing to speak of is on
 constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
-constexpr double kFew = 0.7;  // of what else may be off: where few planes hold a scan, they must fit better
-constexpr double kMany = 3;   // planes beyond the least: none of them need lie within the tolerance
+// Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances, and the better the
+// more doubt there is: as shares of their limits no more than kTogether in sum. From kMany they may be off.
+constexpr double kFew = 1, kBetter = 0.7, kTogether = 1.2, kMany = 3;
 
 constexpr const char* kGiveLandmarks = "; give 3 or more landmarks (the landmark sheet helps) or a pose";
 
@@ -106,25 +107,31 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "3 % of the planar area counts 1, with 1 % a half): another place with such a corner would fit as "
         "well{}",
         best.planes, options.least_planes, kGiveLandmarks);
-  const double beyond = best.planes - options.least_planes, share = beyond < 1 ? kFew : 1,
-               most_doubt = share * options.most_doubt;
-  if (beyond < kMany && best.farthest_m > share * options.tolerance_m)
+  const double beyond = best.planes - options.least_planes;
+  const bool few = beyond < kFew;
+  const double off = best.farthest_m / options.tolerance_m, most_off = few ? kBetter : 1;
+  if (beyond < kMany && off > most_off)
     return fmt::format(
         "under the best pose planes of the model hold the scan that count {}, and one of them lies {:.0f} mm "
         "off, at most {:.0f} may where they are no more: is it the model of another place of nearly the same "
         "size?{}",
-        best.planes, 1000 * best.farthest_m, 1000 * share * options.tolerance_m, kGiveLandmarks);
-  if (best.doubt > most_doubt && best.doubt > kNothing)
+        best.planes, 1000 * best.farthest_m, 1000 * most_off * options.tolerance_m, kGiveLandmarks);
+  if (best.doubt > options.most_doubt && best.doubt > kNothing)
     return fmt::format(
         "under the best pose hardly any planar area that faces along some direction lies on the model's "
         "faces: "
         "the scan shows too little of the model to hold it there, or the model lacks walls{}",
         kGiveLandmarks);
+  const double most_doubt = std::min(few ? kTogether - off : 1, 1.0) * options.most_doubt;
   if (best.doubt > most_doubt)
     return fmt::format(
         "under the best pose {:.0f} % as much planar area lies off the model's faces as on them, along some "
-        "direction; at most {:.0f} % may: is it the model of another place, or one that lacks walls?{}",
-        100 * best.doubt, 100 * most_doubt, kGiveLandmarks);
+        "direction; at most {:.0f} % may{}: is it the model of another place, or one that lacks walls?{}",
+        100 * best.doubt, 100 * most_doubt,
+        few ? fmt::format(" where planes that count {} hold the scan and one of them lies {:.0f} mm off",
+                          best.planes, 1000 * best.farthest_m)
+            : "",
+        kGiveLandmarks);
   if (fit.least_share < options.least_hold)
     return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
                        fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), kGiveLandmarks);

@@ -18,6 +18,7 @@ struct HeightFits {
   double curvature = 0;              // 1/m, the larger principal one
   double spread = 0;                 // of it, for residuals of 1 m
   bool determined = false;
+  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();  // 1/m, along a and b
 };
 
 // height = c0 + c1 a + c2 b + c3 a^2 + c4 a b + c5 b^2 by least squares, and its linear part alone.
@@ -60,6 +61,7 @@ HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
   const double ab = quadratic[4] / (scale.x() * scale.y());
   const Vec6 narrow = Vec6::Unit(3);  // eigenvalues come in increasing order
   fits.spread = 2 * std::sqrt(narrow.dot(solver.solve(narrow))) / (scale.x() * scale.x());
+  fits.hessian = turn.transpose() * (Eigen::Matrix2d() << aa, ab, ab, bb).finished() * turn;
   fits.curvature = 0.5 * (std::abs(aa + bb) + std::hypot(aa - bb, 2 * ab));
   return fits;
 }
@@ -79,6 +81,17 @@ Bend bend_of(const std::vector<Vec3>& heights, double min_curvature) {
   if (bend.determined && variance > 0 && fall >= kLeastGain * variance && bend.curvature > min_curvature)
     bend.share = fall / fits.linear;
   return bend;
+}
+
+double bends_like(const std::vector<Vec3>& heights, const std::vector<Vec3>& beyond) {
+  if (std::min(heights.size(), beyond.size()) < kFewestHeights) return 0;
+  const HeightFits as_is = fit_quadratic(heights), wide = fit_quadratic(beyond);
+  if (!wide.determined || !(as_is.linear > 0)) return 0;
+  std::vector<Vec3> straightened = heights;
+  for (Vec3& s : straightened) s.z() -= 0.5 * s.head<2>().dot(wide.hessian * s.head<2>());
+  const double variance =
+      std::max(as_is.quadratic, 1e-12 * as_is.linear) / static_cast<double>(heights.size() - 6);
+  return (as_is.linear - fit_quadratic(straightened).linear) / variance;
 }
 
 void PlaneHeights::add(const Vec3& height, const std::array<bool, 4>& neighbours) {

@@ -20,6 +20,12 @@ inline constexpr double kLeastShareBent = 0.01;
 // `heights`: (a, b, height) in m, a and b along the plane. A bend of min_curvature (1/m) or less has share 0.
 Bend bend_of(const std::vector<Vec3>& heights, double min_curvature);
 
+// By how many variances of their residuals the bend of a larger surface that `beyond` shows, which holds or
+// surrounds `heights` and has the same axes, explains these better than no bend does: both with the offset
+// and tilt that suit them best. Negative where they are flatter than that; about 0 where they are too few or
+// too small to tell. 0 when the samples of either are fewer than 30 or in a line.
+double bends_like(const std::vector<Vec3>& heights, const std::vector<Vec3>& beyond);
+
 // Heights of a plane's samples over it, as (a, b, height). At its rim a plane may hold the first samples
 // beyond an edge, which would bend a narrow strip.
 struct PlaneHeights {

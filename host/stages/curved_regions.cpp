@@ -1,6 +1,7 @@
 #include "stages/curved_regions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -15,11 +16,13 @@ namespace {
 constexpr std::size_t kMostSamples = 40000;  // of a region in the quadratic fit
 constexpr double kMostRim = 8;               // samples
 constexpr double kShareFaint =
-    0.001;  // of the squared residuals, where the surface goes on beyond the region and bends there
-constexpr double kShareBeyond = 0.3;  // ... of the centroids of the squares there
-constexpr int kRings = 4;             // squares
-constexpr double kLeastGrowth = 2;    // of the number of squares within those
+    0.001;                            // of the squared residuals, where the surface goes on and bends as much
 constexpr double kLikeCurvature = 2;  // factor between here and there
+constexpr std::array<int, 3> kRings = {4, 8, 16};  // squares that the surface is followed beyond the region
+constexpr double kLeastGrowth = 2;                 // of the number of squares within those
+constexpr double kShareBeyond = 0.3, kShareSmooth = 0.7;  // of the squared residuals of their centroids
+constexpr double kLeastLike = 10, kNotUnlike = -4;  // bends_like() where these bend, and where they only bend
+constexpr double kMostTurn = 0.3;                   // rad: across a region that goes on, narrowly
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
 constexpr double kFlat = 0.25;              // of the curvature that the turn of the neighbours would make
@@ -143,17 +146,17 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
   return !flat;
 }
 
-// Where the surface goes on beyond the region, kRings squares far without an edge: its squares' centroids in
+// Where the surface goes on beyond the region, `rings` squares far without an edge: its squares' centroids in
 // the region's frame. Their noise is that of many samples, and they reach further than a narrow strip.
 std::vector<Vec3> heights_beyond(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
-                                 const SuperclusterOptions& options, const PlaneRegion& region) {
+                                 const SuperclusterOptions& options, const PlaneRegion& region, int rings) {
   std::vector<std::uint32_t> reached;
   std::copy_if(region.squares.begin(), region.squares.end(), std::back_inserter(reached),
                [&](std::uint32_t square) { return squares.squares[square].state == SQUARE_PLANAR; });
   const std::size_t own = reached.size();
   std::unordered_set<std::uint32_t> seen(reached.begin(), reached.end());
   std::size_t from = 0;
-  for (int ring = 0; ring < kRings; ++ring)
+  for (int ring = 0; ring < rings; ++ring)
     for (const std::size_t to = reached.size(); from < to; ++from)
       for (int direction = 0; direction < 4; ++direction) {
         const std::int64_t neighbour = grid.neighbour(reached[from], direction);
@@ -170,15 +173,34 @@ std::vector<Vec3> heights_beyond(const RangeImage& image, const SquarePlanes& sq
   return heights;
 }
 
-// A narrow strip of a wide vault bends by less than its noise: by less than rims of flat faces may seem to.
-// It is curved when it does bend, however faintly, and the surface around goes on and bends as much.
+// A narrow strip of a wide vault, or a patch of it straight above the scanner that all columns share, bends
+// by less than its noise, or than rims of flat faces may seem to. It is curved when the surface around goes
+// on and bends, and either as much or so that its bend laid on the region explains that better than none;
+// where the region cannot tell, it is a part of what is smooth around it.
+bool goes_on_bending(const PlaneRegion& region, const Bend& here, const std::vector<Vec3>& own,
+                     const std::vector<Vec3>& wide, double min_curvature) {
+  const Bend beyond = bend_of(wide, min_curvature);
+  if (beyond.share < kShareBeyond) return false;
+  if (here.share >= kShareFaint && beyond.curvature < kLikeCurvature * here.curvature &&
+      here.curvature < kLikeCurvature * beyond.curvature)
+    return true;
+  const double width = std::sqrt(12 * region.fit.spread[0] / region.fit.weight);
+  return width * beyond.curvature < kMostTurn &&
+         bends_like(own, wide) > (beyond.share < kShareSmooth ? kLeastLike : kNotUnlike);
+}
+
 bool bends(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
            const SuperclusterOptions& options, const PlaneRegion& region) {
-  const Bend here = heights(image, squares, grid, options, region).bend(options.min_curvature);
-  if (here.share >= kLeastShareBent || here.share < kShareFaint) return here.share >= kLeastShareBent;
-  const Bend beyond = bend_of(heights_beyond(image, squares, grid, options, region), options.min_curvature);
-  return beyond.share >= kShareBeyond && beyond.curvature < kLikeCurvature * here.curvature &&
-         here.curvature < kLikeCurvature * beyond.curvature;
+  const PlaneHeights own = heights(image, squares, grid, options, region);
+  const Bend here = own.bend(options.min_curvature);
+  if (here.share >= kLeastShareBent) return true;
+  const bool is_flat = here.determined && kBendSigmas * here.sigma < options.min_curvature;
+  if (here.share == 0 && is_flat) return false;
+  return std::any_of(kRings.begin(), kRings.end(), [&](int rings) {
+    return goes_on_bending(region, here, own.inner,
+                           heights_beyond(image, squares, grid, options, region, rings),
+                           options.min_curvature);
+  });
 }
 
 }  // namespace

@@ -48,6 +48,26 @@ TEST(Bending, SaysHowWellItKnowsTheCurvature) {
   EXPECT_NEAR(std::sqrt(squares / kTrials), 1, 0.3);
 }
 
+// A patch of a vault whose own bend is within its noise; what is around it, as centroids of squares.
+TEST(Bending, APatchTooSmallToBendBendsLikeTheVaultAroundIt) {
+  for (const double angle : {0.0, 0.7}) {
+    const auto around = strip(1.5, 1.5, angle, kCurvature, 0.0002, 200);
+    const auto patch = strip(0.12, 0.12, angle, kCurvature, 0.002, 3000);
+    ASSERT_EQ(bend_of(patch, kMinCurvature).share, 0);
+    ASSERT_GT(bend_of(around, kMinCurvature).share, 0.9);
+    EXPECT_GT(bends_like(patch, around), 10) << angle;
+    EXPECT_LT(bends_like(strip(0.12, 0.12, angle, 0, 0.002, 3000), around), -10) << angle;
+    EXPECT_LT(std::abs(bends_like(strip(0.02, 0.02, angle, kCurvature, 0.002, 3000), around)), 1) << angle;
+  }
+}
+
+TEST(Bending, BendsLikeNothingThatTellsNoBend) {
+  const auto patch = strip(0.2, 0.2, 0, kCurvature, 0.001, 1000);
+  EXPECT_EQ(bends_like(patch, strip(1.5, 1.5, 0, kCurvature, 0.0002, 20)), 0);
+  EXPECT_EQ(bends_like(strip(0.2, 0.2, 0, kCurvature, 0.001, 20), strip(1.5, 1.5, 0, kCurvature, 0, 200)), 0);
+  EXPECT_EQ(bends_like(patch, strip(1.5, 0, 0.3, 0, 0.001, 200)), 0);  // in a line
+}
+
 TEST(Bending, BendsWhereverTheSamplesCrowd) {
   auto heights = strip(2, 0.2, 0.4, kCurvature, 0.0005, 400);
   const auto dense = strip(0.1, 0.02, 0.4, kCurvature, 0.0005, 4000);
