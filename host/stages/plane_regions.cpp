@@ -29,6 +29,15 @@ bool agrees(const PlaneFit& region, const SquareRecord& square, const Superclust
   return angle <= limit;
 }
 
+// Straight above a scanner a column's samples are nearer to each other than they are noisy: the plane that
+// holds their line of sight fits them best, but misses their ranges by more than these vary.
+bool is_edge_on(const PlaneRegion& region) {
+  const Vec3 sight = region.fit.centroid.normalized();
+  const double cosine = region.fit.plane.normal.dot(sight);
+  const double along_m2 = sight.dot(region.moments.scatter * sight) / region.moments.weight;
+  return region.fit.rms_m * region.fit.rms_m > cosine * cosine * along_m2;
+}
+
 float link(const SquareLinks& links, const SquareGrid& grid, std::size_t square, int direction) {
   const std::int64_t other = grid.neighbour(square, direction);
   if (other == SquareGrid::kNone) return -1;
@@ -122,7 +131,7 @@ PlaneRegions grow_regions(const SquarePlanes& squares, const SquareGrid& grid, c
     const auto id = static_cast<std::uint32_t>(result.regions.size() + 1);
     PlaneRegion region = grow_from(seed, squares, grid, links, options, id, result.of_square);
     prune(squares, options, region, result.of_square);
-    if (region.squares.size() < kLeastSquares)
+    if (region.squares.size() < kLeastSquares || is_edge_on(region))
       for (const std::uint32_t square : region.squares) result.of_square[square] = 0;
     else
       result.regions.push_back(std::move(region));
