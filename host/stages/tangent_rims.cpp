@@ -20,6 +20,7 @@ namespace {
 constexpr int kSquare = 7, kTile = 32, kInwards = 14, kOnwards = 6;
 constexpr int kMostStride = 8;
 constexpr double kStep_rad = 0.0018;
+constexpr double kTile_rad = 0.115;  // a rim is straight so far, and the longer it is, the better known
 constexpr std::size_t kFewest = 12;  // samples of a rim
 constexpr double kContinuitySigmas = 3;
 constexpr double kMostWidth = 0.35;     // of a rim, against its length
@@ -243,7 +244,8 @@ std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const Rang
   const auto dense = static_cast<int>(std::lround(std::min(kStep_rad / step_rad, 1.0 * kMostStride)));
   const int stride = std::clamp(std::max((square + kSquare / 2) / kSquare, dense), 1, kMostStride);
   const RimFinder finder(image, noise, excess, labels, planes, regions, stride);
-  const auto tiles = make_tiles(image.rows, image.cols, kTile * stride);
+  const auto wide = static_cast<int>(std::lround(std::min(kTile_rad / step_rad, 1.0 * image.rows)));
+  const auto tiles = make_tiles(image.rows, image.cols, std::max(kTile * stride, wide));
   std::vector<std::vector<std::vector<std::uint32_t>>> trimmed(tiles.size());
   parallel_for(tiles.size(), [&](std::size_t t) { trimmed[t] = finder.trimmed(tiles[t]); });
   std::vector<std::uint32_t> changed;
