@@ -22,6 +22,7 @@ constexpr std::array<int, 3> kRings = {4, 8, 16};  // squares that the surface i
 constexpr double kLeastGrowth = 2;                 // of the number of squares within those
 constexpr double kShareBeyond = 0.3, kShareSmooth = 0.7;  // of the squared residuals of their centroids
 constexpr double kLeastLike = 10, kNotUnlike = -4;  // bends_like() where these bend, and where they only bend
+constexpr std::size_t kNoFragment = 16;             // squares
 constexpr double kMostTurn = 0.3;                   // rad: across a region that goes on, narrowly
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
@@ -178,19 +179,19 @@ std::vector<Vec3> heights_beyond(const RangeImage& image, const SquarePlanes& sq
 // on and bends, and either as much or so that its bend laid on the region explains that better than none;
 // where the region cannot tell, it is a part of what is smooth around it.
 bool goes_on_bending(const PlaneRegion& region, const Bend& here, const std::vector<Vec3>& own,
-                     const std::vector<Vec3>& wide, double min_curvature) {
+                     const std::vector<Vec3>& wide, double min_curvature, bool fragments) {
   const Bend beyond = bend_of(wide, min_curvature);
   if (beyond.share < kShareBeyond) return false;
   if (here.share >= kShareFaint && beyond.curvature < kLikeCurvature * here.curvature &&
       here.curvature < kLikeCurvature * beyond.curvature)
     return true;
   const double width = std::sqrt(12 * region.fit.spread[0] / region.fit.weight);
-  return width * beyond.curvature < kMostTurn &&
+  return (fragments || region.squares.size() >= kNoFragment) && width * beyond.curvature < kMostTurn &&
          bends_like(own, wide) > (beyond.share < kShareSmooth ? kLeastLike : kNotUnlike);
 }
 
 bool bends(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
-           const SuperclusterOptions& options, const PlaneRegion& region) {
+           const SuperclusterOptions& options, const PlaneRegion& region, bool fragments) {
   const PlaneHeights own = heights(image, squares, grid, options, region);
   const Bend here = own.bend(options.min_curvature);
   if (here.share >= kLeastShareBent) return true;
@@ -199,14 +200,14 @@ bool bends(const RangeImage& image, const SquarePlanes& squares, const SquareGri
   return std::any_of(kRings.begin(), kRings.end(), [&](int rings) {
     return goes_on_bending(region, here, own.inner,
                            heights_beyond(image, squares, grid, options, region, rings),
-                           options.min_curvature);
+                           options.min_curvature, fragments);
   });
 }
 
 }  // namespace
 
 void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
-                         const SuperclusterOptions& options, PlaneRegions& regions) {
+                         const SuperclusterOptions& options, bool fragments, PlaneRegions& regions) {
   struct Verdict {
     bool facet = false, curved = false;
   };
@@ -216,7 +217,7 @@ void mark_curved_regions(const RangeImage& image, const SquarePlanes& squares, c
     if (region.curved || region.squares.empty()) return;
     Verdict& verdict = verdicts[i];
     verdict.facet = is_facet(image, squares, grid, options, regions, static_cast<std::uint32_t>(i + 1));
-    verdict.curved = verdict.facet || bends(image, squares, grid, options, region);
+    verdict.curved = verdict.facet || bends(image, squares, grid, options, region, fragments);
   });
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     regions.regions[i].curved |= verdicts[i].curved;

@@ -250,11 +250,11 @@ PlaneSegmentation segment(device::Queue& queue, const RangeImage& image, const S
   const SquareGrid grid(image, squares);
   const SquareLinks links = link_squares(queue, image, squares, grid, options);
   PlaneRegions regions = grow_regions(squares, grid, links, options);
-  mark_curved_regions(image, squares, grid, options, regions);
+  mark_curved_regions(image, squares, grid, options, false, regions);
   merge_coplanar_regions(image, squares, grid, options, regions);
   absorb_squares(image, squares, grid, options, regions);
   // Again: fragments of a column too small to show that they bend may have merged into one that does.
-  mark_curved_regions(image, squares, grid, options, regions);
+  mark_curved_regions(image, squares, grid, options, true, regions);
   drop_small_regions(grid, options.min_squares, regions);
 
   std::vector<std::uint32_t> labels;
