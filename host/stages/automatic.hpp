@@ -23,9 +23,9 @@ struct AutomaticOptions {
   double least_support = 0.35;  // of the planar area on faces
   double most_doubt = 0.5;      // doubt(): planes off the faces against planes on them, worst direction
   // Any corner lies on three planes, and one more (the height, say) fits by chance: so many of the model's
-  // must hold the scan; walls that meet at an angle of their own count one more. Less than three more must all
-  // lie within `tolerance_m`; less than one more within 0.7 of it, and the farther off the one is, the less
-  // doubt there may be.
+  // must hold the scan; walls that meet at an angle of their own count one more. Less than three more must
+  // all lie within `tolerance_m`; less than one more within 0.7 of it, and the farther off the one is, the
+  // less doubt there may be.
   double least_planes = 5;
   double most_through = 0.35;  // of the planar area seen through faces
   double least_hold = 0.002;   // least resistance along any direction, share of the area
