@@ -188,6 +188,24 @@ TEST(Automatic, a_room_of_nearly_the_same_size_places_nothing) {
   }
 }
 
+// Where few planes hold a scan, what lies off the faces counts the less the better these fit.
+TEST(Automatic, few_planes_may_leave_the_more_doubt_the_better_they_fit) {
+  const auto doubtful = [](std::uint32_t seed, bool at_home) {
+    const Trial t = trial("hall", seed, testing::Draw(seed, 3).within(0.5, 1));
+    return align(t.evidence, at_home ? t.room.proxy : make_trial_room("hall", seed + 500000, 0.01).proxy);
+  };
+  const auto right = doubtful(2003, true), wrong = doubtful(62075, false);
+  EXPECT_TRUE(right.accepted) << right.reason;
+  EXPECT_FALSE(wrong.accepted);
+  EXPECT_NE(wrong.reason.find("where planes that count 5 hold the scan"), std::string::npos) << wrong.reason;
+  for (const auto& alignment : {right, wrong}) {
+    EXPECT_EQ(alignment.planes, 5);
+    EXPECT_LT(alignment.farthest_m, 0.035);
+    EXPECT_GT(alignment.doubt, 0.35);
+    EXPECT_LT(alignment.doubt, AutomaticOptions().most_doubt);
+  }
+}
+
 TEST(Automatic, the_direction_in_which_the_scanner_was_set_up_changes_nothing) {
   const Trial t = trial("hall", 31);
   const auto first = align(t.evidence, t.room.proxy);
