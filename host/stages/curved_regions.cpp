@@ -179,14 +179,14 @@ std::vector<Vec3> heights_beyond(const RangeImage& image, const SquarePlanes& sq
 // on and bends, and either as much or so that its bend laid on the region explains that better than none;
 // where the region cannot tell, it is a part of what is smooth around it.
 bool goes_on_bending(const PlaneRegion& region, const Bend& here, const std::vector<Vec3>& own,
-                     const std::vector<Vec3>& wide, double min_curvature, bool fragments) {
+                     const std::vector<Vec3>& wide, double min_curvature, bool laid_on) {
   const Bend beyond = bend_of(wide, min_curvature);
   if (beyond.share < kShareBeyond) return false;
   if (here.share >= kShareFaint && beyond.curvature < kLikeCurvature * here.curvature &&
       here.curvature < kLikeCurvature * beyond.curvature)
     return true;
   const double width = std::sqrt(12 * region.fit.spread[0] / region.fit.weight);
-  return (fragments || region.squares.size() >= kNoFragment) && width * beyond.curvature < kMostTurn &&
+  return laid_on && width * beyond.curvature < kMostTurn &&
          bends_like(own, wide) > (beyond.share < kShareSmooth ? kLeastLike : kNotUnlike);
 }
 
@@ -196,11 +196,12 @@ bool bends(const RangeImage& image, const SquarePlanes& squares, const SquareGri
   const Bend here = own.bend(options.min_curvature);
   if (here.share >= kLeastShareBent) return true;
   const bool is_flat = here.determined && kBendSigmas * here.sigma < options.min_curvature;
-  if (here.share == 0 && is_flat) return false;
+  const bool laid_on = fragments || region.squares.size() >= kNoFragment;
+  if (here.share < kShareFaint && (!laid_on || (here.share == 0 && is_flat))) return false;
   return std::any_of(kRings.begin(), kRings.end(), [&](int rings) {
     return goes_on_bending(region, here, own.inner,
                            heights_beyond(image, squares, grid, options, region, rings),
-                           options.min_curvature, fragments);
+                           options.min_curvature, laid_on);
   });
 }
 
