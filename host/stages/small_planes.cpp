@@ -15,6 +15,7 @@
 #include "stages/flood_shape.hpp"
 #include "stages/plane_floods.hpp"
 #include "stages/plane_steps.hpp"
+#include "stages/sample_marks.hpp"
 #include "stages/sparse_seeds.hpp"
 
 namespace hybrid::stages {
@@ -289,9 +290,11 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
   const double sigma_m = std::max(squares.sigma_m, kLeastNoise_m);
   auto use = free_samples(seen, label, regions);
   const PlaneFlooder flooder(seen, use, squares.noise);
-  std::unordered_map<std::uint32_t, Vec3> normal_of_blocked;  // by floods; regions' by their labels
+  SampleMarks blocked_by;  // floods that bend, from 1; regions that do are known by their labels
+  std::vector<Vec3> blocked_normals;
   const auto blocked_normal = [&](std::uint32_t i) -> Vec3 {
-    return label(i) != 0 ? regions.regions[label(i) - 1].fit.plane.normal : normal_of_blocked.at(i);
+    return label(i) != 0 ? regions.regions[label(i) - 1].fit.plane.normal
+                         : blocked_normals[blocked_by.of(i) - 1];
   };
   SquarePresence presence;
   std::unordered_map<std::uint32_t, RayPlane> plane_of_small;
@@ -332,11 +335,13 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
         }
       }
       if (verdict == kFree) continue;
-      for (const std::uint32_t i : flood.samples) {
-        use[i] = verdict;
-        if (verdict == kBlocked) normal_of_blocked[i] = region.fit.plane.normal;
+      for (const std::uint32_t i : flood.samples) use[i] = verdict;
+      if (verdict == kBlocked) {
+        blocked_normals.push_back(region.fit.plane.normal);
+        for (const std::uint32_t i : flood.samples)
+          blocked_by.of(i) = static_cast<std::uint32_t>(blocked_normals.size());
+        continue;
       }
-      if (verdict == kBlocked) continue;
       region.squares = squares_of(flood, seen, grid, squares.square, stride);
       std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
       std::optional<RayPlane> joint;

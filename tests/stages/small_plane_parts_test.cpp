@@ -101,6 +101,18 @@ TEST(SmallPlaneParts, a_rail_and_a_post_eleven_millimetres_behind_it_are_two_pla
   }
 }
 
+// Three metres beside it the large plane, 22 cm wide, is as uncertain as the small one is off: the planes
+// agree, but few samples of the one lie on the other, which would not get them.
+TEST(SmallPlaneParts, a_patch_behind_where_an_uncertain_plane_passes_keeps_its_samples) {
+  for (unsigned seed = 1; seed <= 16; ++seed) {
+    const Patch large{16, 10, 3, 1.4 * kNoise_m, 40, 15}, small{24, 220, 3.0125};
+    const RangeImage image = scan_patches({large, small}, seed, true);
+    const auto found = segment(image);
+    EXPECT_GT(labels_of(image, found, large).second, 0.9) << seed;
+    EXPECT_GT(labels_of(image, found, small).second, 0.9) << seed;
+  }
+}
+
 // The noise of a scan is learnt from its large planes; a small one may have more (a dark, glossy surface).
 TEST(SmallPlaneParts, a_plane_noisier_than_the_others_is_one) {
   int found_planes = 0;
