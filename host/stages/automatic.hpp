@@ -21,11 +21,12 @@ struct AutomaticOptions {
   double least_firm = 0.003;
   double least_single = 0.06;
   double least_support = 0.35;  // of the planar area on faces
-  double most_doubt = 0.5;      // doubt(): planes off the faces against planes on them, worst direction
+  // doubt(), planes off the faces against planes on them in the worst direction, where one that is on them
+  // lies `tolerance_m` off. Where they fit exactly it may be twice as much.
+  double most_doubt = 0.5;
   // Any corner lies on three planes, and one more (the height, say) fits by chance: so many of the model's
   // must hold the scan; walls that meet at an angle of their own count one more. Less than three more must
-  // all lie within `tolerance_m`; less than one more within 0.7 of it, and the farther off the one is, the
-  // less doubt there may be.
+  // all lie within `tolerance_m`; less than one more within 0.7 of it, and there may be less doubt.
   double least_planes = 5;
   double most_through = 0.35;  // of the planar area seen through faces
   double least_hold = 0.002;   // least resistance along any direction, share of the area

@@ -12,9 +12,11 @@ constexpr double kSpan = 0.1;
 constexpr double kNothing = 10;  // so many times as much off the faces as on them: nothing to speak of is on
 constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
-// Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances, and the better the
-// more doubt there is: as shares of their limits no more than kTogether in sum. From kMany they may be off.
-constexpr double kFew = 1, kBetter = 0.7, kTogether = 1.2, kMany = 3;
+// Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances. From kMany they may be
+// off.
+constexpr double kFew = 1, kBetter = 0.7, kMany = 3;
+// The better all fit the more doubt there may be: as shares of their limits no more than this in sum.
+constexpr double kTogether = 2, kTogetherOfFew = 1.2;
 
 constexpr const char* kGiveLandmarks = "; give 3 or more landmarks (the landmark sheet helps) or a pose";
 
@@ -109,29 +111,28 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         best.planes, options.least_planes, kGiveLandmarks);
   const double beyond = best.planes - options.least_planes;
   const bool few = beyond < kFew;
-  const double off = best.farthest_m / options.tolerance_m, most_off = few ? kBetter : 1;
-  if (beyond < kMany && off > most_off)
+  const double most_off_m = (few ? kBetter : 1) * options.tolerance_m;
+  if (beyond < kMany && best.farthest_m > most_off_m)
     return fmt::format(
         "under the best pose planes of the model hold the scan that count {}, and one of them lies {:.0f} mm "
         "off, at most {:.0f} may where they are no more: is it the model of another place of nearly the same "
         "size?{}",
-        best.planes, 1000 * best.farthest_m, 1000 * most_off * options.tolerance_m, kGiveLandmarks);
+        best.planes, 1000 * best.farthest_m, 1000 * most_off_m, kGiveLandmarks);
   if (best.doubt > options.most_doubt && best.doubt > kNothing)
     return fmt::format(
         "under the best pose hardly any planar area that faces along some direction lies on the model's "
         "faces: "
         "the scan shows too little of the model to hold it there, or the model lacks walls{}",
         kGiveLandmarks);
-  const double most_doubt = std::min(few ? kTogether - off : 1, 1.0) * options.most_doubt;
+  const double off = std::min(best.farthest_m / options.tolerance_m, 1.0);
+  const double most_doubt = ((few ? kTogetherOfFew : kTogether) - off) * options.most_doubt;
   if (best.doubt > most_doubt)
     return fmt::format(
         "under the best pose {:.0f} % as much planar area lies off the model's faces as on them, along some "
-        "direction; at most {:.0f} % may{}: is it the model of another place, or one that lacks walls?{}",
-        100 * best.doubt, 100 * most_doubt,
-        few ? fmt::format(" where planes that count {} hold the scan and one of them lies {:.0f} mm off",
-                          best.planes, 1000 * best.farthest_m)
-            : "",
-        kGiveLandmarks);
+        "direction; at most {:.0f} % may where planes that count {} hold the scan and one of them lies "
+        "{:.0f} "
+        "mm off: is it the model of another place, or one that lacks walls?{}",
+        100 * best.doubt, 100 * most_doubt, best.planes, 1000 * best.farthest_m, kGiveLandmarks);
   if (fit.least_share < options.least_hold)
     return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
                        fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), kGiveLandmarks);

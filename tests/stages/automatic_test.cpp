@@ -206,6 +206,25 @@ TEST(Automatic, few_planes_may_leave_the_more_doubt_the_better_they_fit) {
   }
 }
 
+// More planes that fit may leave more than another room's would.
+TEST(Automatic, six_planes_that_fit_well_may_leave_more_doubt) {
+  const Trial home = trial("niche", 82002), away = trial("ell", 17040);
+  const auto right = align(home.evidence, home.room.proxy),
+             wrong = align(away.evidence, make_trial_room("ell", 17040 + 500000, 0.01).proxy);
+  EXPECT_TRUE(right.accepted) << right.reason;
+  EXPECT_TRUE(is_right(right, home.scan.world_from_scan));
+  EXPECT_FALSE(wrong.accepted);
+  EXPECT_NE(wrong.reason.find("may where planes that count 6 hold the scan"), std::string::npos)
+      << wrong.reason;
+  for (const auto& alignment : {right, wrong}) {
+    EXPECT_EQ(alignment.planes, 6);
+    EXPECT_GT(alignment.doubt, AutomaticOptions().most_doubt);
+    EXPECT_LT(alignment.doubt, 2 * AutomaticOptions().most_doubt);
+  }
+  EXPECT_LT(right.farthest_m, 0.02);
+  EXPECT_GT(wrong.farthest_m, 0.04);
+}
+
 TEST(Automatic, the_direction_in_which_the_scanner_was_set_up_changes_nothing) {
   const Trial t = trial("hall", 31);
   const auto first = align(t.evidence, t.room.proxy);
