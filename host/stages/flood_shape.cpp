@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMostHeights = 4000;  // of a flood in a quadratic fit
 constexpr std::size_t kNarrow = 4;          // samples
-constexpr int kReach = 2;                   // samples from a curved flood
 constexpr double kContinuitySigmas = 3;
 constexpr double kLeastEdge = 10 * std::numbers::pi / 180;
 constexpr double kMostTurn = 0.25;  // of what the surface turned before
@@ -141,8 +140,8 @@ bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_
                           double sigma_m, std::uint32_t sample,
                           const std::function<Vec3(std::uint32_t)>& blocked_normal) {
   const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
-  for (int r = std::max(row - kReach, 0); r <= std::min(row + kReach, image.rows - 1); ++r)
-    for (int step = -kReach; step <= kReach; ++step) {
+  for (int r = std::max(row - kUseReach, 0); r <= std::min(row + kUseReach, image.rows - 1); ++r)
+    for (int step = -kUseReach; step <= kUseReach; ++step) {
       int c = col + step;
       if (c < 0 || c >= image.cols) {
         if (!image.wraps) continue;

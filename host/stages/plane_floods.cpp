@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFloodSigmas = 3;
 constexpr double kLeastCosine = 0.02;       // as window_planes' seeds
-constexpr int kSparseReach = 2;             // samples
+constexpr int kSparseReach = kUseReach;     // samples
 constexpr double kLeastBody = 0.7;          // of a flood's samples, in what is no tongue of it
 constexpr std::uint8_t kEnoughFloods = 16;  // of too few samples each, over one sample
 
@@ -119,6 +119,12 @@ std::vector<std::uint32_t> flood(Field& field, const RangeNoise& noise, int reac
   return samples;
 }
 
+int reach_of(const WindowSeed& seed) {
+  return seed.shape == kSparseSeed ? kSparseReach : 1;
+}
+
+}  // namespace
+
 std::vector<std::uint32_t> seed_samples(const RangeImage& image, const std::vector<std::uint8_t>& use,
                                         const WindowSeed& seed) {
   if (seed.shape == kSparseSeed) return sparse_seed_samples(image, use, seed);
@@ -131,12 +137,6 @@ std::vector<std::uint32_t> seed_samples(const RangeImage& image, const std::vect
       if (const auto i = static_cast<std::uint32_t>(image.index(r, c)); use[i] == kFree) samples.push_back(i);
   return samples;
 }
-
-int reach_of(const WindowSeed& seed) {
-  return seed.shape == kSparseSeed ? kSparseReach : 1;
-}
-
-}  // namespace
 
 PlaneFlood PlaneFlooder::through(std::vector<std::uint32_t> samples) const {
   PlaneFlood result;

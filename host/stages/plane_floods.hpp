@@ -16,6 +16,9 @@ enum SampleUse : std::uint8_t {
   kBlocked = 3  // on a curved surface
 };
 
+// So many nodes from their samples floods, and what judges them, ask for the use of others.
+inline constexpr int kUseReach = 2;
+
 // A window that lies on a plane: its upper left sample and its shape (params_window_planes.h), or kSparseSeed
 // (sparse_seeds.hpp).
 inline constexpr std::uint8_t kSparseSeed = 255;
@@ -25,6 +28,10 @@ struct WindowSeed {
   std::uint32_t member = 0;   // a sample of the window that lies on the plane
   std::uint64_t members = 0;  // of a sparse seed: its samples, a bit each, row by row
 };
+
+// Free samples from which a seed's flood sets out.
+std::vector<std::uint32_t> seed_samples(const RangeImage& image, const std::vector<std::uint8_t>& use,
+                                        const WindowSeed& seed);
 
 // What a flood asks of a sample.
 struct FloodSample {

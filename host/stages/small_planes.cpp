@@ -3,19 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <queue>
 #include <unordered_map>
 
+#include "core/disjoint_sets.hpp"
 #include "core/large_vector.hpp"
 #include "core/parallel.hpp"
+#include "core/parallel_uneven.hpp"
 #include "geometry/tiles.hpp"
 #include "shared/params_window_planes.h"
 #include "stages/coplanar_merge.hpp"
 #include "stages/flood_shape.hpp"
+#include "stages/free_islands.hpp"
 #include "stages/plane_floods.hpp"
 #include "stages/plane_steps.hpp"
-#include "stages/sample_marks.hpp"
 #include "stages/sparse_seeds.hpp"
 
 namespace hybrid::stages {
@@ -135,10 +138,37 @@ std::vector<WindowSeed> find_seeds(device::Queue& queue, const RangeImage& image
 struct Candidate {
   std::size_t size = 0;
   WindowSeed seed;
-  // Of a heap's order: the largest first, ties by the first sample.
+  // Of a heap's order: the largest first, ties by the first sample, then by the first shape.
   bool operator<(const Candidate& other) const {
-    return size != other.size ? size < other.size : seed.sample > other.seed.sample;
+    return size != other.size                 ? size < other.size
+           : seed.sample != other.seed.sample ? seed.sample > other.seed.sample
+                                              : seed.shape > other.seed.shape;
   }
+};
+
+// Candidates whose floods may meet each other: of an island, or of several that a window looks into. The
+// largest groups first.
+std::vector<std::vector<Candidate>> groups_of(const RangeImage& image, const std::vector<std::uint8_t>& use,
+                                              const FreeIslands& islands,
+                                              const std::vector<Candidate>& candidates) {
+  DisjointSets sets(islands.count());
+  for (const Candidate& one : candidates)
+    for (const std::uint32_t i : seed_samples(image, use, one.seed))
+      sets.join(islands.island(one.seed.member), islands.island(i));
+  std::map<std::uint32_t, std::vector<Candidate>> of;
+  for (const Candidate& one : candidates) of[sets.of(islands.island(one.seed.member))].push_back(one);
+  std::vector<std::vector<Candidate>> groups;
+  for (auto& [first, group] : of) groups.push_back(std::move(group));
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return groups;
+}
+
+// A flood that is a plane, and in whose place it came.
+struct Found {
+  Candidate as;
+  PlaneFlood flood;
+  PlaneRegion region;
 };
 
 // Floods from the seeds of each block that no earlier flood of the block covers, no farther than kAround: how
@@ -290,16 +320,36 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
   const double sigma_m = std::max(squares.sigma_m, kLeastNoise_m);
   auto use = free_samples(seen, label, regions);
   const PlaneFlooder flooder(seen, use, squares.noise);
-  SampleMarks blocked_by;  // floods that bend, from 1; regions that do are known by their labels
-  std::vector<Vec3> blocked_normals;
+  const FreeIslands islands(seen, use);
+  // Normals of floods that bend, by number of the sample; regions that do are known by their labels.
+  std::vector<Vec3> blocked_normals(islands.numbers());
   const auto blocked_normal = [&](std::uint32_t i) -> Vec3 {
     return label(i) != 0 ? regions.regions[label(i) - 1].fit.plane.normal
-                         : blocked_normals[blocked_by.of(i) - 1];
+                         : blocked_normals[islands.number(i)];
   };
-  SquarePresence presence;
-  std::unordered_map<std::uint32_t, RayPlane> plane_of_small;
-  const auto recover = [&](const std::vector<WindowSeed>& seeds) {
-    const auto candidates = try_seeds(seen, use, squares.noise, seeds, least);
+  // What a flood is, without its tongues if that makes it a plane.
+  const auto judged = [&](PlaneFlood& flood, PlaneRegion& region) {
+    const auto verdict = [&](const PlaneFlood& one) {
+      region = region_of_flood(seen, one);
+      const bool scattered = one.chi2 > kMostChi2 * static_cast<double>(one.samples.size() - 3) &&
+                             !(squares_found(regions, one, stride, options.waviness_m) &&
+                               !follows_neighbours(seen, squares.noise, one));
+      return judge(seen, use, one, region, scattered, sigma_m, options.min_curvature, blocked_normal);
+    };
+    const SampleUse whole = verdict(flood);
+    if (whole != kBlocked) return whole;
+    const PlaneRegion of_whole = region;
+    PlaneFlood body = flooder.without_tongues(flood);
+    if (body.samples.size() >= least && body.samples.size() < flood.samples.size() &&
+        verdict(body) == kTaken) {
+      flood = std::move(body);
+      return kTaken;
+    }
+    region = of_whole;
+    return whole;
+  };
+  const auto flood_group = [&](const std::vector<Candidate>& candidates) {
+    std::vector<Found> found;
     std::priority_queue<Candidate> heap(candidates.begin(), candidates.end());
     while (!heap.empty()) {
       Candidate best = heap.top();
@@ -307,41 +357,36 @@ SquarePresence recover_small_planes(device::Queue& queue, const RangeImage& imag
       PlaneFlood flood = flooder.flood(best.seed);
       const std::size_t size = flood.samples.size();
       if (size < least) continue;
-      if (size < best.size && !heap.empty() &&
-          size < heap.top().size) {  // others took samples: not its turn yet
-        best.size = size;
+      const bool smaller = size < best.size;  // others took samples
+      best.size = std::min(best.size, size);
+      if (smaller && !heap.empty() && size < heap.top().size) {  // not its turn yet
         heap.push(best);
         continue;
       }
-      PlaneRegion region = region_of_flood(seen, flood);
-      const auto judged = [&] {
-        const bool scattered = flood.chi2 > kMostChi2 * static_cast<double>(flood.samples.size() - 3) &&
-                               !(squares_found(regions, flood, stride, options.waviness_m) &&
-                                 !follows_neighbours(seen, squares.noise, flood));
-        return judge(seen, use, flood, region, scattered, sigma_m, options.min_curvature, blocked_normal);
-      };
-      SampleUse verdict = judged();
-      if (verdict == kBlocked) {
-        PlaneFlood body = flooder.without_tongues(flood);
-        if (body.samples.size() >= least && body.samples.size() < size) {
-          std::swap(flood, body);
-          region = region_of_flood(seen, flood);
-          if (judged() == kTaken) {
-            verdict = kTaken;
-          } else {
-            std::swap(flood, body);
-            region = region_of_flood(seen, flood);
-          }
-        }
-      }
+      PlaneRegion region;
+      const SampleUse verdict = judged(flood, region);
       if (verdict == kFree) continue;
       for (const std::uint32_t i : flood.samples) use[i] = verdict;
-      if (verdict == kBlocked) {
-        blocked_normals.push_back(region.fit.plane.normal);
+      if (verdict == kBlocked)
         for (const std::uint32_t i : flood.samples)
-          blocked_by.of(i) = static_cast<std::uint32_t>(blocked_normals.size());
-        continue;
-      }
+          blocked_normals[islands.number(i)] = region.fit.plane.normal;
+      else
+        found.push_back({best, std::move(flood), std::move(region)});
+    }
+    return found;
+  };
+  SquarePresence presence;
+  std::unordered_map<std::uint32_t, RayPlane> plane_of_small;
+  const auto recover = [&](const std::vector<WindowSeed>& seeds) {
+    const auto groups = groups_of(seen, use, islands, try_seeds(seen, use, squares.noise, seeds, least));
+    std::vector<std::vector<Found>> of_group(groups.size());
+    parallel_for_uneven(groups.size(), [&](std::size_t k) { of_group[k] = flood_group(groups[k]); });
+    std::vector<Found> found;  // in the order of one heap
+    for (auto& list : of_group) std::move(list.begin(), list.end(), std::back_inserter(found));
+    std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return b.as < a.as; });
+    for (Found& one : found) {
+      const PlaneFlood& flood = one.flood;
+      PlaneRegion& region = one.region;
       region.squares = squares_of(flood, seen, grid, squares.square, stride);
       std::uint32_t id = coplanar_region(image, squares, grid, options, regions, region);
       std::optional<RayPlane> joint;
