@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/quadratic_sums.hpp"
+
 namespace hybrid::stages {
 namespace {
 
@@ -25,31 +27,16 @@ struct HeightFits {
 HeightFits fit_quadratic(const std::vector<Vec3>& heights) {
   HeightFits fits;
   // Along the samples' own axes, each in units of its own reach: strips are narrow, at any angle.
-  Vec2 mean = Vec2::Zero();
-  Eigen::Matrix2d products = Eigen::Matrix2d::Zero();
-  for (const Vec3& s : heights) {
-    mean += s.head<2>();
-    products += s.head<2>() * s.head<2>().transpose();
-  }
-  mean /= static_cast<double>(heights.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(products / static_cast<double>(heights.size()) -
-                                                           mean * mean.transpose());
+  const HeightExtent extent = extent_of(heights);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(extent.products -
+                                                           extent.mean * extent.mean.transpose());
   if (!(own.eigenvalues()[0] > 0)) return fits;
-  const Eigen::Matrix2d turn = own.eigenvectors().transpose();
-  Vec2 scale = Vec2::Zero();
-  for (const Vec3& s : heights) scale = scale.cwiseMax((turn * (s.head<2>() - mean)).cwiseAbs());
+  HeightAxes axes{extent.mean, own.eigenvectors().transpose()};
+  axes.scale = reach_of(heights, axes);
+  const auto [normal, right, squares] = quadratic_sums(heights, axes);
+  const Eigen::Matrix2d& turn = axes.turn;
+  const Vec2& scale = axes.scale;
   using Vec6 = Eigen::Matrix<double, 6, 1>;
-  Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-  Vec6 right = Vec6::Zero();
-  double squares = 0;
-  for (const Vec3& s : heights) {
-    const Vec2 arm = turn * (s.head<2>() - mean);
-    const double a = arm.x() / scale.x(), b = arm.y() / scale.y();
-    const Vec6 row = (Vec6() << 1, a, b, a * a, a * b, b * b).finished();
-    normal += row * row.transpose();
-    right += row * s.z();
-    squares += s.z() * s.z();
-  }
   const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(normal);
   fits.determined = solver.vectorD().minCoeff() > kLeastPivot * solver.vectorD().maxCoeff();
   const Vec6 quadratic = solver.solve(right);

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
+#include "core/parallel_blocks.hpp"
 #include "stages/plane_gap.hpp"
 #include "stages/ray_plane.hpp"
 
@@ -12,6 +14,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kMostLooked = 1024;  // samples of a plane
+constexpr std::size_t kBlock = 1 << 18;    // samples
 constexpr double kLeastCosine = 0.98;      // of the normals of a plane and a part that samples have tilted
 constexpr double kMostApart_m = 0.02;      // of a part's centre from the plane
 constexpr double kAsClose = 1.3;           // a part's residuals about the plane to those about its own
@@ -30,7 +33,7 @@ int longest_walk(const RangeImage& image) {
       std::clamp(kLongestWalk_rad / step_rad, kShortestWalk, std::max(most, kShortestWalk)));
 }
 
-// Up to kMostLooked samples of a plane, evenly chosen, of `count`.
+// Samples of a plane: every `stride`th of `count`, a power of 2 that leaves less than 2 kMostLooked.
 struct Looked {
   std::vector<std::uint32_t> samples;
   std::size_t count = 0, stride = 1;
@@ -40,17 +43,30 @@ struct Looked {
 
 std::vector<Looked> look_at(const RangeImage& image, const std::vector<std::uint32_t>& labels,
                             const PlaneRegions& regions) {
+  const auto counts = [&](std::size_t i) { return labels[i] != 0 && image.mask[i] == kMeasured; };
+  // Of every block of samples: how many of each plane come before its own.
+  std::vector<std::vector<std::uint32_t>> before((labels.size() + kBlock - 1) / kBlock);
+  for_blocks(labels.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    before[block].resize(regions.regions.size());
+    for (std::size_t i = begin; i < end; ++i)
+      if (counts(i)) before[block][labels[i] - 1] += 1;
+  });
   std::vector<Looked> of(regions.regions.size());
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (labels[i] == 0 || image.mask[i] != kMeasured) continue;
-    Looked& looked = of[labels[i] - 1];
-    if (looked.count++ % looked.stride != 0) continue;
-    looked.samples.push_back(static_cast<std::uint32_t>(i));
-    if (looked.samples.size() < 2 * kMostLooked) continue;
-    for (std::size_t k = 0; k < kMostLooked; ++k) looked.samples[k] = looked.samples[2 * k];
-    looked.samples.resize(kMostLooked);
-    looked.stride *= 2;
+  for (auto& block : before)
+    for (std::size_t k = 0; k < of.size(); ++k)
+      of[k].count += std::exchange(block[k], static_cast<std::uint32_t>(of[k].count));
+  for (Looked& looked : of) {
+    while ((looked.count + looked.stride - 1) / looked.stride >= 2 * kMostLooked) looked.stride *= 2;
+    looked.samples.resize((looked.count + looked.stride - 1) / looked.stride);
   }
+  for_blocks(labels.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!counts(i)) continue;
+      Looked& looked = of[labels[i] - 1];
+      const std::size_t number = before[block][labels[i] - 1]++;
+      if (number % looked.stride == 0) looked.samples[number / looked.stride] = static_cast<std::uint32_t>(i);
+    }
+  });
   for (Looked& looked : of) {
     for (const std::uint32_t i : looked.samples) looked.mean += image.point(i);
     if (looked.count > 0) looked.mean /= static_cast<double>(looked.samples.size());
@@ -242,7 +258,8 @@ std::vector<std::uint32_t> rejoin_planes(const RangeImage& image, const SquarePl
     loser = PlaneRegion();
   }
   if (grown.empty()) return grown;
-  for (std::uint32_t& label : labels) label = heir[label];
+  parallel_for(
+      labels.size(), [&](std::size_t i) { labels[i] = heir[labels[i]]; }, kBlock);
   for (auto& [square, id] : presence) id = heir[id];
   std::sort(presence.begin(), presence.end());
   presence.erase(std::unique(presence.begin(), presence.end()), presence.end());
