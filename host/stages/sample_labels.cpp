@@ -118,8 +118,9 @@ std::vector<std::int64_t> label_samples(device::Queue& queue, const RangeImage& 
     params.noise_m = static_cast<float>(options.label_sigmas * squares.sigma_m);
     params.waviness_m = static_cast<float>(options.waviness_m);
     params.min_cosine = kLabelCosine;
-    queue.launch("label_samples", queue.kernel("label_samples"), device::grid(rect.cols, rect.rows), params,
-                 x, y, z, candidates, own_plane, plane_table, tile_labels);
+    queue.launch("label_samples", queue.kernel("label_samples"),
+                 device::grid(LABEL_SQUARES_ACROSS(params), params.rows), params, x, y, z, candidates,
+                 own_plane, plane_table, tile_labels);
     queue.read_rect(tile_labels, found.data(), rect.cols, {0, 0, rect.rows, rect.cols});
     const std::size_t rows = (rect.rows + kParts - 1) / kParts;
     for_blocks(rect.rows, rows, [&](std::size_t part, std::size_t begin, std::size_t end) {

@@ -17,6 +17,10 @@ typedef struct LabelParams {
 } LabelParams;
 LAYOUT_CHECK(LabelParams, 48);
 
+// Squares side by side that a tile has samples of: work-items in a row of the grid.
+#define LABEL_SQUARES_ACROSS(params) \
+  (((params).first_col + (params).cols - 1) / (params).square - (params).first_col / (params).square + 1)
+
 // A plane that competes for samples.
 typedef struct LabelPlane {
   float normal[3];  // normal . x = offset, scan frame, metres

@@ -9,7 +9,8 @@
 
 namespace hybrid::testing {
 
-// A tile that begins inside its image: samples on or near one of 12 planes, squares with 0 to 8 candidates.
+// A tile that begins inside its image, and inside a square: samples on or near one of 12 planes, squares with
+// 0 to 8 candidates.
 struct LabelSamplesCase {
   static constexpr const char* kName = "label_samples";
   struct Input {
@@ -32,7 +33,7 @@ struct LabelSamplesCase {
     Input input{};
     const auto cols = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(size))));
     const auto rows = cols ? static_cast<std::uint32_t>((size + cols - 1) / cols) : 0u;
-    const std::uint32_t square = 5, first = 10;
+    const std::uint32_t square = 5, first = 12;
     const std::uint32_t square_rows = (first + rows + square - 1) / square;
     const std::uint32_t square_cols = (first + cols + square - 1) / square;
     input.params = {first, first, rows, cols, square, square_cols, 0.007f, 0.005f, 0.05f, {}};
@@ -86,8 +87,9 @@ struct LabelSamplesCase {
     const auto own_plane = queue.array(input.own_plane);
     const auto planes = queue.array(input.planes);
     auto labels = queue.array<std::uint32_t>(input.x.size());
-    queue.launch(kName, queue.kernel(kName), device::grid(input.params.cols, input.params.rows), input.params,
-                 x, y, z, candidates, own_plane, planes, labels);
+    queue.launch(kName, queue.kernel(kName),
+                 device::grid(LABEL_SQUARES_ACROSS(input.params), input.params.rows), input.params, x, y, z,
+                 candidates, own_plane, planes, labels);
     return queue.read(labels);
   }
   static Expected reference(const Input& input);  // reference/label_samples.cpp
