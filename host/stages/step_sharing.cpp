@@ -161,20 +161,38 @@ bool StepSharing::settle() {
 
 // False when too few samples make a part, or they fix no model.
 bool StepSharing::fit(std::int64_t least) {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  // Sums of weights times products of u and v, and times the heights: of all, and of the part.
+  double all = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0, h = 0, hu = 0, hv = 0;
+  double part = 0, part_u = 0, part_v = 0, part_h = 0;
   std::int64_t count = 0;
   for (const std::uint32_t at : own_) {
     const Sample& s = samples_[at];
     if (s.weight == 0 || is_stray(s)) continue;
-    const Eigen::Vector4d row(1, s.u_m, s.v_m, s.side == kPart);
-    matrix += double{s.weight} * row * row.transpose();
-    right += double{s.weight} * s.height_m * row;
-    count += s.side == kPart;
+    const double w = s.weight, wu = w * s.u_m, wv = w * s.v_m, wh = w * s.height_m;
+    all += w;
+    u += wu;
+    v += wv;
+    uu += wu * s.u_m;
+    uv += wu * s.v_m;
+    vv += wv * s.v_m;
+    h += wh;
+    hu += wh * s.u_m;
+    hv += wh * s.v_m;
+    if (s.side != kPart) continue;
+    part += w;
+    part_u += wu;
+    part_v += wv;
+    part_h += wh;
+    count += 1;
   }
   if (count < least) return false;
+  Eigen::Matrix4d matrix;
+  matrix << all, u, v, part,  //
+      u, uu, uv, part_u,      //
+      v, uv, vv, part_v,      //
+      part, part_u, part_v, part;
   const Eigen::LDLT<Eigen::Matrix4d> solver(matrix);
-  const Eigen::Vector4d model = solver.solve(right);
+  const Eigen::Vector4d model = solver.solve(Eigen::Vector4d(h, hu, hv, part_h));
   if (solver.info() != Eigen::Success || !model.allFinite() || model[3] == 0) return false;
   model_ = model;
   return true;
