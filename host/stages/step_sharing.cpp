@@ -58,8 +58,11 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
       proposed_(proposal.mean.count),
       sigma_m_(std::sqrt(static_cast<double>(proposal.mean.count) / proposal.mean.weight)),
       model_(0, 0, 0, proposal.mean.value_m()) {
+  beside_ = {-width_ - 1, -width_, -width_ + 1, -1, 1, width_ - 1, width_, width_ + 1};
   const int rows = std::min(proposal.bottom + kMargin, image.rows) - top_;
   samples_.resize(static_cast<std::size_t>(rows + 2) * static_cast<std::size_t>(width_));
+  sides_.assign(samples_.size(), kStranger);
+  unsettled_.resize(samples_.size());
   favours_.resize(samples_.size());
   const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
   std::optional<Vec3> origin;
@@ -70,7 +73,7 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
       const auto at = static_cast<std::uint32_t>((row + 1) * width_ + col + 1);
       own_.push_back(at);
       Sample& sample = samples_[at];
-      sample.side = kPlane;
+      sides_[at] = kPlane;
       const PlaneHeight height = height_over(image, noise, plane, i);
       if (height.weight == 0) continue;
       const Vec3 point = image.point(i);
@@ -119,42 +122,40 @@ bool StepSharing::is_stray(const Sample& sample) const {
   return sample.weight * std::min(over * over, off * off) / 2 > kMostNats;
 }
 
-// visit(place, whether it is a diagonal neighbour)
-template <typename Visit>
-void StepSharing::for_neighbours(std::uint32_t at, const Visit& visit) {
-  for (int down = -1; down <= 1; ++down)
-    for (int right = -1; right <= 1; ++right) {
-      const auto other = static_cast<std::uint32_t>(static_cast<int>(at) + down * width_ + right);
-      if (other != at && samples_[other].side != kStranger) visit(other, down != 0 && right != 0);
-    }
-}
-
 void StepSharing::start_by_windows() {
   for (const std::uint32_t at : own_) favours_[at] = favour(samples_[at]);
   for (const std::uint32_t at : own_) {
     double sum = favours_[at];
-    for_neighbours(at, [&](std::uint32_t other, bool) { sum += favours_[other]; });
-    samples_[at].side = sum > 0 ? kPart : kPlane;
-    samples_[at].unsettled = true;
+    for (std::size_t k = 0; k < beside_.size(); ++k) sum += favours_[neighbour(at, k)];
+    sides_[at] = sum > 0 ? kPart : kPlane;
+    unsettled_[at] = 1;
   }
 }
 
 // False when nothing changed sides.
 bool StepSharing::settle() {
+  // What a neighbour of each side adds for the part.
+  constexpr double kDiagonal = kBorderPrice / std::numbers::sqrt2;
+  constexpr std::array<double, 3> kBeside = {0, -kBorderPrice, kBorderPrice},
+                                  kAcross = {0, -kDiagonal, kDiagonal};
   bool changed = false;
   for (const std::uint32_t at : own_) {
-    Sample& sample = samples_[at];
-    if (!std::exchange(sample.unsettled, false)) continue;
+    if (!std::exchange(unsettled_[at], std::uint8_t{0})) continue;
+    const auto side_of = [&](std::size_t k) { return sides_[neighbour(at, k)]; };
     double gain = favours_[at];
-    for_neighbours(at, [&](std::uint32_t other, bool diagonal) {
-      const double price = diagonal ? kBorderPrice / std::numbers::sqrt2 : kBorderPrice;
-      gain += samples_[other].side == kPart ? price : -price;
-    });
+    gain += kAcross[side_of(0)];
+    gain += kBeside[side_of(1)];
+    gain += kAcross[side_of(2)];
+    gain += kBeside[side_of(3)];
+    gain += kBeside[side_of(4)];
+    gain += kAcross[side_of(5)];
+    gain += kBeside[side_of(6)];
+    gain += kAcross[side_of(7)];
     const Side side = gain > 0 ? kPart : kPlane;
-    if (side == sample.side) continue;
+    if (side == sides_[at]) continue;
     changed = true;
-    sample.side = side;
-    for_neighbours(at, [&](std::uint32_t other, bool) { samples_[other].unsettled = true; });
+    sides_[at] = side;
+    for (std::size_t k = 0; k < beside_.size(); ++k) unsettled_[neighbour(at, k)] = 1;
   }
   return changed;
 }
@@ -178,7 +179,7 @@ bool StepSharing::fit(std::int64_t least) {
     h += wh;
     hu += wh * s.u_m;
     hv += wh * s.v_m;
-    if (s.side != kPart) continue;
+    if (sides_[at] != kPart) continue;
     part += w;
     part_u += wu;
     part_v += wv;
@@ -204,11 +205,12 @@ void StepSharing::measure_rings() {
       Sample& sample = samples_[at];
       if (sample.ring != 0) continue;
       bool touches = false;
-      for_neighbours(at, [&](std::uint32_t place, bool) {
-        const Sample& other = samples_[place];
-        touches = touches || (ring == 1 ? other.side != sample.side
-                                        : other.side == sample.side && other.ring == ring - 1);
-      });
+      for (std::size_t k = 0; k < beside_.size(); ++k) {
+        const std::uint32_t place = neighbour(at, k);
+        if (sides_[place] == kStranger) continue;
+        touches = touches || (ring == 1 ? sides_[place] != sides_[at]
+                                        : sides_[place] == sides_[at] && samples_[place].ring == ring - 1);
+      }
       if (touches) sample.ring = static_cast<std::uint8_t>(ring);
     }
 }
@@ -218,7 +220,7 @@ StepSharing::Evidence StepSharing::weigh() const {
   for (const std::uint32_t at : own_) {
     const Sample& s = samples_[at];
     if (s.weight == 0) continue;
-    const bool is_part = s.side == kPart;
+    const bool is_part = sides_[at] == kPart;
     if (is_stray(s)) {
       evidence.strays += is_part;
       continue;

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -75,7 +76,7 @@ class StepSharing {
   template <typename Visit>
   void for_each_of_part(const Visit& visit) const {
     for (const std::uint32_t at : own_)
-      if (samples_[at].side == kPart) visit(node_of(at));
+      if (sides_[at] == kPart) visit(node_of(at));
   }
   double step_m() const { return model_[3]; }
   const MeanHeight& height() const { return height_; }  // of the part over the plane
@@ -84,9 +85,7 @@ class StepSharing {
   enum Side : std::uint8_t { kStranger, kPlane, kPart };
   struct Sample {
     float height_m = 0, weight = 0, u_m = 0, v_m = 0;
-    Side side = kStranger;
-    std::uint8_t ring = 0;   // steps from the border, 1 beside it; 0 = more than a few
-    bool unsettled = false;  // it or a neighbour changed sides since it was asked
+    std::uint8_t ring = 0;  // steps from the border, 1 beside it; 0 = more than a few
   };
   struct Evidence {
     MeanHeight part;  // over the plane given
@@ -105,8 +104,9 @@ class StepSharing {
   }
   double favour(const Sample& sample) const;
   bool is_stray(const Sample& sample) const;
-  template <typename Visit>
-  void for_neighbours(std::uint32_t at, const Visit& visit);
+  std::uint32_t neighbour(std::uint32_t at, std::size_t which) const {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(at) + beside_[which]);
+  }
   void start_by_windows();
   bool settle();
   bool fit(std::int64_t least);
@@ -125,7 +125,11 @@ class StepSharing {
   MeanHeight height_;
   std::vector<Sample> samples_;
   std::vector<std::uint32_t> own_;  // those that are no strangers, row by row
-  std::vector<double> favours_;     // favour() of each of samples_
+  // Of each of samples_: what neighbours are asked for again and again.
+  std::vector<Side> sides_;
+  std::vector<std::uint8_t> unsettled_;  // it or a neighbour changed sides since it was asked
+  std::vector<double> favours_;          // favour(); 0 of strangers
+  std::array<std::int32_t, 8> beside_;   // places of the neighbours, from a sample's, row by row
 };
 
 }  // namespace hybrid::stages
