@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace hybrid::stages {
 namespace {
@@ -13,8 +14,10 @@ constexpr double kNothing = 10;  // so many times as much off the faces as on th
 constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
 // Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances. From kMany they may be
-// off.
+// off, and turned: corners off by centimetres turn a wall of some metres by less than kMostTurned_rad,
+// another room's oblique walls are seldom as near.
 constexpr double kFew = 1, kBetter = 0.7, kMany = 3;
+constexpr double kMostTurned_rad = 0.5 * std::numbers::pi / 180;
 // The better all fit the more doubt there may be: as shares of their limits no more than this in sum.
 constexpr double kTogether = 2, kTogetherOfFew = 1.2;
 
@@ -118,6 +121,12 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "off, at most {:.0f} may where they are no more: is it the model of another place of nearly the same "
         "size?{}",
         best.planes, 1000 * best.farthest_m, 1000 * most_off_m, kGiveLandmarks);
+  if (beyond < kMany && best.farthest_rad > kMostTurned_rad)
+    return fmt::format(
+        "under the best pose planes of the model hold the scan that count {}, and one of them is turned by "
+        "{:.2f} degrees, at most {:.2f} may where they are no more: is it the model of another place?{}",
+        best.planes, best.farthest_rad * 180 / std::numbers::pi, kMostTurned_rad * 180 / std::numbers::pi,
+        kGiveLandmarks);
   if (best.doubt > options.most_doubt && best.doubt > kNothing)
     return fmt::format(
         "under the best pose hardly any planar area that faces along some direction lies on the model's "

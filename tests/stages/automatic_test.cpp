@@ -188,6 +188,18 @@ TEST(Automatic, a_room_of_nearly_the_same_size_places_nothing) {
   }
 }
 
+// Oblique walls that lie on the model's, but at another angle.
+TEST(Automatic, walls_turned_by_more_than_corners_may_be_off_place_nothing) {
+  const Trial t = trial("oblique", 136081, testing::Draw(136081, 3).within(0.5, 1));
+  const auto alignment = align(t.evidence, make_trial_room("oblique", 136081 + 500000, 0.01).proxy);
+  EXPECT_FALSE(alignment.accepted);
+  EXPECT_LT(alignment.farthest_m, 0.035);
+  EXPECT_GT(alignment.farthest_rad, 1 * kDegree);
+  EXPECT_NE(alignment.reason.find("one of them is turned by"), std::string::npos) << alignment.reason;
+  const auto at_home = align(t.evidence, t.room.proxy);
+  EXPECT_LT(at_home.farthest_rad, 0.3 * kDegree);
+}
+
 // Where few planes hold a scan, what lies off the faces counts the less the better these fit.
 TEST(Automatic, few_planes_may_leave_the_more_doubt_the_better_they_fit) {
   const auto doubtful = [](std::uint32_t seed, bool at_home) {
