@@ -26,7 +26,7 @@ struct AutomaticOptions {
   double most_doubt = 0.5;
   // Any corner lies on three planes, and one more (the height, say) fits by chance: so many of the model's
   // must hold the scan; walls that meet at an angle of their own count one more. Less than three more must
-  // all lie within `tolerance_m`, turned by half a degree at most; less than one more within 0.7 of it, and
+  // all lie within `tolerance_m`; less than one more within 0.7 of it, turned by half a degree at most, and
   // there may be less doubt.
   double least_planes = 5;
   double most_through = 0.35;  // of the planar area seen through faces

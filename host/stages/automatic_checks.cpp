@@ -13,9 +13,9 @@ constexpr double kSpan = 0.1;
 constexpr double kNothing = 10;  // so many times as much off the faces as on them: nothing to speak of is on
 constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
-// Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances. From kMany they may be
-// off, and turned: corners off by centimetres turn a wall of some metres by less than kMostTurned_rad,
-// another room's oblique walls are seldom as near.
+// Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances and kMostTurned_rad:
+// corners off by a centimetre turn a wall of some metres by less, another room's oblique walls are seldom as
+// near. From kMany they may be off.
 constexpr double kFew = 1, kBetter = 0.7, kMany = 3;
 constexpr double kMostTurned_rad = 0.5 * std::numbers::pi / 180;
 // The better all fit the more doubt there may be: as shares of their limits no more than this in sum.
@@ -121,7 +121,7 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "off, at most {:.0f} may where they are no more: is it the model of another place of nearly the same "
         "size?{}",
         best.planes, 1000 * best.farthest_m, 1000 * most_off_m, kGiveLandmarks);
-  if (beyond < kMany && best.farthest_rad > kMostTurned_rad)
+  if (few && best.farthest_rad > kMostTurned_rad)
     return fmt::format(
         "under the best pose planes of the model hold the scan that count {}, and one of them is turned by "
         "{:.2f} degrees, at most {:.2f} may where they are no more: is it the model of another place?{}",
