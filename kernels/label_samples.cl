@@ -7,7 +7,7 @@
 // and the own plane of a planar square outside all regions compete too; when they win the sample stays
 // unassigned.
 // Mapping: one work-item per row of a square that the tile holds a part of: its samples have the same
-// candidates, and finding the square costs as much as a sample.
+// candidates, and where that is one plane they are compared with it side by side.
 // in:  x, y, z[rows * cols] of the tile, metres, scan frame, NaN = no sample; candidates[LABEL_CANDIDATES]
 //      per square of the whole image: index + 1 into planes, 0 ends the list; own_plane per square of the
 //      whole image: normal and offset, normal 0 = none; planes.

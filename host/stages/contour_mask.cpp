@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
+#include "core/disjoint_sets.hpp"
 #include "core/parallel.hpp"
 
 namespace hybrid::stages {
@@ -18,16 +18,6 @@ struct Run {
 struct Patches {
   std::vector<Run> runs;               // row by row, left to right
   std::vector<std::size_t> row_begin;  // rows + 1
-  std::vector<std::uint32_t> parent;   // union-find over runs
-
-  std::uint32_t root(std::uint32_t run) {
-    while (parent[run] != run) run = parent[run] = parent[parent[run]];
-    return run;
-  }
-  void join(std::size_t a, std::size_t b) {
-    const std::uint32_t x = root(static_cast<std::uint32_t>(a)), y = root(static_cast<std::uint32_t>(b));
-    parent[std::max(x, y)] = std::min(x, y);  // the root is the first run: no dependence on order
-  }
 };
 
 void find_runs(const RangeImage& image, const std::vector<std::uint32_t>& labels, Patches& patches) {
@@ -64,18 +54,20 @@ void touching(const Patches& patches, std::size_t row, const Body& body) {
 Patches find_patches(const RangeImage& image, const std::vector<std::uint32_t>& labels) {
   Patches patches;
   find_runs(image, labels, patches);
-  patches.parent.resize(patches.runs.size());
-  std::iota(patches.parent.begin(), patches.parent.end(), 0u);
+  DisjointSets sets(patches.runs.size());
+  const auto join = [&](std::size_t a, std::size_t b) {
+    sets.join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+  };
   for (std::size_t row = 0; row < static_cast<std::size_t>(image.rows); ++row) {
     const std::size_t first = patches.row_begin[row], last = patches.row_begin[row + 1] - 1;
-    if (image.wraps && patches.runs[first].label == patches.runs[last].label) patches.join(first, last);
+    if (image.wraps && patches.runs[first].label == patches.runs[last].label) join(first, last);
     if (row + 1 == static_cast<std::size_t>(image.rows)) continue;
     touching(patches, row, [&](std::size_t a, std::size_t b, int) {
-      if (patches.runs[a].label == patches.runs[b].label) patches.join(a, b);
+      if (patches.runs[a].label == patches.runs[b].label) join(a, b);
     });
   }
   for (std::size_t i = 0; i < patches.runs.size(); ++i)
-    patches.runs[i].patch = patches.root(static_cast<std::uint32_t>(i));
+    patches.runs[i].patch = sets.of(static_cast<std::uint32_t>(i));
   return patches;
 }
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <set>
 
+#include "core/disjoint_sets.hpp"
 #include "shared/params_ray_cast.h"
 #include "stages/render_geometry.hpp"
 
@@ -43,19 +43,13 @@ std::vector<std::uint32_t> recesses(const PolygonModel& model) {
     for (std::size_t k = 0; k < ring.size(); ++k)
       on_edge[std::minmax(ring[k], ring[(k + 1) % ring.size()])].push_back(f);
   }
-  std::vector<std::uint32_t> first(model.faces.size());  // of its group, at the end of the chain
-  std::iota(first.begin(), first.end(), 0u);
-  const auto root = [&](std::uint32_t f) {
-    while (first[f] != f) f = first[f] = first[first[f]];
-    return f;
-  };
+  DisjointSets sets(model.faces.size());
   for (const auto& [edge, faces] : on_edge)
-    for (const std::uint32_t f : faces)
-      first[std::max(root(f), root(faces[0]))] = std::min(root(f), root(faces[0]));
+    for (const std::uint32_t f : faces) sets.join(f, faces[0]);
   std::vector<std::uint32_t> size(model.faces.size()), group(model.faces.size());
-  for (std::uint32_t f = 0; f < group.size(); ++f) ++size[root(f)];
+  for (std::uint32_t f = 0; f < group.size(); ++f) ++size[sets.of(f)];
   for (std::uint32_t f = 0; f < group.size(); ++f)
-    if (size[root(f)] > 1) group[f] = root(f) + 1;
+    if (size[sets.of(f)] > 1) group[f] = sets.of(f) + 1;
   return group;
 }
 
