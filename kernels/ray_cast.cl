@@ -66,22 +66,17 @@ static inline void packet_directions(const RayCastParams* params, global const f
   *z = LOAD_LANES(lane_z);
 }
 
-// The two steps below go through a packet's different primitives, of which neighbouring rays share most: each
-// once, for all lanes that hit it. `left`: the lanes whose primitive is still to come.
-static inline intv lanes_of(uintv hits, uint primitive, intv* left) {
-  const intv same = MASK(hits == primitive) & *left;
-  *left &= ~same;
-  return same;
-}
-
+// Goes through a packet's different triangles, of which neighbouring rays share most: each once, for all
+// lanes that hit it.
 static inline void see_triangles(const PacketHit* hit, const PacketRays* rays,
                                  global const TriangleRecord* triangles, PacketSeen* seen) {
   uint lanes[VW];
   STORE_LANES(hit->triangle, lanes);
   intv left = MASK(hit->triangle != BVH_EMPTY);
   for (uint lane = 0u; lane < VW && ANY(left); ++lane) {
-    const intv same = lanes_of(hit->triangle, lanes[lane], &left);
+    const intv same = MASK(hit->triangle == lanes[lane]) & left;
     if (!ANY(same)) continue;
+    left &= ~same;
     global const TriangleRecord* face = triangles + lanes[lane];
     const float3 a = vload3(0, face->a);
     const float3 normal = normalize(cross(vload3(0, face->b) - a, vload3(0, face->c) - a));
@@ -101,32 +96,28 @@ static inline void see_spheres(const PacketHit* hit, const PacketRays* rays, flo
                                PacketSeen* seen) {
   const floatv slope = fabs(seen->normal_x * rays->x + seen->normal_y * rays->y + seen->normal_z * rays->z);
   const floatv behind = (hit->t_sphere - seen->t) * max(slope, (floatv)(1.0f / SLACK));
-  intv left = MASK(hit->sphere != BVH_EMPTY) & (MASK(seen->id == 0u) | MASK(behind <= tolerance_m));
-  uint lanes[VW];
-  STORE_LANES(hit->sphere, lanes);
-  for (uint lane = 0u; lane < VW && ANY(left); ++lane) {
-    const intv same = lanes_of(hit->sphere, lanes[lane], &left);
-    if (!ANY(same)) continue;
-    global const SphereSurface* surface = surfaces + lanes[lane];
-    global const SphereRecord* sphere = spheres + lanes[lane];
-    const float3 own = vload3(0, surface->normal);
-    const int flat = dot(own, own) != 0.0f;
-    const float3 from = rays->origin - vload3(0, sphere->centre);
-    const floatv away = own.x * rays->x + own.y * rays->y + own.z * rays->z;
-    const floatv sign = PICK(MASK(away > 0.0f), (floatv)(-1.0f), (floatv)(1.0f));
-    floatv x = sign * own.x, y = sign * own.y, z = sign * own.z;
-    if (!flat) {
-      x = (from.x + hit->t_sphere * rays->x) / sphere->radius;
-      y = (from.y + hit->t_sphere * rays->y) / sphere->radius;
-      z = (from.z + hit->t_sphere * rays->z) / sphere->radius;
-    }
-    seen->t = PICK(same, hit->t_sphere, seen->t);
-    seen->normal_x = PICK(same, x, seen->normal_x);
-    seen->normal_y = PICK(same, y, seen->normal_y);
-    seen->normal_z = PICK(same, z, seen->normal_z);
-    seen->radius = PICK(same, (floatv)(flat ? sphere->radius : -sphere->radius), seen->radius);
-    seen->id = PICK(same, (uintv)(surface->id), seen->id);
+  const intv wins = MASK(hit->sphere != BVH_EMPTY) & (MASK(seen->id == 0u) | MASK(behind <= tolerance_m));
+  if (!ANY(wins)) return;
+  const uintv at = 4u * PICK(wins, hit->sphere, (uintv)(0u));  // both records are four words
+  global const float* sphere = (global const float*)spheres;
+  global const float* surface = (global const float*)surfaces;
+  const floatv radius = lanes_at(sphere, at + 3u);
+  floatv x = lanes_at(surface, at), y = lanes_at(surface, at + 1u), z = lanes_at(surface, at + 2u);
+  const intv round = MASK(x * x + y * y + z * z == 0.0f);
+  const floatv away = x * rays->x + y * rays->y + z * rays->z;
+  const floatv sign = PICK(MASK(away > 0.0f), (floatv)(-1.0f), (floatv)(1.0f));
+  x *= sign, y *= sign, z *= sign;
+  if (ANY(round)) {
+    x = PICK(round, (rays->origin.x - lanes_at(sphere, at) + hit->t_sphere * rays->x) / radius, x);
+    y = PICK(round, (rays->origin.y - lanes_at(sphere, at + 1u) + hit->t_sphere * rays->y) / radius, y);
+    z = PICK(round, (rays->origin.z - lanes_at(sphere, at + 2u) + hit->t_sphere * rays->z) / radius, z);
   }
+  seen->t = PICK(wins, hit->t_sphere, seen->t);
+  seen->normal_x = PICK(wins, x, seen->normal_x);
+  seen->normal_y = PICK(wins, y, seen->normal_y);
+  seen->normal_z = PICK(wins, z, seen->normal_z);
+  seen->radius = PICK(wins, PICK(round, -radius, radius), seen->radius);
+  seen->id = PICK(wins, words_at((global const uint*)surfaces, at + 3u), seen->id);
 }
 
 kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict nodes,

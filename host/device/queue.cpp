@@ -122,7 +122,7 @@ void Queue::enqueue(const std::string& label, const Kernel& kernel, const Grid& 
   // Few local sizes, because PoCL compiles each kernel anew for every one it meets.
   const std::size_t items = grid.width * grid.height;
   std::size_t group = work_group_size_;
-  if (group == 0) group = items >= 256u * device_.compute_units ? 128 : 16;
+  if (group == 0) group = items < 256u * device_.compute_units || (grid.uneven && device_.is_cpu) ? 16 : 128;
   const std::size_t local[2] = {group, 1};
   const std::size_t global[2] = {(grid.width + group - 1) / group * group, grid.height};
   cl_event event = nullptr;

@@ -35,12 +35,19 @@ struct Grid {
   std::size_t width = 1;
   std::size_t height = 1;
   int dimensions = 1;
+  bool uneven = false;  // see below
 };
 inline Grid grid(std::size_t width) {
   return {width, 1, 1};
 }
 inline Grid grid(std::size_t width, std::size_t height) {
   return {width, height, 2};
+}
+// The same where work-items differ in cost. PoCL's threads take up to 512 work-groups at a time: of small
+// ones no thread is left with all the dear ones at the end.
+inline Grid uneven(Grid grid) {
+  grid.uneven = true;
+  return grid;
 }
 
 // A rectangle of a row-major host image, in elements.

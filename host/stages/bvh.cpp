@@ -24,8 +24,8 @@ constexpr std::size_t kParallelFrom = 256;  // smaller subtrees stay on one thre
 constexpr std::size_t kLargestLeaf = BVH_LARGEST_LEAF;
 constexpr int kDepthOfMedians =
     32;  // deeper nodes split at the median, so that the traversal's stack suffices
-// What a node costs, in triangles and in spheres, of which shadow rays test eight at once.
-constexpr float kNodeInTriangles = 1, kNodeInSpheres = 2;
+// Costs, in triangles: a node, and the spheres of a full leaf, which are tested at once.
+constexpr float kNodeCost = 1, kSpheresCost = 1;
 constexpr int kClusterLevels = std::bit_width(kLargestCluster);
 static_assert((BVH_WIDTH - 1) * BVH_WIDE_LEVELS + kDepthOfMedians + BVH_COUNT_SHIFT + 1 + kClusterLevels <
               BVH_STACK);
@@ -54,7 +54,7 @@ struct alignas(16) Item {
   float low[3];
   std::uint32_t code;  // index in its input, kNormal, kCluster for clusters
   float high[3];
-  float weight;  // triangles or spheres in it
+  float weight;  // what its rays cost if it is a leaf; a single sphere's is 1
 
   Lanes lower() const { return Eigen::Map<const Lanes, Eigen::Aligned16>(low); }
   Lanes upper() const { return Eigen::Map<const Lanes, Eigen::Aligned16>(high); }
@@ -143,30 +143,28 @@ struct Work {
   tbb::concurrent_vector<BinaryNode> nodes;
 };
 
+struct Subtree {
+  std::uint32_t code = BVH_EMPTY;
+  Box box;
+  PlaceCosts costs{};
+};
+
 class Builder {
  public:
   // Leaves of `items` are of `kind` (0 or BVH_SPHERES) and begin `first` places later in their order.
   Builder(std::span<Item> items, std::uint32_t kind, std::size_t first, Work& work)
-      : items_(items),
-        kind_(kind),
-        node_cost_(kind == BVH_SPHERES ? kNodeInSpheres : kNodeInTriangles),
-        first_(first),
-        work_(work) {}
+      : items_(items), kind_(kind), first_(first), work_(work) {}
 
-  // The subtree of [begin, end): its code and box.
-  std::uint32_t build(std::size_t begin, std::size_t end, int depth, Box& box) {
-    if (end - begin == 1 && items_[begin].cluster()) return build_cluster(items_[begin].index(), depth, box);
-    Box centres;
+  // The subtree of [begin, end).
+  Subtree build(std::size_t begin, std::size_t end, int depth) {
+    if (end - begin == 1 && items_[begin].cluster()) return build_cluster(items_[begin].index(), depth);
+    Box box, centres;
     measure(begin, end, box, centres);
     const std::size_t middle = split(begin, end, depth, box, centres);
-    if (middle == begin)
-      return BVH_LEAF | kind_ | static_cast<std::uint32_t>((end - begin - 1) << BVH_COUNT_SHIFT) |
-             static_cast<std::uint32_t>(first_ + begin);
-    std::array<Box, 2> boxes;
-    std::array<std::uint32_t, 2> children{};
+    if (middle == begin) return leaf(begin, end, box);
+    std::array<Subtree, 2> sides;
     const auto side = [&](std::size_t i) {
-      children[i] =
-          i == 0 ? build(begin, middle, depth + 1, boxes[0]) : build(middle, end, depth + 1, boxes[1]);
+      sides[i] = i == 0 ? build(begin, middle, depth + 1) : build(middle, end, depth + 1);
     };
     if (end - begin >= kParallelFrom) {
       parallel_for(2, side);
@@ -174,20 +172,37 @@ class Builder {
       side(0);
       side(1);
     }
-    return static_cast<std::uint32_t>(
-        work_.nodes.push_back({{boxes[0].stored(), boxes[1].stored()}, children}) - work_.nodes.begin());
+    Subtree made{.box = box};
+    const auto choice = PlaceChoice::best(sides[0].costs, sides[1].costs, kNodeCost * box.area(), made.costs);
+    const BinaryNode node{
+        {sides[0].box.stored(), sides[1].box.stored()}, {sides[0].code, sides[1].code}, choice};
+    made.code = static_cast<std::uint32_t>(work_.nodes.push_back(node) - work_.nodes.begin());
+    return made;
   }
 
  private:
-  std::uint32_t build_cluster(std::uint32_t index, int depth, Box& box) {
+  Subtree leaf(std::size_t begin, std::size_t end, const Box& box) const {
+    Subtree made{.box = box};
+    made.code = BVH_LEAF | kind_ | static_cast<std::uint32_t>((end - begin - 1) << BVH_COUNT_SHIFT) |
+                static_cast<std::uint32_t>(first_ + begin);
+    made.costs.fill(box.area() * cost(static_cast<float>(end - begin)));
+    return made;
+  }
+
+  Subtree build_cluster(std::uint32_t index, int depth) {
     const auto [begin, count] = work_.clusters.clusters[index];
     std::array<Item, kLargestCluster> items;
     std::uint32_t* const order = &work_.clusters.order[begin];
     for (std::size_t i = 0; i < count; ++i) items[i] = bound(work_.spheres[order[i]], order[i]);
     Builder builder({items.data(), count}, BVH_SPHERES, begin, work_);
-    const std::uint32_t code = builder.build(0, count, depth, box);
+    const Subtree made = builder.build(0, count, depth);
     for (std::size_t i = 0; i < count; ++i) order[i] = items[i].index();
-    return code;
+    return made;
+  }
+
+  // What a ray that meets items of this weight costs.
+  float cost(float weight) const {
+    return kind_ == BVH_SPHERES ? kSpheresCost * std::ceil(weight / kLargestLeaf) : weight;
   }
 
   void measure(std::size_t begin, std::size_t end, Box& box, Box& centres) const {
@@ -225,7 +240,7 @@ class Builder {
     if (depth < kDepthOfMedians)
       best = few ? cheapest<kFewBins>(begin, end, box, binning) : cheapest<kBins>(begin, end, box, binning);
     const auto add_weight = [](float sum, const Item& item) { return sum + item.weight; };
-    if (count <= kLargestLeaf && !(best.cost < std::accumulate(first, last, 0.0f, add_weight))) {
+    if (count <= kLargestLeaf && !(best.cost < cost(std::accumulate(first, last, 0.0f, add_weight)))) {
       const auto middle = std::partition(first, last, [](const Item& item) { return !item.cluster(); });
       if (middle == last) return begin;
       if (middle != first) return position(middle);
@@ -280,7 +295,7 @@ class Builder {
       for (std::size_t k = Count - 1; k > 0; --k) {
         right.add(bins[axis][k].box);
         right_weight += bins[axis][k].weight;
-        right_cost[k] = right_weight > 0 ? right.area() * right_weight : -1;
+        right_cost[k] = right_weight > 0 ? right.area() * cost(right_weight) : -1;
       }
       Box left;
       float left_weight = 0;
@@ -288,8 +303,8 @@ class Builder {
         left.add(bins[axis][k - 1].box);
         left_weight += bins[axis][k - 1].weight;
         if (left_weight == 0 || right_cost[k] < 0) continue;
-        const float cost = node_cost_ + (left.area() * left_weight + right_cost[k]) / area;
-        if (cost < best.cost) best = {axis, static_cast<int>(k), cost};
+        const float whole = kNodeCost + (left.area() * cost(left_weight) + right_cost[k]) / area;
+        if (whole < best.cost) best = {axis, static_cast<int>(k), whole};
       }
     }
     return best;
@@ -297,7 +312,6 @@ class Builder {
 
   std::span<Item> items_;
   std::uint32_t kind_;
-  float node_cost_;
   std::size_t first_;
   Work& work_;
 };
@@ -322,7 +336,7 @@ std::vector<Item> top_items(const std::vector<TriangleRecord>& triangles, const 
         Item& item = items[i];
         for (int k = 0; k < 3; ++k) item.low[k] = box.low[k], item.high[k] = box.high[k];
         item.code = Item::kNormal | Item::kCluster | static_cast<std::uint32_t>(i - triangles.size());
-        item.weight = static_cast<float>(count);
+        item.weight = kSpheresCost * std::ceil(static_cast<float>(count) / kLargestLeaf);
       },
       1024);
   return items;
@@ -340,8 +354,7 @@ BinaryTree build_binary_tree(const std::vector<TriangleRecord>& triangles,
   if (count == 0) return tree;
   Work work{spheres, cluster_spheres(spheres), {}};
   std::vector<Item> items = top_items(triangles, work);
-  Box box;
-  tree.root = Builder(items, 0, 0, work).build(0, items.size(), 0, box);
+  tree.root = Builder(items, 0, 0, work).build(0, items.size(), 0).code;
   tree.nodes = std::move(work.nodes);
   tree.sphere_order = std::move(work.clusters.order);
   tree.triangle_order.resize(triangles.empty() ? 0 : items.size());

@@ -1,6 +1,7 @@
 #include "stages/bvh_collapse.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -56,27 +57,22 @@ class Collapse {
   std::vector<Child> open(std::uint32_t code, std::size_t width) const {
     std::vector<Child> children;
     children.reserve(width);
-    const auto add = [&](std::uint32_t of, std::size_t at) {
-      const BinaryNode& node = tree_.nodes[of];
-      const Child left{node.boxes[0], node.children[0]}, right{node.boxes[1], node.children[1]};
-      if (at < children.size()) {
-        children[at] = left;
-      } else {
-        children.push_back(left);
-      }
-      children.push_back(right);
-    };
-    add(code, 0);
-    while (children.size() < width) {
-      std::size_t largest = children.size();
-      for (std::size_t i = 0; i < children.size(); ++i)
-        if (!(children[i].code & BVH_LEAF) &&
-            (largest == children.size() || children[i].box.area() > children[largest].box.area()))
-          largest = i;
-      if (largest == children.size()) break;
-      add(children[largest].code, largest);
-    }
+    share_out(tree_.nodes[code], width, children);
     return children;
+  }
+
+  // The children of a node that takes this many places.
+  void share_out(const BinaryNode& node, std::size_t places, std::vector<Child>& out) const {
+    const std::size_t left = places == 2 ? 1 : node.choice.left[places];
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::size_t own = i == 0 ? left : places - left;
+      const std::uint32_t code = node.children[i];
+      if (code & BVH_LEAF || own < tree_.nodes[code].choice.opens_from) {
+        out.push_back({node.boxes[i], code});
+      } else {
+        share_out(tree_.nodes[code], own, out);
+      }
+    }
   }
 
   static BvhNode empty_node() {
@@ -118,6 +114,25 @@ std::uint32_t append_branch(const Bvh& branch, Bvh& out) {
 }
 
 }  // namespace
+
+PlaceChoice PlaceChoice::best(const PlaceCosts& left, const PlaceCosts& right, float own, PlaceCosts& costs) {
+  PlaceChoice choice;
+  for (std::size_t places = 2; places <= BVH_WIDTH; ++places) {
+    costs[places] = INFINITY;
+    for (std::size_t k = 1; k < places; ++k)
+      if (const float cost = left[k] + right[places - k]; cost < costs[places]) {
+        costs[places] = cost;
+        choice.left[places] = static_cast<std::uint8_t>(k);
+      }
+  }
+  costs[1] = own + costs[BVH_WIDTH];
+  // More places never cost more, so that opening pays from some number on.
+  for (std::size_t places = 2; places <= BVH_WIDTH && !(costs[places] < costs[1]); ++places) {
+    costs[places] = costs[1];
+    choice.opens_from = static_cast<std::uint8_t>(places + 1);
+  }
+  return choice;
+}
 
 float BinaryBox::area() const {
   const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];

@@ -212,7 +212,7 @@ device::Grid packet_grid(int vector_width, std::size_t cols, std::size_t rows) {
   const auto width = static_cast<std::size_t>(vector_width);
   const std::size_t across = rows == 1 ? width : width >= 8 ? 4 : width == 4 ? 2 : 1;
   const std::size_t down = rows == 1 ? 1 : width / across;
-  return device::grid((cols + across - 1) / across, (rows + down - 1) / down);
+  return device::uneven(device::grid((cols + across - 1) / across, (rows + down - 1) / down));
 }
 
 }  // namespace hybrid::stages

@@ -115,8 +115,8 @@ SquarePlanes fit_square_planes(device::Queue& queue, const RangeImage& image,
     queue.write_rect(z, image.z.data(), image_cols, samples);
     auto records = queue.array<SquareRecord>(squares.rows * squares.cols);
     const auto lanes = static_cast<std::size_t>(queue.vector_width());
-    queue.launch("square_planes", kernel, device::grid((squares.cols + lanes - 1) / lanes * squares.rows),
-                 params, x, y, z, triplets, records);
+    const auto grid = device::grid((squares.cols + lanes - 1) / lanes * squares.rows);
+    queue.launch("square_planes", kernel, device::uneven(grid), params, x, y, z, triplets, records);
     queue.read_rect(records, planes.squares.data(), static_cast<std::size_t>(planes.cols), squares);
   }
   planes.noise =

@@ -14,6 +14,8 @@ typedef struct PacketRays {
   floatv inverse_x, inverse_y, inverse_z;  // finite: tiny components count as 1e-18
   // What the inverses of the lanes in use lie between, apart for those above and below 0; 0: there are none.
   float3 least_above, most_above, least_below, most_below;
+  float3 axis;   // unit, amid the rays in use; they differ from it by at most `wide`
+  float wide;    // no number when the rays lie all around
   float spread;  // of the directions: their largest difference along an axis
   int apart;     // so far from each other that a box among them may be missed by all
 } PacketRays;
@@ -50,6 +52,10 @@ static inline PacketRays bvh_rays(float3 origin, floatv x, floatv y, floatv z, i
   rays.most_below = select(none, select(-huge, 1.0f / min(high, -tiny), high < 0.0f), low < 0.0f);
   rays.spread = max(max(high.x - low.x, high.y - low.y), high.z - low.z);
   rays.apart = VW > 1 && rays.spread > BVH_APART;
+  const float3 middle = 0.5f * (low + high);
+  const float length_of_middle = length(middle);
+  rays.axis = middle / length_of_middle;
+  rays.wide = 0.5f * length(high - low) + (1.0f - length_of_middle);
   return rays;
 }
 
@@ -69,8 +75,7 @@ static inline uint bvh_children(const PacketRays* rays, global const BvhNode* no
   BVH_SLAB(z)
 #undef BVH_SLAB
   vstore16(near, 0, entries);
-  const int16 bit = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-  return bits_of((near <= min(far * 1.0000005f, (float16)(bound))) & (far > 0.0f) & bit);
+  return bits_of((near <= min(far * 1.0000005f, (float16)(bound))) & (far > 0.0f));
 }
 
 // Which rays enter a child's box before `bound`. The exit is widened by two roundings (Ize 2013), here and
@@ -119,22 +124,55 @@ static inline floatv bvh_sphere(const PacketRays* rays, global const SphereRecor
 }
 
 // Distance of the flat patch a sphere stands for: the disc through its centre across its normal; the sphere's
-// entry where it has none. Negative where the rays miss it.
+// entry where it has none. Negative where the rays miss it or begin inside the sphere.
 static inline floatv bvh_patch(const PacketRays* rays, global const SphereRecord* sphere,
                                global const float* normal) {
-  const floatv entry = bvh_sphere(rays, sphere);
   const float3 across = vload3(0, normal);
-  if (!ANY(MASK(entry > 0.0f)) || dot(across, across) == 0.0f) return entry;
+  if (dot(across, across) == 0.0f) return bvh_sphere(rays, sphere);
   const float3 to = vload3(0, sphere->centre) - rays->origin;
+  const float radius2 = sphere->radius * sphere->radius;
+  if (!(dot(to, to) > radius2)) return (floatv)(-1.0f);
   const floatv t =
       dot(across, to) / (across.x * rays->x + across.y * rays->y + across.z * rays->z);  // NaN in the plane
   const floatv x = to.x - t * rays->x, y = to.y - t * rays->y, z = to.z - t * rays->z;
-  const intv on = MASK(x * x + y * y + z * z < sphere->radius * sphere->radius) & MASK(t > 0.0f);
-  return PICK(on & MASK(entry > 0.0f), t, (floatv)(-1.0f));
+  const intv on = MASK(x * x + y * y + z * z < radius2) & MASK(t > 0.0f);
+  return PICK(on, t, (floatv)(-1.0f));
 }
 
 static inline uint bvh_count(uint leaf) {
   return ((leaf >> BVH_COUNT_SHIFT) & BVH_COUNT_MASK) + 1u;
+}
+
+// A bit for each of a leaf's primitives.
+static inline uint bvh_full(uint leaf) {
+  return (2u << (bvh_count(leaf) - 1u)) - 1u;
+}
+
+// The spheres of a leaf, eight at once, whatever follows those of the leaf.
+typedef struct BvhSpheres {
+  float8 x, y, z, radius;  // centres as seen from the rays' origin
+} BvhSpheres;
+
+static inline BvhSpheres bvh_spheres(float3 origin, global const SphereRecord* first) {
+  const float16 a = vload16(0, (global const float*)first), b = vload16(1, (global const float*)first);
+  const BvhSpheres out = {(float8)(a.s048c, b.s048c) - origin.x, (float8)(a.s159d, b.s159d) - origin.y,
+                          (float8)(a.s26ae, b.s26ae) - origin.z, (float8)(a.s37bf, b.s37bf)};
+  return out;
+}
+
+// Which of a leaf's spheres lie in the cone around all rays and may be entered before `bound` less `radii` of
+// theirs, one bit each; it may say yes where each ray misses, and allows for rounding.
+static inline uint bvh_spheres_among(const PacketRays* rays, global const SphereRecord* first, uint leaf,
+                                     float bound, float radii) {
+  if (VW == 1 || rays->apart) return bvh_full(leaf);
+  const BvhSpheres to = bvh_spheres(rays->origin, first);
+  const float8 along = to.x * rays->axis.x + to.y * rays->axis.y + to.z * rays->axis.z;
+  const float8 x = to.x - along * rays->axis.x, y = to.y - along * rays->axis.y,
+               z = to.z - along * rays->axis.z;
+  const float8 off = sqrt(x * x + y * y + z * z), size = fabs(along) + off + to.radius;
+  const float8 wide = to.radius + size * (rays->wide * 1.001f + 1e-6f);
+  const float8 entry = along - to.radius - 1e-6f * size;
+  return bits_of_8((off <= wide) & (entry <= bound - radii * to.radius)) & bvh_full(leaf);
 }
 
 typedef struct PacketHit {
@@ -161,7 +199,11 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
       const uint first = next & BVH_FIRST_MASK;
       const uint end = first + bvh_count(next);
       if (next & BVH_SPHERES) {
-        for (uint i = first; i < end; ++i) {
+        FETCH(surfaces + first);
+        FETCH(surfaces + first + BVH_LARGEST_LEAF / 2);
+        uint among = bvh_spheres_among(rays, spheres + first, next, farthest, 0.0f);
+        for (; among != 0u; among &= among - 1u) {
+          const uint i = first + lowest_bit(among);
           const floatv t = bvh_patch(rays, spheres + i, surfaces[i].normal);
           const intv closer = MASK(t > 0.0f) & (MASK(t < hit.t_sphere) |
                                                 (MASK(t == hit.t_sphere) & MASK((uintv)(i) < hit.sphere)));
@@ -184,8 +226,12 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
       global const BvhNode* node = nodes + next;
       uint among = bvh_children(rays, node, farthest, entries);
       const uint before = top;
+      if (!rays->apart && popcount(among) == 1u) {
+        next = node->child[lowest_bit(among)];
+        continue;
+      }
       for (; among != 0u; among &= among - 1u) {
-        const uint child = 31u - clz(among & (0u - among));
+        const uint child = lowest_bit(among);
         if (rays->apart && !ANY(bvh_enters(rays, node, child, bound))) continue;
         uint place = top++;  // the nearest on top
         for (; place > before && entered[place - 1u] < entries[child]; --place) {
@@ -193,7 +239,12 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
           stack[place] = stack[place - 1u];
         }
         entered[place] = entries[child];
-        stack[place] = node->child[child];
+        const uint code = node->child[child];
+        stack[place] = code;
+        if (code >= (BVH_LEAF | BVH_SPHERES)) {
+          FETCH(spheres + (code & BVH_FIRST_MASK));
+          FETCH(spheres + (code & BVH_FIRST_MASK) + BVH_LARGEST_LEAF / 2);
+        }
       }
     }
     do {
@@ -204,49 +255,26 @@ static inline PacketHit bvh_nearest(const PacketRays* rays, global const BvhNode
   }
 }
 
-// Does one ray enter one of a leaf's spheres nearer than `far` less two of its radii? As bvh_sphere, to the
-// bit; eight at once, whatever follows those of the leaf.
-static inline int bvh_meets_spheres(float3 origin, float3 ray, global const SphereRecord* first, uint leaf,
-                                    float far) {
-  const float16 a = vload16(0, (global const float*)first), b = vload16(1, (global const float*)first);
-  const float8 to_x = (float8)(a.s048c, b.s048c) - origin.x, to_y = (float8)(a.s159d, b.s159d) - origin.y,
-               to_z = (float8)(a.s26ae, b.s26ae) - origin.z, radius = (float8)(a.s37bf, b.s37bf);
-  const float8 along = to_x * ray.x + to_y * ray.y + to_z * ray.z;
-  const float8 x = to_x - along * ray.x, y = to_y - along * ray.y, z = to_z - along * ray.z;
-  const float8 inside2 = radius * radius - (x * x + y * y + z * z);
-  const float8 t = along - sqrt(max(inside2, (float8)(0.0f)));
-  const int8 hit = (inside2 > 0.0f) & (t > 0.0f) & (t < far - 2.0f * radius);
-  const int8 own = (int8)(0, 1, 2, 3, 4, 5, 6, 7) < (int)bvh_count(leaf);
-  return bits_of_8(hit & own) != 0u;
+// Which rays enter the sphere before `far` less two of its radii: as bvh_sphere, but for the root.
+static inline intv bvh_shades(const PacketRays* rays, global const SphereRecord* sphere, floatv far) {
+  const float3 to = vload3(0, sphere->centre) - rays->origin;
+  const floatv along = to.x * rays->x + to.y * rays->y + to.z * rays->z;
+  const floatv x = to.x - along * rays->x, y = to.y - along * rays->y, z = to.z - along * rays->z;
+  const floatv inside2 = sphere->radius * sphere->radius - (x * x + y * y + z * z);
+  const floatv past = along - (far - 2.0f * sphere->radius);
+  return MASK(inside2 > 0.0f) & MASK(along > 0.0f) & MASK(along * along > inside2) &
+         (MASK(past < 0.0f) | MASK(past * past < inside2));
 }
 
-// Which of a node's boxes one ray enters before `bound`, one bit each.
-static inline uint bvh_entered(float3 origin, float3 inverse, global const BvhNode* node, float bound) {
-  const int3 back = inverse < 0.0f;
-  float16 near = (float16)(0.0f), far = (float16)(bound);
-  float16 first, last;
-#define BVH_SLAB(axis)                                                                                 \
-  first = (vload16(0, back.axis ? node->high_##axis : node->low_##axis) - origin.axis) * inverse.axis; \
-  last = (vload16(0, back.axis ? node->low_##axis : node->high_##axis) - origin.axis) * inverse.axis;  \
-  near = max(near, first);                                                                             \
-  far = min(far, last * 1.0000005f);
-  BVH_SLAB(x)
-  BVH_SLAB(y)
-  BVH_SLAB(z)
-#undef BVH_SLAB
-  const int16 bit = (int16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-  return bits_of((near <= far) & bit);
-}
-
-// bvh_occluded one ray after the other: what rays that have little in common share is not worth its upkeep.
-// Triangles, which are large, are still tested against all of them.
+// bvh_occluded for rays that have little in common: each node and leaf is fetched once, and tested with one
+// ray after the other of those that reach it. Bit k of a mask is lane k.
 static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNode* nodes,
                                       global const TriangleRecord* triangles,
                                       global const SphereRecord* spheres, uint root, floatv far_triangle,
                                       floatv far_sphere, intv asked) {
-  uint stack[BVH_STACK];
+  uint codes[BVH_STACK], reach[BVH_STACK];  // per subtree to visit, the rays that enter it
   float x[VW], y[VW], z[VW], inverse_x[VW], inverse_y[VW], inverse_z[VW], far[VW], bound[VW];
-  int open[VW], hidden[VW];
+  int one[VW];
   STORE_LANES(rays->x, x);
   STORE_LANES(rays->y, y);
   STORE_LANES(rays->z, z);
@@ -255,41 +283,67 @@ static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNo
   STORE_LANES(rays->inverse_z, inverse_z);
   STORE_LANES(far_sphere, far);
   STORE_LANES(max(far_triangle, far_sphere), bound);
-  STORE_LANES(asked, open);
-  STORE_LANES((intv)(0), hidden);
-  intv blocked = (intv)(0);
-  uint last = 0u;  // spheres that hid the ray before
-  for (uint lane = 0u; lane < VW; ++lane) {
-    if (!open[lane]) continue;
-    const float3 ray = (float3)(x[lane], y[lane], z[lane]);
-    const float3 inverse = (float3)(inverse_x[lane], inverse_y[lane], inverse_z[lane]);
-    int meets = last != 0u &&
-                bvh_meets_spheres(rays->origin, ray, spheres + (last & BVH_FIRST_MASK), last, far[lane]);
-    uint top = 0u;
-    stack[top++] = root;
-    while (!meets && top != 0u) {
-      const uint next = stack[--top];
-      if (!(next & BVH_LEAF)) {
-        global const BvhNode* node = nodes + next;
-        uint among = bvh_entered(rays->origin, inverse, node, bound[lane]);
-        for (; among != 0u; among &= among - 1u) stack[top++] = node->child[31u - clz(among & (0u - among))];
-      } else if (next & BVH_SPHERES) {
-        meets = bvh_meets_spheres(rays->origin, ray, spheres + (next & BVH_FIRST_MASK), next, far[lane]);
-        if (meets) last = next;
-      } else {
-        const uint first = next & BVH_FIRST_MASK;
-        const uint end = first + bvh_count(next);
-        for (uint i = first; i < end; ++i) {
-          const floatv t = bvh_triangle(rays, triangles + i);
-          blocked |= asked & MASK(t > 0.0f) & MASK(t < far_triangle);
-        }
-        STORE_LANES(asked & ~blocked, open);
-        meets = !open[lane];
+  STORE_LANES(asked, one);
+  uint open = 0u;
+  for (uint lane = 0u; lane < VW; ++lane) open |= (uint)(one[lane] & 1) << lane;
+  const uint all = open;
+  uint top = 0u;
+  codes[top] = root, reach[top++] = open;
+  while (top != 0u) {
+    const uint next = codes[--top];
+    uint left = reach[top] & open;
+    if (left == 0u) continue;
+    if (!(next & BVH_LEAF)) {
+      global const BvhNode* node = nodes + next;
+      const float16 low_x = vload16(0, node->low_x) - rays->origin.x,
+                    low_y = vload16(0, node->low_y) - rays->origin.y,
+                    low_z = vload16(0, node->low_z) - rays->origin.z,
+                    high_x = vload16(0, node->high_x) - rays->origin.x,
+                    high_y = vload16(0, node->high_y) - rays->origin.y,
+                    high_z = vload16(0, node->high_z) - rays->origin.z;
+      int16 entered = (int16)(0);  // per child
+      for (; left != 0u; left &= left - 1u) {
+        const uint lane = lowest_bit(left);
+        const float16 x0 = low_x * inverse_x[lane], x1 = high_x * inverse_x[lane];
+        const float16 y0 = low_y * inverse_y[lane], y1 = high_y * inverse_y[lane];
+        const float16 z0 = low_z * inverse_z[lane], z1 = high_z * inverse_z[lane];
+        const float16 near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), (float16)(0.0f)));
+        const float16 exit = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * 1.0000005f;
+        entered |= (near <= min(exit, (float16)(bound[lane]))) & (int)(1u << lane);
+      }
+      uint by_child[BVH_WIDTH];
+      vstore16(as_uint16(entered), 0, by_child);
+      for (uint among = bits_of((entered != 0) & (low_x <= high_x)); among != 0u; among &= among - 1u) {
+        const uint child = lowest_bit(among);
+        codes[top] = node->child[child], reach[top++] = by_child[child];
+      }
+    } else if (next & BVH_SPHERES) {
+      const BvhSpheres to = bvh_spheres(rays->origin, spheres + (next & BVH_FIRST_MASK));
+      for (; left != 0u; left &= left - 1u) {
+        const uint lane = lowest_bit(left);
+        const float8 along = to.x * x[lane] + to.y * y[lane] + to.z * z[lane];
+        const float8 off_x = to.x - along * x[lane], off_y = to.y - along * y[lane],
+                     off_z = to.z - along * z[lane];
+        const float8 inside2 = to.radius * to.radius - (off_x * off_x + off_y * off_y + off_z * off_z);
+        const float8 past = along - (far[lane] - 2.0f * to.radius);
+        const int8 hit = (inside2 > 0.0f) & (along > 0.0f) & (along * along > inside2) &
+                         ((past < 0.0f) | (past * past < inside2));
+        if ((bits_of_8(hit) & bvh_full(next)) != 0u) open &= ~(1u << lane);
+      }
+    } else {
+      const uint first = next & BVH_FIRST_MASK;
+      const uint end = first + bvh_count(next);
+      for (uint i = first; i < end; ++i) {
+        const floatv t = bvh_triangle(rays, triangles + i);
+        const intv blocked = MASK(t > 0.0f) & MASK(t < far_triangle);
+        if (!ANY(blocked)) continue;
+        STORE_LANES(blocked, one);
+        for (uint lane = 0u; lane < VW; ++lane) open &= ~((uint)(one[lane] & 1) << lane);
       }
     }
-    hidden[lane] = -meets;
   }
-  return blocked | LOAD_LANES(hidden);
+  for (uint lane = 0u; lane < VW; ++lane) one[lane] = -(int)(((all & ~open) >> lane) & 1u);
+  return LOAD_LANES(one);
 }
 
 // Which of the `asked` rays meet a triangle nearer than far_triangle or a sphere nearer than far_sphere less
@@ -307,15 +361,16 @@ static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* no
     return bvh_occluded_apart(rays, nodes, triangles, spheres, root, far_triangle, far_sphere, asked);
   const floatv far = max(far_triangle, far_sphere);
   floatv bound = PICK(asked, far, (floatv)(-1.0f));
-  float farthest = MOST_LANE(bound);
+  float farthest = MOST_LANE(bound), sphere_bound = MOST_LANE(PICK(asked, far_sphere, (floatv)(-1.0f)));
   for (;;) {
     if (next & BVH_LEAF) {
       const uint first = next & BVH_FIRST_MASK;
       const uint end = first + bvh_count(next);
       if (next & BVH_SPHERES) {
-        for (uint i = first; i < end; ++i) {
-          const floatv t = bvh_sphere(rays, spheres + i);
-          blocked |= asked & MASK(t > 0.0f) & MASK(t < far_sphere - 2.0f * spheres[i].radius);
+        uint among = bvh_spheres_among(rays, spheres + first, next, sphere_bound, 2.0f);
+        for (; among != 0u; among &= among - 1u) {
+          const uint i = first + lowest_bit(among);
+          blocked |= asked & bvh_shades(rays, spheres + i, far_sphere);
         }
       } else {
         for (uint i = first; i < end; ++i) {
@@ -330,7 +385,7 @@ static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* no
       global const BvhNode* node = nodes + next;
       uint among = bvh_children(rays, node, farthest, entries);
       for (; among != 0u; among &= among - 1u) {
-        const uint child = 31u - clz(among & (0u - among));
+        const uint child = lowest_bit(among);
         if (!rays->apart || ANY(bvh_enters(rays, node, child, bound))) stack[top++] = node->child[child];
       }
     }

@@ -17,6 +17,15 @@
 #endif
 #endif
 
+// Asks for the cache line of what is read soon.
+#define FETCH(at)
+#if defined(__has_builtin) && !defined(NO_REDUCTIONS)
+#if __has_builtin(__builtin_prefetch)
+#undef FETCH
+#define FETCH(at) __builtin_prefetch(at)
+#endif
+#endif
+
 #if VW == 1
 typedef float floatv;
 typedef int intv;
@@ -75,22 +84,32 @@ static inline floatv load_lanes(global const float* values, uint first, uint cou
 DEFINE_STORE(store_lanes, floatv, float)
 DEFINE_STORE(store_indices, uintv, uint)
 
-// Any bit that one of 8 or 16 numbers has.
-static inline uint bits_of_8(int8 value) {
-#ifdef REDUCE_BITS
-  return (uint)REDUCE_BITS(value);
+// One bit per lane of a mask of 8 or 16, the first lane's the lowest.
+static inline uint bits_of_8(int8 mask) {
+#if defined(__AVX512DQ__) && defined(__AVX512VL__) && !defined(NO_REDUCTIONS)
+  return (uchar)__builtin_ia32_cvtd2mask256(mask);
 #else
-  const int4 by4 = value.lo | value.hi;
+  const int8 bits = mask & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
+#ifdef REDUCE_BITS
+  return (uint)REDUCE_BITS(bits);
+#else
+  const int4 by4 = bits.lo | bits.hi;
   const int2 by2 = by4.lo | by4.hi;
   return (uint)(by2.x | by2.y);
 #endif
-}
-static inline uint bits_of(int16 value) {
-#ifdef REDUCE_BITS
-  return (uint)REDUCE_BITS(value);
-#else
-  return bits_of_8(value.lo | value.hi);
 #endif
+}
+static inline uint bits_of(int16 mask) {
+#if defined(__AVX512DQ__) && !defined(NO_REDUCTIONS)
+  return (ushort)__builtin_ia32_cvtd2mask512(mask);
+#else
+  return bits_of_8(mask.lo) | bits_of_8(mask.hi) << 8;
+#endif
+}
+
+// Which is the lowest bit set; there is one.
+static inline uint lowest_bit(uint bits) {
+  return 31u - clz(bits & (0u - bits));
 }
 
 // values[at] for every lane.
@@ -113,8 +132,14 @@ static inline uintv words_at(global const uint* values, uintv at) {
 #endif
 }
 
-// The floats of halves, the lower 16 bits of each lane.
+// The floats of halves, the lower 16 bits of each lane. PoCL's vload_half converts them by integer
+// arithmetic.
 static inline floatv halves_of(uintv bits) {
+#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+  typedef short halves __attribute__((ext_vector_type(16)));
+  return __builtin_ia32_vcvtph2ps512_mask(__builtin_convertvector(bits, halves), (float16)(0.0f),
+                                          (ushort)0xffff, 4);
+#else
   ushort lane[VW];
 #if VW == 1
   lane[0] = (ushort)bits;
@@ -122,6 +147,7 @@ static inline floatv halves_of(uintv bits) {
 #else
   STORE_LANES(LANES_JOIN(convert_ushort, VW)(bits & 0xffffu), lane);
   return LANES_JOIN(vload_half, VW)(0, (const half*)lane);
+#endif
 #endif
 }
 

@@ -9,6 +9,7 @@
 #include "cases/ray_cast_case.hpp"
 #include "device.hpp"
 #include "stages/bvh_clusters.hpp"
+#include "stages/bvh_collapse.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -155,6 +156,41 @@ TEST(Bvh, clusters_are_small_boxes) {
   EXPECT_EQ(next, scene.spheres.size());
   // 40000 in a cube of 10 m: 64 fill one of 1.2 m; cells of that octree are 0.6 or 1.25 m wide.
   EXPECT_LT(sides, 1.25);
+}
+
+// Rays test all places of a node, and of a leaf of spheres, at once: empty ones cost as much as full ones.
+TEST(Bvh, nodes_and_leaves_of_spheres_are_full) {
+  const Bvh bvh = build_bvh({}, RayScene::make(0, 40000, 3).spheres);
+  std::size_t children = 0, leaves = 0;
+  for (const BvhNode& node : bvh.nodes)
+    for (const std::uint32_t child : node.child) {
+      children += child != BVH_EMPTY;
+      leaves += child != BVH_EMPTY && (child & BVH_LEAF) != 0;
+    }
+  EXPECT_GT(bvh.spheres.size(), BVH_LARGEST_LEAF * leaves * 3 / 4);
+  EXPECT_GT(children, BVH_WIDTH * bvh.nodes.size() * 6 / 10);
+}
+
+// Of a subtree of three leaves, two of which lie in a node of their own if that is cheap to open.
+TEST(Bvh, places_go_where_rays_cost_least) {
+  using stages::PlaceChoice, stages::PlaceCosts;
+  PlaceCosts leaf{}, pair{}, all{};
+  leaf.fill(3);
+  const PlaceChoice inner = PlaceChoice::best(leaf, leaf, 2, pair);
+  EXPECT_EQ(pair[1], 8.0f);  // a node of 2 and both leaves
+  for (std::size_t places = 2; places <= BVH_WIDTH; ++places) EXPECT_EQ(pair[places], 6.0f);
+  EXPECT_EQ(inner.opens_from, 2);
+
+  const PlaceChoice outer = PlaceChoice::best(leaf, pair, 10, all);
+  EXPECT_EQ(all[2], 11.0f);  // the leaf, and the pair as a node
+  EXPECT_EQ(all[3], 9.0f);   // all three leaves
+  EXPECT_EQ(all[1], 19.0f);
+  EXPECT_EQ(outer.left[2], 1);
+  EXPECT_EQ(outer.left[3], 1);
+  EXPECT_EQ(outer.opens_from, 2);
+
+  // With a node that costs nothing nothing is gained by taking its parent's places.
+  EXPECT_EQ(PlaceChoice::best(leaf, pair, 0, all).opens_from, BVH_WIDTH + 1);
 }
 
 TEST(Bvh, is_the_same_for_any_number_of_threads) {
