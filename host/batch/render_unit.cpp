@@ -193,7 +193,7 @@ void place_photographs(const io::SceneFile::Photographs& section, const std::vec
 
 stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
                                        const std::vector<std::optional<ScanRegistration>>& registrations,
-                                       const PhotographSet& photographs, double unseen_m) {
+                                       const PhotographSet& photographs, double unseen_m, int every) {
   stages::RenderScene scene;
   scene.proxy = model;
   scene.photographs = photographs.cameras;
@@ -208,10 +208,13 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
     if (!registrations[i]) continue;
     const auto& product = products[i];
     scene.scanners.push_back(registrations[i]->world_from_scan().translation);
-    const auto splats =
+    auto splats =
         stages::make_splats(product.image, product.segmentation, product.drawn,
-                            registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i));
-    scene.splats.insert(scene.splats.end(), splats.begin(), splats.end());
+                            registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i), every);
+    if (scene.splats.empty())
+      scene.splats = std::move(splats);
+    else
+      scene.splats.insert(scene.splats.end(), splats.begin(), splats.end());
   }
   return scene;
 }

@@ -299,6 +299,8 @@ class Run {
   }
 
   void render_all() {
+    const auto requested = views();
+    if (requested.empty() && run_.photographs.cameras.empty()) return;
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs,
                                           options_.render.unseen_m);
     stages::Renderer renderer(queue_, scene, options_.render);
@@ -306,7 +308,7 @@ class Run {
     if (!run_.photographs.cameras.empty())
       unit("coverage", [&] { coverage_ = coverage_figures(renderer, scene, options_.coverage); });
     if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));
-    for (const auto& view : views())
+    for (const auto& view : requested)
       unit("view " + view.name, [&] {
         progress_.step("render", "view " + view.name);
         views_.push_back(render_view(renderer, view, run_.photographs, request_.out));

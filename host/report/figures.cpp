@@ -1,8 +1,10 @@
 #include "report/figures.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "batch/overview_camera.hpp"
+#include "core/parallel_blocks.hpp"
 #include "io/picture.hpp"
 
 namespace hybrid::report {
@@ -47,16 +49,30 @@ void keep_fronts(const Vec3& eye, stages::RenderScene& scene) {
 
 // Points of a drawing, not surfaces: sparse scans would otherwise hide the model behind large spheres.
 constexpr float kLargestRadius_m = 0.02f;
+// About as many as the drawing has pixels; more take time and memory, and cannot be told apart.
+constexpr double kMostPoints = 2e6;
+
+// Of every so many rows and columns one is drawn.
+int thinning(const batch::SceneRun& run) {
+  std::size_t drawn = 0;
+  for (std::size_t i = 0; i < run.products.size(); ++i) {
+    const auto& flags = run.products[i].drawn;
+    if (run.registrations[i])
+      drawn += count_if_parallel(flags.size(), [&](std::size_t k) { return flags[k] != stages::kNotDrawn; });
+  }
+  return static_cast<int>(std::ceil(std::sqrt(std::max(static_cast<double>(drawn) / kMostPoints, 1.0))));
+}
 
 Image8 draw(device::Queue& queue, const batch::SceneRun& run,
             const std::vector<std::optional<batch::ScanRegistration>>& registrations) {
-  auto scene = batch::build_render_scene(*run.model, run.products, registrations, {});
+  const int every = thinning(run);
+  auto scene = batch::build_render_scene(*run.model, run.products, registrations, {}, 0, every);
   stages::ViewRequest request;
   request.camera = batch::overview_camera(*run.model, 1280, 900);
   request.texture = false;
   keep_fronts(request.camera.centre(), scene);
   for (auto& splat : scene.splats) {
-    splat.radius_m = std::min(splat.radius_m, kLargestRadius_m);
+    splat.radius_m = std::min(splat.radius_m, kLargestRadius_m * static_cast<float>(every));
     splat.on_face = false;  // how they lie on the faces is what the figure is about
   }
   stages::RenderOptions options;

@@ -16,13 +16,14 @@ std::vector<float> tile_surface(const RangeImage& image, const PlaneSegmentation
                                 const Pose& local_from_scan, const Tile& tile) {
   const std::size_t count = static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.cols);
   std::vector<float> planes(SURFACE_PLANES * count, std::numeric_limits<float>::quiet_NaN());
+  const SampleSurfaces surfaces(image, segmentation);
   parallel_for(static_cast<std::size_t>(tile.rows), [&](std::size_t row) {
     for (int col = 0; col < tile.cols; ++col) {
       const int image_row = tile.row + static_cast<int>(row), image_col = tile.col + col;
       const std::size_t from = image.index(image_row, image_col);
       if (image.mask[from] != kMeasured) continue;
       const std::size_t to = row * static_cast<std::size_t>(tile.cols) + static_cast<std::size_t>(col);
-      const SampleSurface sample = sample_surface(image, segmentation, image_row, image_col);
+      const SampleSurface sample = surfaces.at(image_row, image_col);
       const Vec3f point = (local_from_scan * image.point(from)).cast<float>();
       const Vec3f normal = local_from_scan.rotate(sample.normal).cast<float>();
       for (std::size_t k = 0; k < 3; ++k) {

@@ -147,12 +147,12 @@ enum Drawn : std::uint8_t {
   kDrawnOffFaces = 2,  // Splat::on_face
 };
 
-// Sphere radius per node as sample_surface says, so that neighbouring spheres close up; metres. The measured
+// Sphere radius per node as SampleSurfaces says, so that neighbouring spheres close up; metres. The measured
 // nodes that `drawn` (Drawn, per node) does not rule out become splats in the world frame. scan_index colours
-// plain views.
+// plain views. Of every so many rows and columns one is taken, whose spheres are as many times larger.
 std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation& segmentation,
                                const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan,
-                               std::uint32_t scan_index);
+                               std::uint32_t scan_index, int every = 1);
 
 // Image quality against a reference photograph (METHOD, how results are scored).
 struct ImageQuality {

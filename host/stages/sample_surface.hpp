@@ -10,10 +10,25 @@ struct SampleSurface {
   double radius_m = 0;         // half the patch's diagonal: spheres of this radius close up
 };
 
-// Of a non-empty node. With a supercluster: its normal, and a patch of r x angular step by r x angular step /
-// cos incidence. Without: the normal of the neighbours around it, and a patch as long as the distances to the
-// neighbours on the same surface. No side is longer than 4 r x angular step. `segmentation` may be empty.
-SampleSurface sample_surface(const RangeImage& image, const PlaneSegmentation& segmentation, int row,
-                             int col);
+// Of the samples of a range image, which is kept by reference, as the segmentation is; that may be empty.
+class SampleSurfaces {
+ public:
+  SampleSurfaces(const RangeImage& image, const PlaneSegmentation& segmentation);
+
+  // Of a non-empty node. With a supercluster: its normal, and a patch of r x angular step by r x angular step
+  // / cos incidence. Without: the normal of the neighbours around it, and a patch as long as the distances to
+  // the neighbours on the same surface. No side is longer than 4 r x angular step.
+  SampleSurface at(int row, int col) const;
+
+ private:
+  int column(int col) const;  // across the seam; -1: there is none
+  Vec3 neighbour_normal(int row, int col, double spacing_m) const;
+  double neighbour_spacing(int row, int col, int down, int across, double nominal_m,
+                           const Vec3& normal) const;
+
+  const RangeImage& image_;
+  const PlaneSegmentation& segmentation_;
+  double down_rad_, across_rad_;  // angular steps
+};
 
 }  // namespace hybrid::stages

@@ -137,8 +137,9 @@ TEST(SampleSurface, knows_normal_and_spacing_of_a_wall) {
       image.z[i] = static_cast<float>(range * std::sin(el));
       image.mask[i] = kMeasured;
     }
+  const PlaneSegmentation none;
   for (int c : {0, 30, 60, 120}) {
-    const auto surface = stages::sample_surface(image, {}, 30, c);
+    const auto surface = stages::SampleSurfaces(image, none).at(30, c);
     EXPECT_NEAR(surface.normal.x(), -1, 1e-4);
     const double cosine = std::cos((c - 60) * step);
     // Half the diagonal of the patch; 3 %, because neighbours a degree apart are not the derivative.
@@ -148,12 +149,12 @@ TEST(SampleSurface, knows_normal_and_spacing_of_a_wall) {
   // A sample alone in space tells no normal; its supercluster does.
   for (std::size_t i = 0; i < image.count(); ++i)
     if (i != image.index(30, 60)) image.mask[i] = kEmpty;
-  EXPECT_EQ(stages::sample_surface(image, {}, 30, 60).normal, Vec3(Vec3::Zero()));
+  EXPECT_EQ(stages::SampleSurfaces(image, none).at(30, 60).normal, Vec3(Vec3::Zero()));
   PlaneSegmentation segmentation;
   segmentation.sample_label.assign(image.count(), 1);
   segmentation.superclusters.resize(1);
   segmentation.superclusters[0].plane.normal = -Vec3::UnitX();
-  EXPECT_EQ(stages::sample_surface(image, segmentation, 30, 60).normal, Vec3(-Vec3::UnitX()));
+  EXPECT_EQ(stages::SampleSurfaces(image, segmentation).at(30, 60).normal, Vec3(-Vec3::UnitX()));
 }
 
 }  // namespace hybrid::testing
