@@ -98,26 +98,21 @@ static inline void see_spheres(const PacketHit* hit, const PacketRays* rays, flo
   const floatv behind = (hit->t_sphere - seen->t) * max(slope, (floatv)(1.0f / SLACK));
   const intv wins = MASK(hit->sphere != BVH_EMPTY) & (MASK(seen->id == 0u) | MASK(behind <= tolerance_m));
   if (!ANY(wins)) return;
-  const uintv at = 4u * PICK(wins, hit->sphere, (uintv)(0u));  // both records are four words
-  global const float* sphere = (global const float*)spheres;
-  global const float* surface = (global const float*)surfaces;
-  const floatv radius = lanes_at(sphere, at + 3u);
-  floatv x = lanes_at(surface, at), y = lanes_at(surface, at + 1u), z = lanes_at(surface, at + 2u);
+  const uintv at = PICK(wins, hit->sphere, (uintv)(0u));
+  const LaneRecords sphere = records_at(spheres[0].centre, at), surface = records_at(surfaces[0].normal, at);
+  floatv x = surface.x, y = surface.y, z = surface.z;
   const intv round = MASK(x * x + y * y + z * z == 0.0f);
   const floatv away = x * rays->x + y * rays->y + z * rays->z;
   const floatv sign = PICK(MASK(away > 0.0f), (floatv)(-1.0f), (floatv)(1.0f));
-  x *= sign, y *= sign, z *= sign;
-  if (ANY(round)) {
-    x = PICK(round, (rays->origin.x - lanes_at(sphere, at) + hit->t_sphere * rays->x) / radius, x);
-    y = PICK(round, (rays->origin.y - lanes_at(sphere, at + 1u) + hit->t_sphere * rays->y) / radius, y);
-    z = PICK(round, (rays->origin.z - lanes_at(sphere, at + 2u) + hit->t_sphere * rays->z) / radius, z);
-  }
+  x = PICK(round, (rays->origin.x - sphere.x + hit->t_sphere * rays->x) / sphere.w, sign * x);
+  y = PICK(round, (rays->origin.y - sphere.y + hit->t_sphere * rays->y) / sphere.w, sign * y);
+  z = PICK(round, (rays->origin.z - sphere.z + hit->t_sphere * rays->z) / sphere.w, sign * z);
   seen->t = PICK(wins, hit->t_sphere, seen->t);
   seen->normal_x = PICK(wins, x, seen->normal_x);
   seen->normal_y = PICK(wins, y, seen->normal_y);
   seen->normal_z = PICK(wins, z, seen->normal_z);
-  seen->radius = PICK(wins, PICK(round, -radius, radius), seen->radius);
-  seen->id = PICK(wins, words_at((global const uint*)surfaces, at + 3u), seen->id);
+  seen->radius = PICK(wins, PICK(round, -sphere.w, sphere.w), seen->radius);
+  seen->id = PICK(wins, BITS_OF_LANES(surface.w), seen->id);
 }
 
 kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict nodes,

@@ -71,7 +71,8 @@ Vec3 SampleSurfaces::neighbour_normal(int row, int col, double spacing_m) const 
       if (at < 0) continue;
       const std::size_t i = image_.index(row + dr, at);
       const double apart = spacing_m * std::max(std::abs(dr), std::abs(dc));
-      if (!(std::abs(image_.range_m[i] - range) <= kSteepestJump * apart)) continue;  // empty ones have none
+      if (image_.mask[i] == kEmpty) continue;
+      if (!(std::abs(image_.range_m[i] - range) <= kSteepestJump * apart)) continue;
       sums.add(image_.x[i] - x, image_.y[i] - y, image_.z[i] - z);
     }
   return sums.normal();

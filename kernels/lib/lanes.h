@@ -34,6 +34,7 @@ typedef uint uintv;
 #define ANY(mask) ((mask) != 0)
 #define ALL(mask) ((mask) != 0)
 #define PICK(mask, yes, no) ((mask) ? (yes) : (no))
+#define BITS_OF_LANES(value) as_uint(value)
 #define LOAD_LANES(from) ((from)[0])
 #define STORE_LANES(value, to) ((to)[0] = (value))
 #else
@@ -53,6 +54,7 @@ typedef LANES_JOIN(uint, VW) uintv;
 #define ALL(mask) all(mask)
 #endif
 #define PICK(mask, yes, no) select(no, yes, mask)
+#define BITS_OF_LANES(value) LANES_JOIN(as_uint, VW)(value)
 #define LOAD_LANES(from) LANES_JOIN(vload, VW)(0, from)
 #define STORE_LANES(value, to) LANES_JOIN(vstore, VW)(value, 0, to)
 #endif
@@ -128,8 +130,32 @@ static inline uintv words_at(global const uint* values, uintv at) {
 #if VW == 1
   return values[at];
 #else
-  return LANES_JOIN(as_uint, VW)(lanes_at((global const float*)values, at));
+  return BITS_OF_LANES(lanes_at((global const float*)values, at));
 #endif
+}
+
+// The records of four words that begin at 4 * at, for every lane.
+typedef struct LaneRecords {
+  floatv x, y, z, w;
+} LaneRecords;
+static inline LaneRecords records_at(global const float* records, uintv at) {
+  LaneRecords out;
+#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+  out.x = lanes_at(records, 4u * at);
+  out.y = lanes_at(records, 4u * at + 1u);
+  out.z = lanes_at(records, 4u * at + 2u);
+  out.w = lanes_at(records, 4u * at + 3u);
+#else
+  uint index[VW];
+  float x[VW], y[VW], z[VW], w[VW];
+  STORE_LANES(at, index);
+  for (uint k = 0; k < VW; ++k) {
+    const float4 record = vload4(index[k], records);
+    x[k] = record.x, y[k] = record.y, z[k] = record.z, w[k] = record.w;
+  }
+  out.x = LOAD_LANES(x), out.y = LOAD_LANES(y), out.z = LOAD_LANES(z), out.w = LOAD_LANES(w);
+#endif
+  return out;
 }
 
 // The floats of halves, the lower 16 bits of each lane. PoCL's vload_half converts them by integer
