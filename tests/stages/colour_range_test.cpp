@@ -110,7 +110,20 @@ TEST(Splats, stand_for_the_measured_samples_kept_and_close_up) {
     EXPECT_GT(splat.radius_m, 0);
     EXPECT_LT(splat.radius_m, 0.5 * farthest * 0.0131 * std::numbers::sqrt2 * 4);
   }
-  // Seen from the scanner a wall of spheres has holes only where samples are missing.
+  // Seen from the scanner a wall of spheres has holes only where samples are missing. So has one of every
+  // third row and column, in spheres that are as many times larger.
+  const auto thinned = stages::make_splats(scan.image, {}, keep, scan.world_from_scan, 2, 3);
+  std::size_t next = 0, of_these = 0;
+  for (int row = 0; row < scan.image.rows; ++row)
+    for (int col = 0; col < scan.image.cols; ++col) {
+      if (scan.image.mask[scan.image.index(row, col)] != kMeasured) continue;
+      const auto& splat = scene.splats.at(next++);
+      if (row % 3 != 0 || col % 3 != 0) continue;
+      const auto& larger = thinned.at(of_these++);
+      EXPECT_EQ(larger.centre_m, splat.centre_m);
+      EXPECT_FLOAT_EQ(larger.radius_m, 3 * splat.radius_m);
+    }
+  EXPECT_EQ(of_these, thinned.size());
   stages::ViewRequest request;
   request.camera = look_at(scan.world_from_scan.translation, Vec3(0, 2, 1.4), {0, 0, 1}, 50, 200, 150);
   request.texture = false;
