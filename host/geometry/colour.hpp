@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 namespace hybrid {
@@ -13,10 +14,41 @@ inline double linear_from_srgb(double encoded) {
 inline double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
+// From which light on a picture's byte is at least 0, 1, .. 255, by the formula above, to the last bit.
+class SrgbSteps {
+ public:
+  SrgbSteps() {
+    for (std::size_t byte = 1; byte < from_.size(); ++byte) {
+      double below = from_[byte - 1], reached = 1;
+      for (double middle = 0.5 * (below + reached); middle > below && middle < reached;
+           middle = 0.5 * (below + reached))
+        (std::lround(255 * srgb_from_linear(middle)) < static_cast<long>(byte) ? below : reached) = middle;
+      from_[byte] = reached;
+    }
+    std::uint8_t byte = 0;
+    for (std::size_t i = 0; i < start_.size(); ++i) {
+      while (byte < 255 && from_[byte + std::size_t{1}] <= static_cast<double>(i) / kStarts) ++byte;
+      start_[i] = byte;
+    }
+  }
+
+  // 0..1.
+  std::uint8_t byte(double linear) const {
+    std::uint8_t byte = start_[static_cast<std::size_t>(linear * kStarts)];
+    while (byte < 255 && from_[byte + std::size_t{1}] <= linear) ++byte;
+    return byte;
+  }
+
+ private:
+  static constexpr std::size_t kStarts = 4096;
+  std::array<double, 256> from_{};
+  std::array<std::uint8_t, kStarts + 1> start_{};  // the byte of i / kStarts
+};
+
 // A picture's byte. Values outside [0, 1] are clamped; NaN becomes 0.
 inline std::uint8_t srgb_byte_from_linear(double linear) {
-  const double clamped = linear > 0 ? std::fmin(linear, 1.0) : 0.0;
-  return static_cast<std::uint8_t>(std::lround(255 * srgb_from_linear(clamped)));
+  static const SrgbSteps steps;
+  return steps.byte(linear > 0 ? std::fmin(linear, 1.0) : 0.0);
 }
 
 // A pastel colour per index, sRGB 0..1: hues by the golden ratio, so that neighbours in number differ.
