@@ -26,7 +26,7 @@
 // Defines: VW (1). Edges: an empty tree, rays that begin inside a sphere (it is ignored), two-sided
 // triangles. Cost: per ray about 100 bytes read and 40 written, 300 flops per level of the tree shared by the
 // packet. Reference twin: tests/reference/ray_cast.cpp.
-#include "lib/bvh.h"
+#include "lib/bvh_nearest.h"
 #include "lib/packet_camera.h"
 #include "shared/params_ray_cast.h"
 

@@ -2,7 +2,7 @@
 // near to its border. Shared by blend_photos, rank_photos and blend_ranked.
 #ifndef HYBRID_LIB_PHOTO_PACKET_H
 #define HYBRID_LIB_PHOTO_PACKET_H
-#include "lib/bvh.h"
+#include "lib/bvh_shadows.h"
 #include "lib/packet_camera.h"
 #include "shared/params_ray_cast.h"
 

@@ -1,0 +1,148 @@
+// Which rays of a packet something hides.
+#ifndef HYBRID_LIB_BVH_SHADOWS_H
+#define HYBRID_LIB_BVH_SHADOWS_H
+#include "lib/bvh.h"
+
+// Rays that differ by more share only what they fetch: 4 x 4 points that do not lie on one surface.
+#define BVH_APART_SHADOWS 0.01f
+
+// Which rays enter the sphere before `far` less two of its radii: as bvh_sphere, but for the root.
+static inline intv bvh_shades(const PacketRays* rays, global const SphereRecord* sphere, floatv far) {
+  const float3 to = vload3(0, sphere->centre) - rays->origin;
+  const floatv along = to.x * rays->x + to.y * rays->y + to.z * rays->z;
+  const floatv x = to.x - along * rays->x, y = to.y - along * rays->y, z = to.z - along * rays->z;
+  const floatv inside2 = sphere->radius * sphere->radius - (x * x + y * y + z * z);
+  const floatv past = along - (far - 2.0f * sphere->radius);
+  return MASK(inside2 > 0.0f) & MASK(along > 0.0f) & MASK(along * along > inside2) &
+         (MASK(past < 0.0f) | MASK(past * past < inside2));
+}
+
+// bvh_occluded for rays that have little in common: each node and leaf is fetched once, and tested with one
+// ray after the other of those that reach it. Bit k of a mask is lane k.
+static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNode* nodes,
+                                      global const TriangleRecord* triangles,
+                                      global const SphereRecord* spheres, uint root, floatv far_triangle,
+                                      floatv far_sphere, intv asked) {
+  uint codes[BVH_STACK], reach[BVH_STACK];  // per subtree to visit, the rays that enter it
+  float x[VW], y[VW], z[VW], inverse_x[VW], inverse_y[VW], inverse_z[VW], far[VW], bound[VW];
+  int one[VW];
+  STORE_LANES(rays->x, x);
+  STORE_LANES(rays->y, y);
+  STORE_LANES(rays->z, z);
+  STORE_LANES(rays->inverse_x, inverse_x);
+  STORE_LANES(rays->inverse_y, inverse_y);
+  STORE_LANES(rays->inverse_z, inverse_z);
+  STORE_LANES(far_sphere, far);
+  STORE_LANES(max(far_triangle, far_sphere), bound);
+  STORE_LANES(asked, one);
+  uint open = 0u;
+  for (uint lane = 0u; lane < VW; ++lane) open |= (uint)(one[lane] & 1) << lane;
+  const uint all = open;
+  uint top = 0u;
+  codes[top] = root, reach[top++] = open;
+  while (top != 0u) {
+    const uint next = codes[--top];
+    uint left = reach[top] & open;
+    if (left == 0u) continue;
+    if (!(next & BVH_LEAF)) {
+      global const BvhNode* node = nodes + next;
+      const float16 low_x = vload16(0, node->low_x) - rays->origin.x,
+                    low_y = vload16(0, node->low_y) - rays->origin.y,
+                    low_z = vload16(0, node->low_z) - rays->origin.z,
+                    high_x = vload16(0, node->high_x) - rays->origin.x,
+                    high_y = vload16(0, node->high_y) - rays->origin.y,
+                    high_z = vload16(0, node->high_z) - rays->origin.z;
+      int16 entered = (int16)(0);  // per child
+      for (; left != 0u; left &= left - 1u) {
+        const uint lane = lowest_bit(left);
+        const float16 x0 = low_x * inverse_x[lane], x1 = high_x * inverse_x[lane];
+        const float16 y0 = low_y * inverse_y[lane], y1 = high_y * inverse_y[lane];
+        const float16 z0 = low_z * inverse_z[lane], z1 = high_z * inverse_z[lane];
+        const float16 near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), (float16)(0.0f)));
+        const float16 exit = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * 1.0000005f;
+        entered |= (near <= min(exit, (float16)(bound[lane]))) & (int)(1u << lane);
+      }
+      uint by_child[BVH_WIDTH];
+      vstore16(as_uint16(entered), 0, by_child);
+      for (uint among = bits_of((entered != 0) & (low_x <= high_x)); among != 0u; among &= among - 1u) {
+        const uint child = lowest_bit(among);
+        codes[top] = node->child[child], reach[top++] = by_child[child];
+      }
+    } else if (next & BVH_SPHERES) {
+      const BvhSpheres to = bvh_spheres(rays->origin, spheres + (next & BVH_FIRST_MASK));
+      for (; left != 0u; left &= left - 1u) {
+        const uint lane = lowest_bit(left);
+        const float8 along = to.x * x[lane] + to.y * y[lane] + to.z * z[lane];
+        const float8 off_x = to.x - along * x[lane], off_y = to.y - along * y[lane],
+                     off_z = to.z - along * z[lane];
+        const float8 inside2 = to.radius * to.radius - (off_x * off_x + off_y * off_y + off_z * off_z);
+        const float8 past = along - (far[lane] - 2.0f * to.radius);
+        const int8 hit = (inside2 > 0.0f) & (along > 0.0f) & (along * along > inside2) &
+                         ((past < 0.0f) | (past * past < inside2));
+        if ((bits_of_8(hit) & bvh_full(next)) != 0u) open &= ~(1u << lane);
+      }
+    } else {
+      const uint first = next & BVH_FIRST_MASK;
+      const uint end = first + bvh_count(next);
+      for (uint i = first; i < end; ++i) {
+        const floatv t = bvh_triangle(rays, triangles + i);
+        const intv blocked = MASK(t > 0.0f) & MASK(t < far_triangle);
+        if (!ANY(blocked)) continue;
+        STORE_LANES(blocked, one);
+        for (uint lane = 0u; lane < VW; ++lane) open &= ~((uint)(one[lane] & 1) << lane);
+      }
+    }
+  }
+  for (uint lane = 0u; lane < VW; ++lane) one[lane] = -(int)(((all & ~open) >> lane) & 1u);
+  return LOAD_LANES(one);
+}
+
+// Which of the `asked` rays meet a triangle nearer than far_triangle or a sphere nearer than far_sphere less
+// two of the sphere's own radii: spheres bulge out of the surface they stand for, and large ones must not
+// shade small neighbours.
+static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* nodes,
+                                global const TriangleRecord* triangles, global const SphereRecord* spheres,
+                                uint root, floatv far_triangle, floatv far_sphere, intv asked) {
+  uint stack[BVH_STACK];
+  float entries[BVH_WIDTH];
+  uint top = 0u, next = root;
+  intv blocked = (intv)(0);
+  if (root == BVH_EMPTY) return blocked;
+  if (VW > 1 && rays->spread > BVH_APART_SHADOWS)
+    return bvh_occluded_apart(rays, nodes, triangles, spheres, root, far_triangle, far_sphere, asked);
+  const floatv far = max(far_triangle, far_sphere);
+  floatv bound = PICK(asked, far, (floatv)(-1.0f));
+  float farthest = MOST_LANE(bound), sphere_bound = MOST_LANE(PICK(asked, far_sphere, (floatv)(-1.0f)));
+  for (;;) {
+    if (next & BVH_LEAF) {
+      const uint first = next & BVH_FIRST_MASK;
+      const uint end = first + bvh_count(next);
+      if (next & BVH_SPHERES) {
+        uint among = bvh_spheres_among(rays, spheres + first, next, sphere_bound, 2.0f);
+        for (; among != 0u; among &= among - 1u) {
+          const uint i = first + lowest_bit(among);
+          blocked |= asked & bvh_shades(rays, spheres + i, far_sphere);
+        }
+      } else {
+        for (uint i = first; i < end; ++i) {
+          const floatv t = bvh_triangle(rays, triangles + i);
+          blocked |= asked & MASK(t > 0.0f) & MASK(t < far_triangle);
+        }
+      }
+      bound = PICK(blocked, (floatv)(-1.0f), bound);
+      farthest = MOST_LANE(bound);
+      if (!(farthest >= 0.0f)) return blocked;
+    } else {
+      global const BvhNode* node = nodes + next;
+      uint among = bvh_children(rays, node, farthest, entries);
+      for (; among != 0u; among &= among - 1u) {
+        const uint child = lowest_bit(among);
+        if (!rays->apart || ANY(bvh_enters(rays, node, child, bound))) stack[top++] = node->child[child];
+      }
+    }
+    if (top == 0u) return blocked;
+    next = stack[--top];
+  }
+}
+
+#endif
