@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+
+#include "geometry/colour.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -12,18 +13,11 @@ namespace {
 const std::array<half, 256>& linear_table() {
   static const auto table = [] {
     std::array<half, 256> result;
-    for (std::size_t i = 0; i < 256; ++i) {
-      const double v = static_cast<double>(i) / 255;
-      result[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-    }
+    for (std::size_t i = 0; i < 256; ++i)
+      result[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
     return result;
   }();
   return table;
-}
-
-std::uint8_t to_srgb_byte(double linear) {
-  const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(encoded > 0 ? std::min(encoded * 255 + 0.5, 255.0) : 0.0);  // NaN: 0
 }
 
 // By the bits of a half.
@@ -33,7 +27,7 @@ const std::vector<std::uint8_t>& srgb_table() {
     for (std::size_t bits = 0; bits < result.size(); ++bits) {
       half linear;
       linear.setBits(static_cast<std::uint16_t>(bits));
-      result[bits] = to_srgb_byte(static_cast<double>(static_cast<float>(linear)));
+      result[bits] = srgb_byte_from_linear(static_cast<double>(static_cast<float>(linear)));
     }
     return result;
   }();

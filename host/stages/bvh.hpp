@@ -7,8 +7,8 @@
 
 namespace hybrid::stages {
 
-// Bounding volume hierarchy over triangles and spheres, in the layout lib/bvh.h traverses. Metres, relative
-// to one local origin.
+// Bounding volume hierarchy over triangles and spheres, in the layout of shared/bvh_records.h. Metres,
+// relative to one local origin.
 struct Bvh {
   std::vector<BvhNode> nodes;                // empty when the root is a leaf
   std::vector<TriangleRecord> triangles;     // in the order of the leaves

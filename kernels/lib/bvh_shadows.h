@@ -135,10 +135,7 @@ static inline intv bvh_occluded(const PacketRays* rays, global const BvhNode* no
     } else {
       global const BvhNode* node = nodes + next;
       uint among = bvh_children(rays, node, farthest, entries);
-      for (; among != 0u; among &= among - 1u) {
-        const uint child = lowest_bit(among);
-        if (!rays->apart || ANY(bvh_enters(rays, node, child, bound))) stack[top++] = node->child[child];
-      }
+      for (; among != 0u; among &= among - 1u) stack[top++] = node->child[lowest_bit(among)];
     }
     if (top == 0u) return blocked;
     next = stack[--top];

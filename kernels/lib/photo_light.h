@@ -42,22 +42,18 @@ static inline void bilinear_at(const CameraRecord* camera, floatv column, floatv
 // it was a third of all time.
 static inline void fetch_light(const Bilinear* at, BlendMode mix, uint photo_pixels,
                                global const uchar* photo, global const half* low) {
-#if defined(__has_builtin) && !defined(NO_REDUCTIONS)
-#if __has_builtin(__builtin_prefetch)
   uint upper[VW], lower[VW];
   STORE_LANES(at->pixel[0], upper);
   STORE_LANES(at->pixel[2], lower);
   for (uint lane = 0u; lane < VW; ++lane) {
-    __builtin_prefetch(photo + (size_t)4 * upper[lane]);
-    __builtin_prefetch(photo + (size_t)4 * lower[lane]);
+    FETCH(photo + (size_t)4 * upper[lane]);
+    FETCH(photo + (size_t)4 * lower[lane]);
   }
   for (uint band = 0u; mix.mode == BLEND_BANDS && band + 1u < mix.bands; ++band)
     for (uint lane = 0u; lane < VW; ++lane) {
-      __builtin_prefetch(low + (size_t)4 * ((size_t)band * photo_pixels + upper[lane]));
-      __builtin_prefetch(low + (size_t)4 * ((size_t)band * photo_pixels + lower[lane]));
+      FETCH(low + (size_t)4 * ((size_t)band * photo_pixels + upper[lane]));
+      FETCH(low + (size_t)4 * ((size_t)band * photo_pixels + lower[lane]));
     }
-#endif
-#endif
 }
 
 // Which positions are the photograph's own, none of whose pixels the mask takes out?
