@@ -70,26 +70,31 @@ typedef struct PacketLight {
   floatv r, g, b;
 } PacketLight;
 
+static inline floatv channel_at(const Bilinear* at, const uintv* bytes, uint shift,
+                                global const float* linear) {
+  return at->share[0] * entries_at(linear, (bytes[0] >> shift) & 255u) +
+         at->share[1] * entries_at(linear, (bytes[1] >> shift) & 255u) +
+         at->share[2] * entries_at(linear, (bytes[2] >> shift) & 255u) +
+         at->share[3] * entries_at(linear, (bytes[3] >> shift) & 255u);
+}
+
 static inline PacketLight light_at(const Bilinear* at, global const uchar* photo,
                                    global const float* linear) {
-  PacketLight light = {(floatv)(0.0f), (floatv)(0.0f), (floatv)(0.0f)};
-  for (int k = 0; k < 4; ++k) {
-    const uintv bytes = words_at((global const uint*)photo, at->pixel[k]);
-    light.r += at->share[k] * lanes_at(linear, bytes & 255u);
-    light.g += at->share[k] * lanes_at(linear + 256, (bytes >> 8) & 255u);
-    light.b += at->share[k] * lanes_at(linear + 512, (bytes >> 16) & 255u);
-  }
+  global const uint* pixels = (global const uint*)photo;
+  const uintv bytes[4] = {words_at(pixels, at->pixel[0]), words_at(pixels, at->pixel[1]),
+                          words_at(pixels, at->pixel[2]), words_at(pixels, at->pixel[3])};
+  const PacketLight light = {channel_at(at, bytes, 0u, linear), channel_at(at, bytes, 8u, linear + 256),
+                             channel_at(at, bytes, 16u, linear + 512)};
   return light;
 }
 
 static inline PacketLight low_at(const Bilinear* at, global const half* low) {
   PacketLight light = {(floatv)(0.0f), (floatv)(0.0f), (floatv)(0.0f)};
   for (int k = 0; k < 4; ++k) {
-    const uintv first = words_at((global const uint*)low, 2u * at->pixel[k]);
-    const uintv second = words_at((global const uint*)low, 2u * at->pixel[k] + 1u);
-    light.r += at->share[k] * halves_of(first);
-    light.g += at->share[k] * halves_of(first >> 16);
-    light.b += at->share[k] * halves_of(second);
+    const LanePairs halves = pairs_at((global const uint*)low, 2u * at->pixel[k]);
+    light.r += at->share[k] * halves_of(halves.first);
+    light.g += at->share[k] * halves_of(halves.first >> 16);
+    light.b += at->share[k] * halves_of(halves.second);
   }
   return light;
 }
@@ -111,7 +116,8 @@ typedef struct PacketSums {
   intv seen;  // the lanes that something is added to
 } PacketSums;
 
-static inline void add_to_plane(const PacketSums* to, floatv kept, floatv added, global float* plane) {
+__attribute__((always_inline)) static inline void add_to_plane(const PacketSums* to, floatv kept,
+                                                               floatv added, global float* plane) {
   const floatv before = load_packet_float(plane, &to->place, 0.0f);
   store_packet_float(PICK(to->seen, kept * before + added, before), &to->place, plane);
 }
