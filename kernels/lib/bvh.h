@@ -94,7 +94,8 @@ static inline intv bvh_enters(const PacketRays* rays, global const BvhNode* node
 // Distance of the triangle along the rays, negative where they miss. Edge functions as in Pluecker
 // coordinates (Davis et al., as in Embree): two triangles that share an edge compute the same bits for it
 // with opposite signs, so that no ray slips between them. Two-sided.
-static inline floatv bvh_triangle(const PacketRays* rays, global const TriangleRecord* triangle) {
+__attribute__((always_inline)) static inline floatv bvh_triangle(const PacketRays* rays,
+                                                                 global const TriangleRecord* triangle) {
   const float3 a = vload3(0, triangle->a) - rays->origin;
   const float3 b = vload3(0, triangle->b) - rays->origin;
   const float3 c = vload3(0, triangle->c) - rays->origin;

@@ -17,27 +17,22 @@ static inline intv bvh_shades(const PacketRays* rays, global const SphereRecord*
          (MASK(past < 0.0f) | MASK(past * past < inside2));
 }
 
-// bvh_occluded for rays that have little in common: each node and leaf is fetched once, and tested with one
-// ray after the other of those that reach it. Bit k of a mask is lane k.
-static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNode* nodes,
-                                      global const TriangleRecord* triangles,
+// A packet's rays one by one; bit k of a mask is lane k.
+typedef struct ApartRays {
+  float x[VW], y[VW], z[VW], inverse_x[VW], inverse_y[VW], inverse_z[VW];
+  float far[VW], bound[VW];  // for spheres; for anything
+} ApartRays;
+
+// Which of the rays `open`, whose directions have the same signs, are hidden: each node and leaf is fetched
+// once, and tested with one ray after the other of those that reach it.
+static inline uint bvh_hidden_one_way(const PacketRays* rays, const ApartRays* apart,
+                                      global const BvhNode* nodes, global const TriangleRecord* triangles,
                                       global const SphereRecord* spheres, uint root, floatv far_triangle,
-                                      floatv far_sphere, intv asked) {
+                                      uint open) {
+  const uint asked = open, first_lane = lowest_bit(open);
+  const int back_x = apart->inverse_x[first_lane] < 0.0f, back_y = apart->inverse_y[first_lane] < 0.0f,
+            back_z = apart->inverse_z[first_lane] < 0.0f;
   uint codes[BVH_STACK], reach[BVH_STACK];  // per subtree to visit, the rays that enter it
-  float x[VW], y[VW], z[VW], inverse_x[VW], inverse_y[VW], inverse_z[VW], far[VW], bound[VW];
-  int one[VW];
-  STORE_LANES(rays->x, x);
-  STORE_LANES(rays->y, y);
-  STORE_LANES(rays->z, z);
-  STORE_LANES(rays->inverse_x, inverse_x);
-  STORE_LANES(rays->inverse_y, inverse_y);
-  STORE_LANES(rays->inverse_z, inverse_z);
-  STORE_LANES(far_sphere, far);
-  STORE_LANES(max(far_triangle, far_sphere), bound);
-  STORE_LANES(asked, one);
-  uint open = 0u;
-  for (uint lane = 0u; lane < VW; ++lane) open |= (uint)(one[lane] & 1) << lane;
-  const uint all = open;
   uint top = 0u;
   codes[top] = root, reach[top++] = open;
   while (top != 0u) {
@@ -46,37 +41,38 @@ static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNo
     if (left == 0u) continue;
     if (!(next & BVH_LEAF)) {
       global const BvhNode* node = nodes + next;
-      const float16 low_x = vload16(0, node->low_x) - rays->origin.x,
-                    low_y = vload16(0, node->low_y) - rays->origin.y,
-                    low_z = vload16(0, node->low_z) - rays->origin.z,
-                    high_x = vload16(0, node->high_x) - rays->origin.x,
-                    high_y = vload16(0, node->high_y) - rays->origin.y,
-                    high_z = vload16(0, node->high_z) - rays->origin.z;
+      const float16 near_x = vload16(0, back_x ? node->high_x : node->low_x) - rays->origin.x,
+                    near_y = vload16(0, back_y ? node->high_y : node->low_y) - rays->origin.y,
+                    near_z = vload16(0, back_z ? node->high_z : node->low_z) - rays->origin.z,
+                    far_x = vload16(0, back_x ? node->low_x : node->high_x) - rays->origin.x,
+                    far_y = vload16(0, back_y ? node->low_y : node->high_y) - rays->origin.y,
+                    far_z = vload16(0, back_z ? node->low_z : node->high_z) - rays->origin.z;
       int16 entered = (int16)(0);  // per child
       for (; left != 0u; left &= left - 1u) {
         const uint lane = lowest_bit(left);
-        const float16 x0 = low_x * inverse_x[lane], x1 = high_x * inverse_x[lane];
-        const float16 y0 = low_y * inverse_y[lane], y1 = high_y * inverse_y[lane];
-        const float16 z0 = low_z * inverse_z[lane], z1 = high_z * inverse_z[lane];
-        const float16 near = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), (float16)(0.0f)));
-        const float16 exit = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * 1.0000005f;
-        entered |= (near <= min(exit, (float16)(bound[lane]))) & (int)(1u << lane);
+        const float16 near = max(max(near_x * apart->inverse_x[lane], near_y * apart->inverse_y[lane]),
+                                 max(near_z * apart->inverse_z[lane], (float16)(0.0f)));
+        const float16 exit = min(min(far_x * apart->inverse_x[lane], far_y * apart->inverse_y[lane]),
+                                 far_z * apart->inverse_z[lane]) *
+                             1.0000005f;
+        entered |= (near <= min(exit, (float16)(apart->bound[lane]))) & (int)(1u << lane);
       }
       uint by_child[BVH_WIDTH];
       vstore16(as_uint16(entered), 0, by_child);
-      for (uint among = bits_of((entered != 0) & (low_x <= high_x)); among != 0u; among &= among - 1u) {
-        const uint child = lowest_bit(among);
+      for (uint among = bits_of(entered != 0); among != 0u;) {
+        const uint child = 31u - clz(among);
+        among &= ~(1u << child);
         codes[top] = node->child[child], reach[top++] = by_child[child];
       }
     } else if (next & BVH_SPHERES) {
       const BvhSpheres to = bvh_spheres(rays->origin, spheres + (next & BVH_FIRST_MASK));
       for (; left != 0u; left &= left - 1u) {
         const uint lane = lowest_bit(left);
-        const float8 along = to.x * x[lane] + to.y * y[lane] + to.z * z[lane];
-        const float8 off_x = to.x - along * x[lane], off_y = to.y - along * y[lane],
-                     off_z = to.z - along * z[lane];
+        const float8 along = to.x * apart->x[lane] + to.y * apart->y[lane] + to.z * apart->z[lane];
+        const float8 off_x = to.x - along * apart->x[lane], off_y = to.y - along * apart->y[lane],
+                     off_z = to.z - along * apart->z[lane];
         const float8 inside2 = to.radius * to.radius - (off_x * off_x + off_y * off_y + off_z * off_z);
-        const float8 past = along - (far[lane] - 2.0f * to.radius);
+        const float8 past = along - (apart->far[lane] - 2.0f * to.radius);
         const int8 hit = (inside2 > 0.0f) & (along > 0.0f) & (along * along > inside2) &
                          ((past < 0.0f) | (past * past < inside2));
         if ((bits_of_8(hit) & bvh_full(next)) != 0u) open &= ~(1u << lane);
@@ -84,6 +80,7 @@ static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNo
     } else {
       const uint first = next & BVH_FIRST_MASK;
       const uint end = first + bvh_count(next);
+      int one[VW];
       for (uint i = first; i < end; ++i) {
         const floatv t = bvh_triangle(rays, triangles + i);
         const intv blocked = MASK(t > 0.0f) & MASK(t < far_triangle);
@@ -93,7 +90,40 @@ static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNo
       }
     }
   }
-  for (uint lane = 0u; lane < VW; ++lane) one[lane] = -(int)(((all & ~open) >> lane) & 1u);
+  return asked & ~open;
+}
+
+// bvh_occluded for rays that have little in common.
+static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNode* nodes,
+                                      global const TriangleRecord* triangles,
+                                      global const SphereRecord* spheres, uint root, floatv far_triangle,
+                                      floatv far_sphere, intv asked) {
+  ApartRays apart;
+  int one[VW];
+  STORE_LANES(rays->x, apart.x);
+  STORE_LANES(rays->y, apart.y);
+  STORE_LANES(rays->z, apart.z);
+  STORE_LANES(rays->inverse_x, apart.inverse_x);
+  STORE_LANES(rays->inverse_y, apart.inverse_y);
+  STORE_LANES(rays->inverse_z, apart.inverse_z);
+  STORE_LANES(far_sphere, apart.far);
+  STORE_LANES(max(far_triangle, far_sphere), apart.bound);
+  // 0 for what is not asked, else which signs: 1 to 8.
+  const intv one_bit = (intv)(1);
+  STORE_LANES(
+      asked & ((MASK(rays->inverse_x < 0.0f) & one_bit) + (MASK(rays->inverse_y < 0.0f) & (one_bit * 2)) +
+               (MASK(rays->inverse_z < 0.0f) & (one_bit * 4)) + one_bit),
+      one);
+  uint hidden = 0u;
+  for (uint left = (1u << VW) - 1u; left != 0u;) {
+    const int signs = one[lowest_bit(left)];
+    uint same = 0u;
+    for (uint lane = 0u; lane < VW; ++lane) same |= (uint)(one[lane] == signs) << lane;
+    left &= ~same;
+    if (signs != 0)
+      hidden |= bvh_hidden_one_way(rays, &apart, nodes, triangles, spheres, root, far_triangle, same);
+  }
+  for (uint lane = 0u; lane < VW; ++lane) one[lane] = -(int)((hidden >> lane) & 1u);
   return LOAD_LANES(one);
 }
 

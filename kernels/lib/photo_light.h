@@ -70,8 +70,8 @@ typedef struct PacketLight {
   floatv r, g, b;
 } PacketLight;
 
-static inline floatv channel_at(const Bilinear* at, const uintv* bytes, uint shift,
-                                global const float* linear) {
+__attribute__((always_inline)) static inline floatv channel_at(const Bilinear* at, const uintv* bytes,
+                                                               uint shift, global const float* linear) {
   return at->share[0] * entries_at(linear, (bytes[0] >> shift) & 255u) +
          at->share[1] * entries_at(linear, (bytes[1] >> shift) & 255u) +
          at->share[2] * entries_at(linear, (bytes[2] >> shift) & 255u) +
