@@ -109,11 +109,11 @@ static inline intv bvh_occluded_apart(const PacketRays* rays, global const BvhNo
   STORE_LANES(far_sphere, apart.far);
   STORE_LANES(max(far_triangle, far_sphere), apart.bound);
   // 0 for what is not asked, else which signs: 1 to 8.
-  const intv one_bit = (intv)(1);
-  STORE_LANES(
-      asked & ((MASK(rays->inverse_x < 0.0f) & one_bit) + (MASK(rays->inverse_y < 0.0f) & (one_bit * 2)) +
-               (MASK(rays->inverse_z < 0.0f) & (one_bit * 4)) + one_bit),
-      one);
+  STORE_LANES(asked, one);
+  for (uint lane = 0u; lane < VW; ++lane)
+    if (one[lane] != 0)
+      one[lane] = 1 + (apart.inverse_x[lane] < 0.0f) + 2 * (apart.inverse_y[lane] < 0.0f) +
+                  4 * (apart.inverse_z[lane] < 0.0f);
   uint hidden = 0u;
   for (uint left = (1u << VW) - 1u; left != 0u;) {
     const int signs = one[lowest_bit(left)];
