@@ -1,7 +1,12 @@
 #include "report/previews.hpp"
 
+#include <tbb/task_group.h>
+
 #include <array>
 #include <cmath>
+#include <deque>
+#include <exception>
+#include <map>
 
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
@@ -49,13 +54,46 @@ Image8 shrink(const Image8& picture, int largest_width) {
   return small;
 }
 
-std::string write_preview(const fs::path& out, const std::string& picture) {
+struct Previews::Work {
+  fs::path out;
+  std::map<std::string, std::string> preview_of;  // by picture
+  std::deque<std::exception_ptr> errors;          // of each in the order of asking; null: none
+  tbb::task_group tasks;
+};
+
+Previews::Previews(fs::path out) : work_(std::make_unique<Work>()) {
+  work_->out = std::move(out);
+}
+
+Previews::~Previews() {
+  work_->tasks.wait();
+}
+
+const fs::path& Previews::out() const {
+  return work_->out;
+}
+
+std::string Previews::of(const std::string& picture) {
   std::error_code ignored;
-  if (!fs::is_regular_file(out / picture, ignored)) return "";
-  const std::string preview = "pictures/" + fs::path(picture).replace_extension(".jpg").generic_string();
-  io::write_jpeg(out / "report" / preview, shrink(io::read_photograph(out / picture, 0, 0), kPreviewWidth),
-                 kQuality);
-  return preview;
+  if (!fs::is_regular_file(work_->out / picture, ignored)) return "";
+  const auto [at, is_new] = work_->preview_of.try_emplace(
+      picture, "pictures/" + fs::path(picture).replace_extension(".jpg").generic_string());
+  if (!is_new) return at->second;
+  std::exception_ptr& error = work_->errors.emplace_back();
+  work_->tasks.run([&error, from = work_->out / picture, to = work_->out / "report" / at->second] {
+    try {
+      io::write_jpeg(to, shrink(io::read_photograph(from, 0, 0), kPreviewWidth), kQuality);
+    } catch (...) {
+      error = std::current_exception();
+    }
+  });
+  return at->second;
+}
+
+void Previews::finish() {
+  work_->tasks.wait();
+  for (const std::exception_ptr& error : work_->errors)
+    if (error) std::rethrow_exception(error);
 }
 
 }  // namespace hybrid::report

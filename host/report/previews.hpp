@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "geometry/image.hpp"
@@ -10,9 +11,24 @@ namespace hybrid::report {
 // mean light of a block (sRGB in and out). As it is when it is no wider.
 Image8 shrink(const Image8& picture, int largest_width);
 
-// What the page shows of DIR/<picture>: DIR/report/pictures/<picture>.jpg, at most 1200 pixels wide, so that
-// a page with hundreds of pictures opens on a phone and report/ can be sent alone. Returns its path in
-// report/, or nothing when there is no such picture (its stage was not run, or failed).
-std::string write_preview(const std::filesystem::path& out, const std::string& picture);
+// What a page shows of the pictures of a folder DIR: DIR/report/pictures/<picture>.jpg, at most 1200 pixels
+// wide, so that a page with hundreds of pictures opens on a phone and report/ can be sent alone. They are
+// made side by side while the page is written.
+class Previews {
+ public:
+  explicit Previews(std::filesystem::path out);
+  ~Previews();  // waits for what has begun
+
+  const std::filesystem::path& out() const;
+  // Begins the preview of DIR/<picture>. Returns its path in report/, or nothing when there is no such
+  // picture (its stage was not run, or failed).
+  std::string of(const std::string& picture);
+  // Waits for all. Throws what the first of them that failed, in the order of asking, threw.
+  void finish();
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
 
 }  // namespace hybrid::report

@@ -8,7 +8,6 @@
 
 #include "io/output.hpp"
 #include "report/histogram.hpp"
-#include "report/previews.hpp"
 
 namespace hybrid::report {
 namespace fs = std::filesystem;
@@ -142,38 +141,40 @@ std::string scan_anchor(std::size_t index) {
   return fmt::format("scan-{}", index + 1);
 }
 
-std::string picture(const fs::path& out, const std::string& file, const std::string& caption) {
-  const std::string preview = write_preview(out, file);
+std::string picture(Previews& previews, const std::string& file, const std::string& caption) {
+  const std::string preview = previews.of(file);
   const std::string own = "report/";  // the page's folder
   const std::string full = file.rfind(own, 0) == 0 ? file.substr(own.size()) : "../" + file;
   return preview.empty() ? "" : figure(preview, full, caption);
 }
 
-std::string scan_section(const fs::path& out, const Json& scan, std::size_t index) {
+std::string scan_section(Previews& previews, const Json& scan, std::size_t index) {
+  const fs::path& out = previews.out();
   const std::string id = scan["id"].get<std::string>(), folder = "scans/" + id + "/";
+  // First, for they are made while the planes are read.
+  const std::string pictures =
+      picture(previews, folder + "classes.png",
+              "Superclusters (pastel), locally planar but too small (dark blue), non-planar (dark green), "
+              "undersampled (black)") +
+      picture(previews, folder + "residuals.png",
+              "Signed distances to the proxy: blue behind its faces, red in front, grey farther than 10 cm, "
+              "black no return") +
+      picture(previews, folder + "range.png", "Range image: near is bright") +
+      picture(previews, folder + "intersections.png",
+              "Lines in which planes meet: corners red, edges that stand out blue");
   const Json planes = read_document(out / folder / "planes.json");
   const Json pose = read_document(out / folder / "pose.json");
   std::string rows;
   figure_rows(scan, "", rows);
   return fmt::format("<h2 id=\"{}\">Scan {}</h2>\n", scan_anchor(index), escape(id)) + notes_section(scan) +
-         "<div class=\"row\">\n" +
-         picture(out, folder + "classes.png",
-                 "Superclusters (pastel), locally planar but too small (dark blue), non-planar (dark green), "
-                 "undersampled (black)") +
-         picture(
-             out, folder + "residuals.png",
-             "Signed distances to the proxy: blue behind its faces, red in front, grey farther than 10 cm, "
-             "black no return") +
-         picture(out, folder + "range.png", "Range image: near is bright") +
-         picture(out, folder + "intersections.png",
-                 "Lines in which planes meet: corners red, edges that stand out blue") +
-         residual_section(scan) + "</div>\n" + face_table(scan) +
+         "<div class=\"row\">\n" + pictures + residual_section(scan) + "</div>\n" + face_table(scan) +
          supercluster_table(out, folder, scan, planes, pose) +
          "<details><summary>all figures</summary><div class=\"scroll\"><table>\n" + rows +
          "</table></div></details>\n";
 }
 
-std::string abstained_section(const fs::path& out, const Json& scan) {
+std::string abstained_section(Previews& previews, const Json& scan) {
+  const fs::path& out = previews.out();
   const std::string id = scan["id"].get<std::string>(), folder = "scans/" + id + "/sheet/";
   const auto& registration = scan["registration"];
   std::string html = fmt::format("<h3>Scan {}</h3>\n<p>The automatic alignment abstains: {}.</p>\n",
@@ -188,9 +189,10 @@ std::string abstained_section(const fs::path& out, const Json& scan) {
     html += "</ul>\n";
   }
   html += "<div class=\"row wide\">\n" +
-          picture(out, folder + "scan.png",
+          picture(previews, folder + "scan.png",
                   "Landmark sheet: the scan, planes in colours, with rows and columns") +
-          picture(out, folder + "model.png", "The model from two sides with numbered vertices") + "</div>\n";
+          picture(previews, folder + "model.png", "The model from two sides with numbered vertices") +
+          "</div>\n";
   std::error_code ignored;
   const fs::path stanza = out / folder / "landmarks.toml";
   if (fs::is_regular_file(stanza, ignored))

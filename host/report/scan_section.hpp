@@ -3,6 +3,7 @@
 #include <string>
 
 #include "report/html.hpp"
+#include "report/previews.hpp"
 
 namespace hybrid::report {
 
@@ -13,12 +14,12 @@ Json read_document(const std::filesystem::path& file);
 std::string scan_anchor(std::size_t index);
 
 // One scan: pictures, residuals, superclusters, all figures.
-std::string scan_section(const std::filesystem::path& out, const Json& scan, std::size_t index);
+std::string scan_section(Previews& previews, const Json& scan, std::size_t index);
 
 // Why a scan has no pose, what it could be, and the sheet for picking landmarks.
-std::string abstained_section(const std::filesystem::path& out, const Json& scan);
+std::string abstained_section(Previews& previews, const Json& scan);
 
 // A picture of DIR, if it is there.
-std::string picture(const std::filesystem::path& out, const std::string& file, const std::string& caption);
+std::string picture(Previews& previews, const std::string& file, const std::string& caption);
 
 }  // namespace hybrid::report

@@ -65,10 +65,10 @@ std::string failure_section(const std::vector<PageFailure>& failures) {
   return html + "</ul>\n";
 }
 
-std::string abstained_sections(const ScenePage& page) {
+std::string abstained_sections(const ScenePage& page, Previews& previews) {
   std::string html;
   for (const auto& scan : page.summary["scans"])
-    if (has_status(scan, "abstained")) html += abstained_section(page.out, scan);
+    if (has_status(scan, "abstained")) html += abstained_section(previews, scan);
   return html.empty() ? "" : "<h2 id=\"abstained\">Scans without a pose</h2>\n" + html;
 }
 
@@ -180,26 +180,26 @@ std::string pair_table(const ScenePage& page) {
   return table.empty() ? "" : "<h3>Scan to scan, all poses refined together</h3>\n" + table.html();
 }
 
-std::string registration_section(const ScenePage& page) {
+std::string registration_section(const ScenePage& page, Previews& previews) {
   const std::string figures = registration_table(page);
   if (figures.empty()) return "";
   return "<h2 id=\"registration\">Registration</h2>\n" + figures + pair_table(page) + landmark_table(page) +
          "<div class=\"row\">\n" +
-         picture(page.out, "report/registration-before.png",
+         picture(previews, "report/registration-before.png",
                  "Before ICP: retained samples of every scan, each in its colour, on the proxy") +
-         picture(page.out, "report/registration-after.png", "After ICP") + "</div>\n";
+         picture(previews, "report/registration-after.png", "After ICP") + "</div>\n";
 }
 
-std::string pair_picture(const ScenePage& page, const Json& view) {
+std::string pair_picture(Previews& previews, const Json& view) {
   const auto& score = view["left_out"];
-  return picture(page.out, fmt::format("views/{}-pair.png", view["name"].get<std::string>()),
+  return picture(previews, fmt::format("views/{}-pair.png", view["name"].get<std::string>()),
                  fmt::format("{} (left), the same view from the other photographs (middle), four times their "
                              "difference (right): PSNR {:.2f} dB, SSIM {:.3f} on {:.1f} % of its pixels",
                              score["photograph"].get<std::string>(), score["psnr_db"].get<double>(),
                              score["ssim"].get<double>(), 100 * score["share_seen"].get<double>()));
 }
 
-std::string view_section(const ScenePage& page) {
+std::string view_section(const ScenePage& page, Previews& previews) {
   std::string single, pairs;
   std::map<std::string, std::size_t> frames;
   for (const auto& view : page.summary["views"])
@@ -217,15 +217,15 @@ std::string view_section(const ScenePage& page) {
     if (view.contains("red_share"))
       caption +=
           fmt::format("; red = seen by no photograph: {:.1f} %", 100 * view["red_share"].get<double>());
-    single += picture(page.out, fmt::format("views/{}.png", name), caption);
-    if (view.contains("left_out")) pairs += pair_picture(page, view);
+    single += picture(previews, fmt::format("views/{}.png", name), caption);
+    if (view.contains("left_out")) pairs += pair_picture(previews, view);
   }
   if (single.empty() && pairs.empty()) return "";
   return "<h2 id=\"views\">Views</h2>\n<div class=\"row\">\n" + single +
          "</div>\n<div class=\"row wide\">\n" + pairs + "</div>\n";
 }
 
-std::string leave_one_out_section(const ScenePage& page) {
+std::string leave_one_out_section(const ScenePage& page, Previews& previews) {
   if (!page.summary.contains("leave_one_out")) return "";
   Table table;
   table.text("photograph").number("PSNR", "dB", 2).number("SSIM", "", 3).number("seen", "%", 1);
@@ -238,7 +238,7 @@ std::string leave_one_out_section(const ScenePage& page) {
   std::string html = "<h2 id=\"leave-one-out\">Every photograph from the others</h2>\n" + table.html() +
                      "<div class=\"row wide\">\n";
   for (const auto& view : page.summary["views"])
-    if (is_leave_one_out(view) && view.contains("left_out")) html += pair_picture(page, view);
+    if (is_leave_one_out(view) && view.contains("left_out")) html += pair_picture(previews, view);
   return html + "</div>\n";
 }
 
@@ -301,15 +301,18 @@ void write_scene_page(const ScenePage& given) {
   const fs::path folder = page.out / "report";
   std::error_code ignored;
   fs::remove_all(folder / "pictures", ignored);
-  std::string body = facts(page) + failure_section(page.failures) + abstained_sections(page) +
-                     registration_section(page) + view_section(page) + leave_one_out_section(page);
+  Previews previews(page.out);
+  std::string body = facts(page) + failure_section(page.failures) + abstained_sections(page, previews) +
+                     registration_section(page, previews) + view_section(page, previews) +
+                     leave_one_out_section(page, previews);
   body += scan_table(page);
   const auto& scans = page.summary["scans"];
-  for (std::size_t i = 0; i < scans.size(); ++i) body += scan_section(page.out, scans[i], i);
+  for (std::size_t i = 0; i < scans.size(); ++i) body += scan_section(previews, scans[i], i);
   body +=
       "<h2>Times</h2>\n<div id=\"timing\"><p class=\"soft\">In timing.js, which is not beside this page."
       "</p></div>\n" +
       input_section(page);
+  previews.finish();
   io::write_text(folder / "index.html",
                  report::page(page.summary["scene"].get<std::string>(), body, "timing.js"));
 }

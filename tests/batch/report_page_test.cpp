@@ -123,6 +123,32 @@ TEST_F(ReportPage, superclusters_come_from_planes_json_and_their_slope_from_the_
   EXPECT_NE(write(page()).find("[{\"value\":7},2.25,1.25,99,4,90.0,-1.5,"), std::string::npos);
 }
 
+// Each is made once, however often it is asked for; of those that are no pictures the first asked for is
+// named.
+TEST_F(ReportPage, previews_are_made_side_by_side_and_the_first_error_is_told) {
+  Image8 picture(6, 4, 3);
+  std::fill(picture.pixels.begin(), picture.pixels.end(), std::uint8_t{90});
+  for (const char* name : {"a.png", "b.png"}) io::write_png(folder_ / name, picture);
+  {
+    Previews previews(folder_);
+    EXPECT_EQ(previews.of("a.png"), "pictures/a.jpg");
+    EXPECT_EQ(previews.of("none.png"), "");
+    EXPECT_EQ(previews.of("b.png"), "pictures/b.jpg");
+    EXPECT_EQ(previews.of("a.png"), "pictures/a.jpg");
+    previews.finish();
+  }
+  EXPECT_EQ(io::read_photograph(folder_ / "report/pictures/b.jpg", 6, 4).width, 6);
+  for (const char* name : {"y.png", "x.png"}) io::write_text(folder_ / name, "no picture");
+  Previews previews(folder_);
+  for (const char* name : {"a.png", "y.png", "x.png"}) previews.of(name);
+  try {
+    previews.finish();
+    FAIL() << "text was taken for pictures";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("y.png"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Previews, mean_light_of_blocks_the_last_ones_cut) {
   Image8 picture(5, 3, 1);
   for (int x = 0; x < 5; ++x)
