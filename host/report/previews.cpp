@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kPreviewWidth = 1200, kQuality = 88;
+constexpr std::size_t kMostBegun = 16;  // previews in memory
 
 // Linear light of a byte in steps of 2^-20: sums of whole numbers are the same in any order.
 std::array<std::uint32_t, 256> light_of_bytes() {
@@ -55,10 +56,25 @@ Image8 shrink(const Image8& picture, int largest_width) {
 }
 
 struct Previews::Work {
+  struct Preview {
+    fs::path from, to;
+    Image8 small;
+    std::exception_ptr error;
+  };
   fs::path out;
   std::map<std::string, std::string> preview_of;  // by picture
-  std::deque<std::exception_ptr> errors;          // of each in the order of asking; null: none
+  std::deque<Preview> begun;                      // not written yet, in the order of asking
   tbb::task_group tasks;
+
+  // One after the other, so that a full disk fails at the same file every time.
+  void write_begun() {
+    tasks.wait();
+    for (const Preview& one : begun) {
+      if (one.error) std::rethrow_exception(one.error);
+      io::write_jpeg(one.to, one.small, kQuality);
+    }
+    begun.clear();
+  }
 };
 
 Previews::Previews(fs::path out) : work_(std::make_unique<Work>()) {
@@ -79,21 +95,21 @@ std::string Previews::of(const std::string& picture) {
   const auto [at, is_new] = work_->preview_of.try_emplace(
       picture, "pictures/" + fs::path(picture).replace_extension(".jpg").generic_string());
   if (!is_new) return at->second;
-  std::exception_ptr& error = work_->errors.emplace_back();
-  work_->tasks.run([&error, from = work_->out / picture, to = work_->out / "report" / at->second] {
+  if (work_->begun.size() == kMostBegun) work_->write_begun();
+  Work::Preview& one =
+      work_->begun.emplace_back(work_->out / picture, work_->out / "report" / at->second, Image8(), nullptr);
+  work_->tasks.run([&one] {
     try {
-      io::write_jpeg(to, shrink(io::read_photograph(from, 0, 0), kPreviewWidth), kQuality);
+      one.small = shrink(io::read_photograph(one.from, 0, 0), kPreviewWidth);
     } catch (...) {
-      error = std::current_exception();
+      one.error = std::current_exception();
     }
   });
   return at->second;
 }
 
 void Previews::finish() {
-  work_->tasks.wait();
-  for (const std::exception_ptr& error : work_->errors)
-    if (error) std::rethrow_exception(error);
+  work_->write_begun();
 }
 
 }  // namespace hybrid::report

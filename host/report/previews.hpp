@@ -23,7 +23,8 @@ class Previews {
   // Begins the preview of DIR/<picture>. Returns its path in report/, or nothing when there is no such
   // picture (its stage was not run, or failed).
   std::string of(const std::string& picture);
-  // Waits for all. Throws what the first of them that failed, in the order of asking, threw.
+  // Waits for all and writes what is not written yet. Here and above the first that fails, in the order of
+  // asking, throws, and none after it is written.
   void finish();
 
  private:
