@@ -7,6 +7,9 @@
 #include <deque>
 #include <exception>
 #include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
 
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
@@ -17,7 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kPreviewWidth = 1200, kQuality = 88;
-constexpr std::size_t kMostBegun = 16;  // previews in memory
 
 // Linear light of a byte in steps of 2^-20: sums of whole numbers are the same in any order.
 std::array<std::uint32_t, 256> light_of_bytes() {
@@ -58,22 +60,32 @@ Image8 shrink(const Image8& picture, int largest_width) {
 struct Previews::Work {
   struct Preview {
     fs::path from, to;
-    Image8 small;
-    std::exception_ptr error;
   };
   fs::path out;
   std::map<std::string, std::string> preview_of;  // by picture
-  std::deque<Preview> begun;                      // not written yet, in the order of asking
-  tbb::task_group tasks;
+  tbb::task_group tasks;                          // make_waiting(), once at a time
+  std::mutex mutex;                               // of what follows
+  std::deque<Preview> waiting;
+  bool making = false;
+  std::exception_ptr error;
 
-  // One after the other, so that a full disk fails at the same file every time.
-  void write_begun() {
-    tasks.wait();
-    for (const Preview& one : begun) {
-      if (one.error) std::rethrow_exception(one.error);
-      io::write_jpeg(one.to, one.small, kQuality);
-    }
-    begun.clear();
+  std::optional<Preview> next() {
+    const std::lock_guard lock(mutex);
+    making = !waiting.empty() && !error;
+    if (!making) return std::nullopt;
+    Preview first = std::move(waiting.front());
+    waiting.pop_front();
+    return first;
+  }
+
+  void make_waiting() {
+    while (const auto preview = next()) try {
+        io::write_jpeg(preview->to, shrink(io::read_photograph(preview->from, 0, 0), kPreviewWidth),
+                       kQuality);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        error = std::current_exception();
+      }
   }
 };
 
@@ -95,21 +107,15 @@ std::string Previews::of(const std::string& picture) {
   const auto [at, is_new] = work_->preview_of.try_emplace(
       picture, "pictures/" + fs::path(picture).replace_extension(".jpg").generic_string());
   if (!is_new) return at->second;
-  if (work_->begun.size() == kMostBegun) work_->write_begun();
-  Work::Preview& one =
-      work_->begun.emplace_back(work_->out / picture, work_->out / "report" / at->second, Image8(), nullptr);
-  work_->tasks.run([&one] {
-    try {
-      one.small = shrink(io::read_photograph(one.from, 0, 0), kPreviewWidth);
-    } catch (...) {
-      one.error = std::current_exception();
-    }
-  });
+  const std::lock_guard lock(work_->mutex);
+  work_->waiting.push_back({work_->out / picture, work_->out / "report" / at->second});
+  if (!std::exchange(work_->making, true)) work_->tasks.run([work = work_.get()] { work->make_waiting(); });
   return at->second;
 }
 
 void Previews::finish() {
-  work_->write_begun();
+  work_->tasks.wait();
+  if (work_->error) std::rethrow_exception(work_->error);
 }
 
 }  // namespace hybrid::report

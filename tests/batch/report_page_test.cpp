@@ -125,7 +125,7 @@ TEST_F(ReportPage, superclusters_come_from_planes_json_and_their_slope_from_the_
 
 // Each is made once, however often it is asked for; of those that are no pictures the first asked for is
 // named.
-TEST_F(ReportPage, previews_are_made_side_by_side_and_the_first_error_is_told) {
+TEST_F(ReportPage, previews_are_made_once_in_their_order_and_the_first_error_is_told) {
   Image8 picture(6, 4, 3);
   std::fill(picture.pixels.begin(), picture.pixels.end(), std::uint8_t{90});
   for (const char* name : {"a.png", "b.png"}) io::write_png(folder_ / name, picture);
