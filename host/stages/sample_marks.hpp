@@ -31,12 +31,14 @@ class SampleMarks {
   struct Slot {
     std::uint32_t sample = 0, value = 0, epoch = 0;
   };
+  // From row to row, and one further each: a step without a factor of 2 comes by every slot, of which half
+  // are free, whatever column the samples are of.
   Slot& find(std::uint32_t sample) {
-    constexpr std::size_t kRow = 16;
+    constexpr std::size_t kRow = 16, kStep = kRow + 1;
     const std::size_t mask = slots_.size() - 1;
     const std::size_t row = (sample / kRow * 0x9e3779b97f4a7c15ull) >> 32;
     std::size_t at = (row * kRow + sample % kRow) & mask;
-    while (slots_[at].epoch == epoch_ && slots_[at].sample != sample) at = (at + kRow) & mask;
+    while (slots_[at].epoch == epoch_ && slots_[at].sample != sample) at = (at + kStep) & mask;
     return slots_[at];
   }
   void grow() {
