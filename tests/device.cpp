@@ -3,8 +3,10 @@
 namespace hybrid::testing {
 
 device::Queue& queue() {
+  const char* chosen = std::getenv("HYBRID_TEST_DEVICE");
   static auto& instance =
-      *new device::Queue;  // never destroyed: oclgrind crashes when released at the process's end
+      // Never destroyed: oclgrind crashes when released at the process's end.
+      *new device::Queue(chosen ? chosen : "");
   return instance;
 }
 

@@ -7,7 +7,7 @@
 
 namespace hybrid::testing {
 
-// The queue all tests of one process share: kernels build once.
+// The queue all tests of one process share: kernels build once. Its device: as HYBRID_TEST_DEVICE says.
 device::Queue& queue();
 
 // Where every memory access is checked (tests/oclgrind.sh).
@@ -20,6 +20,11 @@ inline bool small_sizes() {
 inline const std::vector<std::size_t> kSizes =
     small_sizes() ? std::vector<std::size_t>{0, 1, 127, 129}
                   : std::vector<std::size_t>{0, 1, 127, 128, 129, 1009, 100003};
+
+// Lanes that kernels on explicit vectors are tried at: those that some CPU has; one elsewhere.
+inline std::vector<int> vector_widths() {
+  return queue().device().is_cpu ? std::vector<int>{1, 4, 8, 16} : std::vector<int>{1};
+}
 
 // Bit-for-bit equality, so that NaN equals NaN and -0 differs from 0.
 template <typename T>

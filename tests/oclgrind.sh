@@ -7,9 +7,9 @@ here=$(dirname "$0")
 suites=$(grep -rhoP '^TEST(_P)?\(\K\w+' "$here/kernels" | sort -u | sed 's/$/.*/' | paste -sd:)
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-# NO_REDUCTIONS: its interpreter knows no vector reductions.
+# PORTABLE, as on a GPU: its interpreter knows no vector reductions.
 # -O1: at its default level its compiler leaves hints in inlined functions that its interpreter does not know.
-HYBRID_SMALL_SIZES=1 oclgrind --build-options "-O1 -DNO_REDUCTIONS" --data-races --max-errors 20 --log "$log" "$tests" --gtest_filter="$suites"
+HYBRID_SMALL_SIZES=1 oclgrind --build-options "-O1 -DPORTABLE" --data-races --max-errors 20 --log "$log" "$tests" --gtest_filter="$suites"
 if [ -s "$log" ]; then
   echo "oclgrind found:" >&2
   cat "$log" >&2

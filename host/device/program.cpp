@@ -44,6 +44,7 @@ cl_kernel build_kernel(cl_context context, const DeviceInfo& device, const std::
                        const Defines& defines) {
   const Source source = kernel_source(name);
   std::string options = "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt" + source.include_option;
+  if (!device.is_cpu) options += " -DPORTABLE";
   for (const auto& [define, value] : defines) options += fmt::format(" -D{}={}", define, value);
 
   const char* text = source.text.c_str();

@@ -10,8 +10,8 @@
 #define VW 1
 #endif
 
-// NO_REDUCTIONS: for interpreters that lack them (tests/oclgrind.sh).
-#if defined(__has_builtin) && !defined(NO_REDUCTIONS)
+// PORTABLE: nothing but OpenCL C, for devices that are no CPU and for interpreters (tests/oclgrind.sh).
+#if defined(__has_builtin) && !defined(PORTABLE)
 #if __has_builtin(__builtin_reduce_or) && __has_builtin(__builtin_reduce_and)
 #define REDUCE_BITS(value) __builtin_reduce_or(value)
 #endif
@@ -19,7 +19,7 @@
 
 // Asks for the cache line of what is read soon.
 #define FETCH(at)
-#if defined(__has_builtin) && !defined(NO_REDUCTIONS)
+#if defined(__has_builtin) && !defined(PORTABLE)
 #if __has_builtin(__builtin_prefetch)
 #undef FETCH
 #define FETCH(at) __builtin_prefetch(at)
@@ -88,7 +88,7 @@ DEFINE_STORE(store_indices, uintv, uint)
 
 // One bit per lane of a mask of 8 or 16, the first lane's the lowest.
 static inline uint bits_of_8(int8 mask) {
-#if defined(__AVX512DQ__) && defined(__AVX512VL__) && !defined(NO_REDUCTIONS)
+#if defined(__AVX512DQ__) && defined(__AVX512VL__) && !defined(PORTABLE)
   return (uchar)__builtin_ia32_cvtd2mask256(mask);
 #else
   const int8 bits = mask & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
@@ -102,7 +102,7 @@ static inline uint bits_of_8(int8 mask) {
 #endif
 }
 static inline uint bits_of(int16 mask) {
-#if defined(__AVX512DQ__) && !defined(NO_REDUCTIONS)
+#if defined(__AVX512DQ__) && !defined(PORTABLE)
   return (ushort)__builtin_ia32_cvtd2mask512(mask);
 #else
   return bits_of_8(mask.lo) | bits_of_8(mask.hi) << 8;
@@ -116,7 +116,7 @@ static inline uint lowest_bit(uint bits) {
 
 // values[at] for every lane.
 static inline floatv lanes_at(global const float* values, uintv at) {
-#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+#if VW == 16 && defined(__AVX512F__) && !defined(PORTABLE)
   return __builtin_ia32_gathersiv16sf((float16)(0.0f), values, as_int16(at), (ushort)0xffff, 4);
 #else
   uint index[VW];
@@ -134,7 +134,7 @@ static inline uintv words_at(global const uint* values, uintv at) {
 #endif
 }
 
-#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+#if VW == 16 && defined(__AVX512F__) && !defined(PORTABLE)
 // entries[at % 32], and on to 128 by halves.
 static inline float16 entries_of_32(global const float* entries, int16 at) {
   return __builtin_ia32_vpermi2varps512(vload16(0, entries), at, vload16(1, entries));
@@ -150,7 +150,7 @@ static inline float16 entries_of_128(global const float* entries, int16 at) {
 // entries[at] for every lane, of 256 entries. A table this small fits in registers, where 8 permutations
 // and 7 choices take two thirds of the time of a gather.
 __attribute__((always_inline)) static inline floatv entries_at(global const float* entries, uintv at) {
-#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+#if VW == 16 && defined(__AVX512F__) && !defined(PORTABLE)
   const int16 index = as_int16(at);
   return (index & 128) != 0 ? entries_of_128(entries + 128, index) : entries_of_128(entries, index);
 #else
@@ -164,7 +164,7 @@ typedef struct LanePairs {
 } LanePairs;
 static inline LanePairs pairs_at(global const uint* words, uintv at) {
   LanePairs out;
-#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+#if VW == 16 && defined(__AVX512F__) && !defined(PORTABLE)
   const int16 index = as_int16(at);
   const uint16 low = as_uint16(__builtin_ia32_gathersiv8di((long8)(0), words, index.lo, (uchar)0xff, 4));
   const uint16 high = as_uint16(__builtin_ia32_gathersiv8di((long8)(0), words, index.hi, (uchar)0xff, 4));
@@ -183,7 +183,7 @@ typedef struct LaneRecords {
 } LaneRecords;
 static inline LaneRecords records_at(global const float* records, uintv at) {
   LaneRecords out;
-#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+#if VW == 16 && defined(__AVX512F__) && !defined(PORTABLE)
   out.x = lanes_at(records, 4u * at);
   out.y = lanes_at(records, 4u * at + 1u);
   out.z = lanes_at(records, 4u * at + 2u);
@@ -204,7 +204,7 @@ static inline LaneRecords records_at(global const float* records, uintv at) {
 // The floats of halves, the lower 16 bits of each lane. PoCL's vload_half converts them by integer
 // arithmetic.
 static inline floatv halves_of(uintv bits) {
-#if VW == 16 && defined(__AVX512F__) && !defined(NO_REDUCTIONS)
+#if VW == 16 && defined(__AVX512F__) && !defined(PORTABLE)
   typedef short halves __attribute__((ext_vector_type(16)));
   return __builtin_ia32_vcvtph2ps512_mask(__builtin_convertvector(bits, halves), (float16)(0.0f),
                                           (ushort)0xffff, 4);

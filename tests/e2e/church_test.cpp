@@ -1,8 +1,5 @@
 // The synthetic church: its truth is true. One scene with faulty proxy and cameras, made once on one thread
 // and once on two.
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfInputFile.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "exr_ids.hpp"
 #include "io/obj.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
@@ -66,20 +64,6 @@ class Church : public ::testing::Test {
   static inline Scratch* scratch_ = nullptr;
   static inline nlohmann::json truth_;
 };
-
-// The `id` channel of a view.
-std::vector<std::uint32_t> ids_of(const fs::path& exr) {
-  Imf::InputFile file(exr.c_str());
-  const auto window = file.header().dataWindow();
-  const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
-  std::vector<std::uint32_t> ids(width * static_cast<std::size_t>(window.max.y - window.min.y + 1));
-  Imf::FrameBuffer buffer;
-  buffer.insert("id", Imf::Slice::Make(Imf::UINT, ids.data(), window, sizeof(std::uint32_t),
-                                       width * sizeof(std::uint32_t)));
-  file.setFrameBuffer(buffer);
-  file.readPixels(window.min.y, window.max.y);
-  return ids;
-}
 
 }  // namespace
 

@@ -34,7 +34,7 @@ TEST(BlendPhotos, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_w
   EXPECT_TRUE(same_bits(a.sums, b.sums));
   EXPECT_EQ(a.seen, b.seen);
   EXPECT_EQ(a.best, b.best);
-  for (int width : {1, 4, 8, 16}) {
+  for (int width : vector_widths()) {
     input.vector_width = width;
     const auto other = BlendPhotosCase::run(queue(), input);
     EXPECT_TRUE(same_bits(a.sums, other.sums)) << width;

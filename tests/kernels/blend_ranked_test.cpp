@@ -58,7 +58,7 @@ TEST(BlendRanked, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_w
   const auto [a, b] = at_two_work_group_sizes([&] { return BlendRankedCase::run(queue(), input); });
   EXPECT_TRUE(same_bits(a.sums, b.sums));
   EXPECT_EQ(a.best, b.best);
-  for (int width : {1, 4, 8, 16}) {
+  for (int width : vector_widths()) {
     input.rank.blend.vector_width = width;
     const auto other = BlendRankedCase::run(queue(), input);
     EXPECT_TRUE(same_bits(a.sums, other.sums)) << width;

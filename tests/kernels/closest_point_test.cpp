@@ -74,7 +74,7 @@ TEST(ClosestPoint, gives_the_same_bits_at_two_work_group_sizes_and_every_number_
   auto input = ClosestPointCase::make(small_sizes() ? 509 : 10007, 3);
   const auto [a, b] = at_two_work_group_sizes([&] { return ClosestPointCase::run(queue(), input); });
   EXPECT_TRUE(same(a, b));
-  for (int lanes : {1, 4, 8, 16}) {
+  for (int lanes : vector_widths()) {
     input.lanes = lanes;
     EXPECT_TRUE(same(a, ClosestPointCase::run(queue(), input))) << lanes;
   }

@@ -131,7 +131,7 @@ TEST(ClosestPointTree, gives_the_same_bits_at_two_work_group_sizes_and_every_num
   const auto tree = tree_of(input);
   const auto [a, b] = at_two_work_group_sizes([&] { return Case::run(queue(), input, tree); });
   EXPECT_TRUE(same(a, b));
-  for (int lanes : {1, 4, 8, 16}) {
+  for (int lanes : vector_widths()) {
     input.lanes = lanes;
     EXPECT_TRUE(same(a, Case::run(queue(), input, tree))) << lanes;
   }

@@ -33,7 +33,7 @@ TEST(RankPhotos, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_wi
   EXPECT_TRUE(same_bits(a.penalty, b.penalty));
   EXPECT_EQ(a.photo, b.photo);
   EXPECT_EQ(a.seen, b.seen);
-  for (int width : {1, 4, 8, 16}) {
+  for (int width : vector_widths()) {
     input.blend.vector_width = width;
     const auto other = RankPhotosCase::run(queue(), input);
     EXPECT_TRUE(same_bits(a.penalty, other.penalty)) << width;

@@ -32,7 +32,7 @@ TEST(RayCast, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_width
   EXPECT_TRUE(same_bits(a.distance, b.distance));
   EXPECT_TRUE(same_bits(a.surface, b.surface));
   EXPECT_EQ(a.id, b.id);
-  for (int width : {1, 4, 8, 16}) {
+  for (int width : vector_widths()) {
     auto input = RayCastCase::make(1009, 5);
     input.vector_width = width;
     const auto other = RayCastCase::run(queue(), input);
