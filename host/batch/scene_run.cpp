@@ -93,7 +93,7 @@ class Run {
   void expect_steps() {
     const int steps_per_scan = 6 + (needs_poses() ? 3 : 0) + wants("planes") + colours_scans();
     progress_.expect(1 + static_cast<int>(run_.scene.scans.size()) * steps_per_scan +
-                     (wants("render") ? view_count() : 0) + wants("report"));
+                     (needs_poses() ? 3 : 0) + (wants("render") ? 1 + view_count() : 0) + wants("report"));
   }
 
   // Photographs left out in turn are counted when they are known.
@@ -183,22 +183,26 @@ class Run {
           auto& list = found.abstained ? run_.abstentions : run_.registrations;
           list[i] = std::move(found);
         });
+    const std::string all = "scene " + run_.scene.name;
     unit("joint registration", [&] {
+      progress_.step("joint registration", all);
       neighbours.carry(run_.registrations, run_.abstentions);
       neighbours.refine(run_.registrations);
       joint_ = neighbours.figures();
     });
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
+    progress_.step("edit", all);
     if (run_.model)
       unit("edit", [&] {
         editing_.openings(options_.edit, options_.displacement, run_.products, run_.registrations,
                           *run_.model);
       });
+    if (run_.model && wants("edit"))
+      unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
+    progress_.step("drawn samples", all);
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
     if (!run_.model) return;
-    if (wants("edit"))
-      unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
     if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
     const auto contours = world_contours(run_.products, run_.registrations);
@@ -299,6 +303,7 @@ class Run {
   }
 
   void render_all() {
+    progress_.step("render", "scene " + run_.scene.name);
     const auto requested = views();
     if (requested.empty() && run_.photographs.cameras.empty()) return;
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs,

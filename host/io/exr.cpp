@@ -4,13 +4,12 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfStringAttribute.h>
-#include <ImfTiledOutputFile.h>
 
 #include <set>
 
 #include "core/error.hpp"
 #include "io/exr_stream.hpp"
-#include "io/exr_threads.hpp"
+#include "io/exr_tile_writer.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::io {
@@ -43,14 +42,14 @@ void write_exr(const std::filesystem::path& file, int width, int height,
   check(file, width, height, channels);
   Imf::Header header(width, height);
   for (const auto& [name, text] : attributes) header.insert("hybrid:" + name, Imf::StringAttribute(text));
-  header.compression() = Imf::ZIP_COMPRESSION;
-  header.zipCompressionLevel() = 1;
   header.setTileDescription(Imf::TileDescription(kTile_px, kTile_px));
   Imf::FrameBuffer buffer;
+  ExrPart all{"", Imf::ZIP_COMPRESSION, {}};
   for (const ExrChannel& channel : channels) {
     const Imf::PixelType type = channel.f ? Imf::FLOAT : Imf::UINT;
     const void* values = channel.f ? static_cast<const void*>(channel.f) : channel.u;
     const std::size_t step = 4 * static_cast<std::size_t>(channel.stride);
+    all.channels.push_back(channel.name);
     header.channels().insert(channel.name, Imf::Channel(type));
     // OpenEXR's slices are not const; writing only reads them.
     buffer.insert(channel.name, Imf::Slice(type, static_cast<char*>(const_cast<void*>(values)), step,
@@ -58,9 +57,9 @@ void write_exr(const std::filesystem::path& file, int width, int height,
   }
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     write_exr_stream(temporary, [&](ExrStream& stream) {
-      Imf::TiledOutputFile out(stream, header, start_exr_threads());
-      out.setFrameBuffer(buffer);
-      out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
+      ExrTileWriter out(stream, header, {all});
+      out.write(buffer, 0, height);
+      out.finish();
     });
   });
 }

@@ -8,6 +8,7 @@
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <memory>
@@ -23,9 +24,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "OpenEXR files are little-endian");
 
-constexpr int kLevel = 1;                                // libdeflate's: what is left is mostly noise
-constexpr std::size_t kLongestName = 31;                 // of what is no file of long names
-constexpr std::size_t kChunkHead = 6 * sizeof(int32_t);  // part, tile, level, size
+constexpr int kLevel = 1;                 // libdeflate's: what is left is mostly noise
+constexpr std::size_t kLongestName = 31;  // of what is no file of long names
 
 constexpr int kPerThread = 4;  // tiles in memory
 
@@ -54,8 +54,8 @@ std::vector<Imf::Header> headers_of(const Imf::Header& header, const std::vector
     Imf::Header own(header.displayWindow(), header.dataWindow());
     if (headers.empty()) own = header;
     own.setTileDescription(header.tileDescription());
-    own.setName(part.name);
     own.setType(Imf::TILEDIMAGE);
+    if (!part.name.empty()) own.setName(part.name);
     own.compression() = part.compression;
     own.channels() = channels;
     headers.push_back(own);
@@ -65,11 +65,6 @@ std::vector<Imf::Header> headers_of(const Imf::Header& header, const std::vector
 
 void write_number(ExrStream& stream, std::uint32_t value) {
   stream.write(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-void append(Bytes& bytes, int value) {
-  const auto* from = reinterpret_cast<const char*>(&value);
-  bytes.insert(bytes.end(), from, from + sizeof value);
 }
 
 // As OpenEXR has it before deflating: the even bytes before the odd ones, then each as the difference to the
@@ -85,17 +80,17 @@ Bytes predicted(std::span<const char> pixels) {
   return result;
 }
 
-// What follows the head, deflated where that is shorter.
-void deflate(Bytes& chunk) {
+// What follows the head of so many bytes, deflated where that is shorter.
+void deflate(Bytes& chunk, std::size_t head) {
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
       libdeflate_alloc_compressor(kLevel), &libdeflate_free_compressor);
   if (!compressor) throw std::bad_alloc();
-  const Bytes pixels = predicted(std::span(chunk).subspan(kChunkHead));
+  const Bytes pixels = predicted(std::span(chunk).subspan(head));
   Bytes shorter(pixels.size() - 1);
   const std::size_t size = libdeflate_zlib_compress(compressor.get(), pixels.data(), pixels.size(),
                                                     shorter.data(), shorter.size());
   if (size == 0) return;
-  chunk.resize(kChunkHead);
+  chunk.resize(head);
   chunk.insert(chunk.end(), shorter.begin(), shorter.begin() + static_cast<std::ptrdiff_t>(size));
 }
 
@@ -107,17 +102,19 @@ ExrTileWriter::ExrTileWriter(ExrStream& stream, const Imf::Header& header, const
   const auto tiles = [&](int size) { return (size + side_ - 1) / side_; };
   across_ = tiles(window.max.x - window.min.x + 1);
   const int count = across_ * tiles(window.max.y - window.min.y + 1);
-  std::uint32_t version = Imf::EXR_VERSION | Imf::MULTI_PART_FILE_FLAG;
-  for (Imf::Header& own : headers_of(header, parts)) {
-    own.setChunkCount(count);
-    own.sanityCheck(true, true);
+  std::vector<Imf::Header> headers = headers_of(header, parts);
+  const bool many = headers.size() > 1;
+  std::uint32_t version = Imf::EXR_VERSION | (many ? Imf::MULTI_PART_FILE_FLAG : Imf::TILED_FLAG);
+  for (Imf::Header& own : headers) {
+    if (many) own.setChunkCount(count);
+    own.sanityCheck(true, many);
     if (has_long_names(own)) version |= Imf::LONG_NAMES_FLAG;
     parts_.push_back({std::move(own), std::vector<std::uint64_t>(static_cast<std::size_t>(count), 0)});
   }
   write_number(stream_, Imf::MAGIC);
   write_number(stream_, version);
   for (const Part& part : parts_) part.header.writeTo(stream_, true);
-  stream_.write("", 1);  // no more headers
+  if (many) stream_.write("", 1);  // no more headers
   table_at_ = stream_.tellp();
   write_table();
 }
@@ -139,8 +136,11 @@ Bytes ExrTileWriter::encode(const Imf::FrameBuffer& buffer, const Tile& tile) co
   const int left = window.min.x + tile.x * side_, top = window.min.y + tile.y * side_,
             right = std::min(left + side_ - 1, window.max.x),
             bottom = std::min(top + side_ - 1, window.max.y);
-  Bytes chunk;
-  for (const int value : {static_cast<int>(tile.part), tile.x, tile.y, 0, 0, 0}) append(chunk, value);
+  // Part, tile, level, size, of which the first only where there are several.
+  const std::array<std::int32_t, 6> numbers = {static_cast<int>(tile.part), tile.x, tile.y, 0, 0, 0};
+  const std::size_t without = of_parts() ? 0 : 1, head = (numbers.size() - without) * sizeof numbers[0];
+  Bytes chunk(head);
+  std::memcpy(chunk.data(), &numbers[without], head);
   const auto cols = static_cast<std::size_t>(right - left + 1);
   for (int y = top; y <= bottom; ++y)
     for (auto at = header.channels().begin(); at != header.channels().end(); ++at) {
@@ -159,9 +159,9 @@ Bytes ExrTileWriter::encode(const Imf::FrameBuffer& buffer, const Tile& tile) co
         for (std::size_t x = 0; x < cols; ++x)
           std::memcpy(&chunk[begin + x * bytes], from + x * slice->xStride, bytes);
     }
-  if (header.compression() == Imf::ZIP_COMPRESSION) deflate(chunk);
-  const auto size = static_cast<std::int32_t>(chunk.size() - kChunkHead);
-  std::memcpy(&chunk[kChunkHead - sizeof size], &size, sizeof size);
+  if (header.compression() == Imf::ZIP_COMPRESSION) deflate(chunk, head);
+  const auto size = static_cast<std::int32_t>(chunk.size() - head);
+  std::memcpy(&chunk[head - sizeof size], &size, sizeof size);
   return chunk;
 }
 

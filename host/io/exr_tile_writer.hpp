@@ -17,9 +17,10 @@ struct ExrPart {
   std::vector<std::string> channels;
 };
 
-// Writes a flat image as the tiled parts of an OpenEXR file (OpenEXR File Layout, 2013: multi-part files),
-// each with its own compression, in bands of whole tiles from the top. A part none of whose channels is in
-// the header is left out; the attributes go into the first. Tiles are put together and deflated on the host's
+// Writes a flat image as the tiled parts of an OpenEXR file (OpenEXR File Layout, 2013), each with its own
+// compression, in bands of whole tiles from the top. One part alone makes a file that is none of parts, which
+// every reader reads. A part none of whose channels is in the header is left out; the attributes go into the
+// first. Tiles are put together and deflated on the host's
 // threads, with libdeflate, and stand in the file in their order: the same bytes for any number of threads.
 class ExrTileWriter {
  public:
@@ -42,6 +43,7 @@ class ExrTileWriter {
     int x = 0, y = 0;  // in tiles
   };
 
+  bool of_parts() const { return parts_.size() > 1; }
   void write_table();
   std::vector<char> encode(const Imf::FrameBuffer& buffer, const Tile& tile) const;
 

@@ -2,6 +2,8 @@
 
 #include <ImfChannelList.h>
 #include <ImfStringAttribute.h>
+#include <ImfTiledInputFile.h>
+#include <ImfVersion.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -89,6 +91,32 @@ TEST(ExrTileWriter, OpenExrReadsWhatItWrites) {
   EXPECT_EQ(file.header().dataWindow(), picture.window);
   for (int row = 0; row < Picture::kHeight; row += file.band_rows())
     file.read(read.slices(), row, std::min(file.band_rows(), Picture::kHeight - row));
+  EXPECT_EQ(read.range, picture.range);
+  EXPECT_EQ(read.noise, picture.noise);
+  EXPECT_EQ(read.same, picture.same);
+  EXPECT_EQ(read.colour, picture.colour);
+}
+
+// A part alone is the image of a file without parts.
+TEST(ExrTileWriter, OpenExrReadsOnePartAsAnImage) {
+  const ScanFolder folder;
+  Picture picture;
+  const std::vector<io::ExrPart> parts = {{"", Imf::ZIP_COMPRESSION, {"range", "noise", "same", "G"}}};
+  io::write_exr_stream(folder.path("a.exr"), [&](io::ExrStream& stream) {
+    io::ExrTileWriter out(stream, picture.header(), parts);
+    out.write(picture.slices(), 0, Picture::kHeight);
+    out.finish();
+  });
+  Picture read;
+  std::ranges::fill(read.range, 0.0f);
+  std::ranges::fill(read.noise, 0u);
+  std::ranges::fill(read.same, 0u);
+  for (std::size_t i = 1; i < read.colour.size(); i += 3) read.colour[i] = 0.0f;
+  Imf::TiledInputFile file(folder.path("a.exr").c_str());  // refuses files of several parts
+  EXPECT_TRUE(file.isComplete());
+  EXPECT_FALSE(Imf::isMultiPart(file.version()));
+  file.setFrameBuffer(read.slices());
+  file.readTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
   EXPECT_EQ(read.range, picture.range);
   EXPECT_EQ(read.noise, picture.noise);
   EXPECT_EQ(read.same, picture.same);
