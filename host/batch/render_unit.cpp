@@ -5,6 +5,8 @@
 
 #include "batch/drawn_samples.hpp"
 #include "core/log.hpp"
+#include "core/parallel_blocks.hpp"
+#include "core/parallel_tasks.hpp"
 #include "geometry/colour.hpp"
 #include "io/exr.hpp"
 #include "io/picture.hpp"
@@ -46,17 +48,17 @@ Image8 difference(const Image8& photograph, const ImageF& view, const std::array
                   const std::vector<std::uint8_t>& mask) {
   constexpr int kDifferenceGain = 4;
   Image8 out(view.width, view.height, 3);
-  for (int y = 0; y < out.height; ++y)
+  parallel_for(static_cast<std::size_t>(out.height), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
     for (int x = 0; x < out.width; ++x) {
-      if (!mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) +
-                static_cast<std::size_t>(x)])
-        continue;
+      if (!mask[row * static_cast<std::size_t>(out.width) + static_cast<std::size_t>(x)]) continue;
       for (int k = 0; k < 3; ++k) {
         const int ours = srgb_byte_from_linear(gain[static_cast<std::size_t>(k)] * view.at(x, y)[k]);
         out.at(x, y)[k] = static_cast<std::uint8_t>(
             std::min(255, kDifferenceGain * std::abs(ours - photograph.at(x, y)[k])));
       }
     }
+  });
   return out;
 }
 
@@ -93,13 +95,13 @@ std::vector<std::string> leave_one_out_names(const PhotographSet& photographs) {
 }
 
 // The EXR says what its light was multiplied with, so that views can be brought to one exposure.
-void write_view(const std::filesystem::path& stem, const stages::RenderedView& view) {
+void write_view_exr(const std::filesystem::path& file, const stages::RenderedView& view) {
   std::vector<std::uint32_t> best(view.best.size());  // -1 (no photograph) is stored as 2^32 - 1
   std::transform(view.best.begin(), view.best.end(), best.begin(),
                  [](std::int32_t index) { return static_cast<std::uint32_t>(index); });
   const float* rgb = view.colour.pixels.data();
   const float* normal = view.normal.pixels.data();
-  io::write_exr(stem.string() + ".exr", view.colour.width, view.colour.height,
+  io::write_exr(file, view.colour.width, view.colour.height,
                 {{"R", rgb, nullptr, 3},
                  {"G", rgb + 1, nullptr, 3},
                  {"B", rgb + 2, nullptr, 3},
@@ -111,7 +113,6 @@ void write_view(const std::filesystem::path& stem, const stages::RenderedView& v
                  {"coverage", nullptr, view.coverage.data(), 1},
                  {"best", nullptr, best.data(), 1}},
                 {{"exposure", Json(view.exposure).dump()}});
-  io::write_png(stem.string() + ".png", to_picture(view.colour));
 }
 
 std::vector<stages::Curtain> curtains_of(const std::vector<ScanProduct>& products,
@@ -265,7 +266,8 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
                  const std::filesystem::path& out) {
   const auto request = view_request(view, photographs);
   const auto rendered = renderer.render(request);
-  write_view(out / "views" / view.name, rendered);
+  const std::string stem = (out / "views" / view.name).string();
+  std::vector<std::function<void()>> writers = {[&] { write_view_exr(stem + ".exr", rendered); }};
 
   const auto hit =
       std::count_if(rendered.id.begin(), rendered.id.end(), [](std::uint32_t id) { return id != 0; });
@@ -283,18 +285,20 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
       std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
   if (view.texture && !view.photograph.empty() && left_out) {
     const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
-    const auto image = photographs.pixels->get(index);
-    const Image8& photograph = *image;
-    const auto mask = compared_mask(rendered, photograph);
-    const auto quality = stages::compare_images(rendered.colour, photograph, mask);
+    const auto photograph = photographs.pixels->get(index);
+    const auto mask = compared_mask(rendered, *photograph);
+    const auto quality = stages::compare_images(rendered.colour, *photograph, mask);
     figures["left_out"] = {{"photograph", view.photograph},
                            {"psnr_db", quality.psnr_db},
                            {"ssim", quality.ssim},
                            {"share_seen", quality.share_seen}};
-    io::write_png((out / "views" / view.name).string() + "-pair.png",
-                  side_by_side({photograph, to_picture(rendered.colour),
-                                difference(photograph, rendered.colour, quality.gain, mask)}));
+    writers.push_back([&rendered, photograph, mask, gain = quality.gain, stem] {
+      io::write_png(stem + "-pair.png", side_by_side({*photograph, to_picture(rendered.colour),
+                                                      difference(*photograph, rendered.colour, gain, mask)}));
+    });
   }
+  writers.push_back([&] { io::write_png(stem + ".png", to_picture(rendered.colour)); });
+  run_tasks(writers);
   return figures;
 }
 
@@ -307,8 +311,9 @@ Json equalisation_figures(const stages::Renderer& renderer, const PhotographSet&
 
 Image8 to_picture(const ImageF& linear) {
   Image8 picture(linear.width, linear.height, linear.channels);
-  std::transform(linear.pixels.begin(), linear.pixels.end(), picture.pixels.begin(),
-                 [](float value) { return srgb_byte_from_linear(value); });
+  for_blocks(linear.pixels.size(), 1 << 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) picture.pixels[i] = srgb_byte_from_linear(linear.pixels[i]);
+  });
   return picture;
 }
 

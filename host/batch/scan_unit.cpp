@@ -1,14 +1,13 @@
 #include "batch/scan_unit.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <functional>
 
 #include "batch/orthophotos.hpp"
 #include "batch/planes_json.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
+#include "core/parallel_tasks.hpp"
 #include "geometry/colour.hpp"
 #include "io/exr.hpp"
 #include "io/output.hpp"
@@ -163,8 +162,8 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
   const auto& image = product.image;
   if (product.recorded_pose)  // unless a better one is given
     attributes.try_emplace("world_from_scan", nlohmann::json(row_major(*product.recorded_pose)).dump());
-  // Encoding takes longer than the disk: first those that run on one thread, then those that share all.
-  const std::function<void()> writers[] = {
+  // Encoding takes longer than the disk.
+  run_tasks({
       [&] {
         io::write_png(folder / "classes.png", stages::class_picture(image, product.segmentation));
         // Drawn again: keeping it costs memory at the peak.
@@ -181,9 +180,8 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
       [&] { io::write_text(folder / "intersections.obj", intersections_obj(product)); },
       [&] { write_extra(folder, scan); },
       [&] { write_orthophotos(folder, product); },
-      [&] { io::write_range_exr(folder / "range.exr", image, attributes); }};
-  std::atomic<std::size_t> next = 0;
-  parallel_for(std::size(writers), [&](std::size_t) { writers[next++](); });
+      [&] { io::write_range_exr(folder / "range.exr", image, attributes); },
+  });
 }
 
 void write_detail(const std::filesystem::path& folder, const ScanProduct& product, const ScanRemains& scan,
