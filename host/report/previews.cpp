@@ -6,10 +6,9 @@
 #include <cmath>
 #include <deque>
 #include <exception>
+#include <fstream>
 #include <map>
 #include <mutex>
-#include <optional>
-#include <utility>
 
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
@@ -20,6 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kPreviewWidth = 1200, kQuality = 88;
+constexpr std::size_t kMostPixels = 1 << 26;  // of the pictures in memory, unless one alone has more
 
 // Linear light of a byte in steps of 2^-20: sums of whole numbers are the same in any order.
 std::array<std::uint32_t, 256> light_of_bytes() {
@@ -28,6 +28,17 @@ std::array<std::uint32_t, 256> light_of_bytes() {
     light[i] =
         static_cast<std::uint32_t>(std::lround(linear_from_srgb(static_cast<double>(i) / 255) * (1 << 20)));
   return light;
+}
+
+// Of a PNG picture, by its header. 0: it is none, as decoding it will tell.
+std::size_t pixels_of(const fs::path& file) {
+  std::array<unsigned char, 24> head{};
+  std::ifstream(file, std::ios::binary).read(reinterpret_cast<char*>(head.data()), head.size());
+  const auto number = [&](std::size_t at) {
+    return std::size_t{head[at]} << 24 | std::size_t{head[at + 1]} << 16 | std::size_t{head[at + 2]} << 8 |
+           head[at + 3];
+  };
+  return head[1] == 'P' ? number(16) * number(20) : 0;
 }
 
 }  // namespace
@@ -60,32 +71,50 @@ Image8 shrink(const Image8& picture, int largest_width) {
 struct Previews::Work {
   struct Preview {
     fs::path from, to;
+    std::size_t pixels = 0;
   };
   fs::path out;
   std::map<std::string, std::string> preview_of;  // by picture
-  tbb::task_group tasks;                          // make_waiting(), once at a time
+  tbb::task_group tasks;                          // make_waiting(), a few at once
   std::mutex mutex;                               // of what follows
   std::deque<Preview> waiting;
-  bool making = false;
+  std::size_t begun = 0, pixels = 0;  // previews that were; of those that are being made
+  int makers = 0;
+  std::size_t failed = 0;  // the first of those that failed, by the order in which they began
   std::exception_ptr error;
 
-  std::optional<Preview> next() {
-    const std::lock_guard lock(mutex);
-    making = !waiting.empty() && !error;
-    if (!making) return std::nullopt;
-    Preview first = std::move(waiting.front());
-    waiting.pop_front();
-    return first;
+  // Whether one more may begin: pictures are in memory as a whole, and a large one alone.
+  bool may_begin() const {
+    return !waiting.empty() && !error && (pixels == 0 || pixels + waiting.front().pixels <= kMostPixels);
+  }
+
+  // Called with the mutex held.
+  void begin_waiting() {
+    if (!may_begin() || makers >= thread_count()) return;
+    ++makers;
+    tasks.run([this] { make_waiting(); });
   }
 
   void make_waiting() {
-    while (const auto preview = next()) try {
-        io::write_jpeg(preview->to, shrink(io::read_photograph(preview->from, 0, 0), kPreviewWidth),
-                       kQuality);
+    std::unique_lock lock(mutex);
+    while (may_begin()) {
+      const Preview preview = std::move(waiting.front());
+      waiting.pop_front();
+      pixels += preview.pixels;
+      const std::size_t number = begun++;
+      begin_waiting();
+      lock.unlock();
+      std::exception_ptr what;
+      try {
+        io::write_jpeg(preview.to, shrink(io::read_photograph(preview.from, 0, 0), kPreviewWidth), kQuality);
       } catch (...) {
-        const std::lock_guard lock(mutex);
-        error = std::current_exception();
+        what = std::current_exception();
       }
+      lock.lock();
+      pixels -= preview.pixels;
+      if (what && (!error || number < failed)) failed = number, error = what;
+    }
+    --makers;
   }
 };
 
@@ -107,9 +136,10 @@ std::string Previews::of(const std::string& picture) {
   const auto [at, is_new] = work_->preview_of.try_emplace(
       picture, "pictures/" + fs::path(picture).replace_extension(".jpg").generic_string());
   if (!is_new) return at->second;
+  const fs::path from = work_->out / picture;
   const std::lock_guard lock(work_->mutex);
-  work_->waiting.push_back({work_->out / picture, work_->out / "report" / at->second});
-  if (!std::exchange(work_->making, true)) work_->tasks.run([work = work_.get()] { work->make_waiting(); });
+  work_->waiting.push_back({from, work_->out / "report" / at->second, pixels_of(from)});
+  work_->begin_waiting();
   return at->second;
 }
 

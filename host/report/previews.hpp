@@ -13,8 +13,8 @@ Image8 shrink(const Image8& picture, int largest_width);
 
 // What a page shows of the pictures of a folder DIR: DIR/report/pictures/<picture>.jpg, at most 1200 pixels
 // wide, so that a page with hundreds of pictures opens on a phone and report/ can be sent alone. They are
-// made while the page is written, one after the other: a full picture at a time is in memory, and a full
-// disk fails at the same file every time.
+// made while the page is written, begun in their order on all threads, as many at a time as pictures of 64
+// megapixels together allow.
 class Previews {
  public:
   explicit Previews(std::filesystem::path out);
@@ -24,7 +24,7 @@ class Previews {
   // Begins the preview of DIR/<picture>. Returns its path in report/, or nothing when there is no such
   // picture (its stage was not run, or failed).
   std::string of(const std::string& picture);
-  // Waits for all. Throws what the first that failed threw; none after it is made.
+  // Waits for all. Throws what the first that failed threw; none begins after that.
   void finish();
 
  private:

@@ -59,6 +59,7 @@ static inline uint bvh_hidden_one_way(const PacketRays* rays, const ApartRays* a
       }
       uint by_child[BVH_WIDTH];
       vstore16(as_uint16(entered), 0, by_child);
+      // The first child on top: splats and faces in the order of the tree hide soonest, as measured.
       for (uint among = bits_of(entered != 0); among != 0u;) {
         const uint child = 31u - clz(among);
         among &= ~(1u << child);
