@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "batch/edit_pictures.hpp"
+#include "core/parallel.hpp"
 #include "io/exr.hpp"
 #include "io/obj.hpp"
 #include "io/output.hpp"
@@ -117,13 +118,15 @@ void SceneEditing::write_openings(const fs::path& out) const {
     fs::remove(out / "model" / "openings.json");
     return;
   }
-  for (const auto& face : found_.faces)
+  parallel_for(found_.faces.size(), [&](std::size_t k) {
+    const auto& face = found_.faces[k];
     if (std::any_of(found_.openings.begin(), found_.openings.end(),
                     [&](const auto& opening) { return opening.face == face.face; }) ||
         face.status == "displaced")
       io::write_png(
           out / "model" / "openings" / (file_name(uncut_.faces[face.face].name, face.face) + ".png"),
           openings_picture(uncut_, face, found_.openings));
+  });
   io::write_text(out / "model" / "openings.json", openings_json(uncut_, found_, options_).dump(1) + "\n");
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "core/parallel_uneven.hpp"
 #include "stages/opening_border.hpp"
 #include "stages/opening_carry.hpp"
 #include "stages/opening_grid.hpp"
@@ -129,20 +131,19 @@ Openings find_openings(const PolygonModel& model, const std::vector<OpeningScan>
                        const OpeningOptions& options) {
   Openings result;
   const EvidenceCloud cloud = gather_points(model, scans);
-  for (std::size_t f = 0; f < model.faces.size(); ++f) {
+  result.faces.resize(model.faces.size());
+  std::vector<std::vector<Opening>> of_face(model.faces.size());
+  parallel_for_uneven(model.faces.size(), [&](std::size_t f) {
     const FaceFrame frame = face_frame(model, model.faces[f]);
     const auto rings = flat_rings(frame, model, model.faces[f]);
-    FaceEvidence face;
+    FaceEvidence& face = result.faces[f];
     face.face = f;
     const FaceSamples samples = samples_of_face(cloud, frame);
     measure_surface(samples, rings, options.opening_displaced_m, face);
     face.depth_m = std::max(options.opening_depth_m, error_m(face, frame, scans));
-    if (!samples.samples.empty()) {
-      const auto found = openings_of(model, frame, rings, samples, options, face);
-      result.openings.insert(result.openings.end(), found.begin(), found.end());
-    }
-    result.faces.push_back(std::move(face));
-  }
+    if (!samples.samples.empty()) of_face[f] = openings_of(model, frame, rings, samples, options, face);
+  });
+  for (auto& found : of_face) std::move(found.begin(), found.end(), std::back_inserter(result.openings));
   auto& all = result.openings;
   const auto carried = carried_openings(model, cloud, options, result);
   all.insert(all.end(), carried.begin(), carried.end());
