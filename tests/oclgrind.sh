@@ -3,8 +3,7 @@
 # Usage: tests/oclgrind.sh PATH_OF_hybrid_tests
 set -euo pipefail
 tests=$1
-here=$(dirname "$0")
-suites=$(grep -rhoP '^TEST(_P)?\(\K\w+' "$here/kernels" | sort -u | sed 's/$/.*/' | paste -sd:)
+suites=$(bash "$(dirname "$0")/kernels/filter.sh")
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 # PORTABLE, as on a GPU: its interpreter knows no vector reductions.

@@ -148,8 +148,7 @@ struct SceneExport::State {
     for (std::size_t i = 0; i < all.position.size(); ++i)
       if (all.drawn[i]) {
         io::CloudPoint point{all.position[i], {}};
-        for (std::size_t k = 0; k < 3; ++k)
-          point.rgb[k] = static_cast<float>(linear_from_srgb(all.rgb[i][k] / 255.0));
+        for (std::size_t k = 0; k < 3; ++k) point.rgb[k] = linear_of_bytes<float>()[all.rgb[i][k]];
         scene_of_model.points.push_back(point);
       }
     if (scene_of_model.meshes.empty() && scene_of_model.points.empty() && !has_photographs())

@@ -14,6 +14,17 @@ inline double linear_from_srgb(double encoded) {
 inline double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
+// Linear light of each byte of a picture.
+template <typename T>
+const std::array<T, 256>& linear_of_bytes() {
+  static const auto table = [] {
+    std::array<T, 256> light{};
+    for (std::size_t byte = 0; byte < light.size(); ++byte)
+      light[byte] = static_cast<T>(linear_from_srgb(static_cast<double>(byte) / 255));
+    return light;
+  }();
+  return table;
+}
 // From which light on a picture's byte is at least 0, 1, .. 255, by the formula above, to the last bit.
 class SrgbSteps {
  public:

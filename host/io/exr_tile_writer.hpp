@@ -20,8 +20,8 @@ struct ExrPart {
 // Writes a flat image as the tiled parts of an OpenEXR file (OpenEXR File Layout, 2013), each with its own
 // compression, in bands of whole tiles from the top. One part alone makes a file that is none of parts, which
 // every reader reads. A part none of whose channels is in the header is left out; the attributes go into the
-// first. Tiles are put together and deflated on the host's
-// threads, with libdeflate, and stand in the file in their order: the same bytes for any number of threads.
+// first. Tiles are put together and deflated on the host's threads, with libdeflate, and stand in the file in
+// their order: the same bytes for any number of threads.
 class ExrTileWriter {
  public:
   // `header`: attributes, channels of float, uint and half without subsampling, tiles, the data window.

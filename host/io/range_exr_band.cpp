@@ -13,8 +13,7 @@ namespace {
 const std::array<half, 256>& linear_table() {
   static const auto table = [] {
     std::array<half, 256> result;
-    for (std::size_t i = 0; i < 256; ++i)
-      result[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
+    std::ranges::copy(linear_of_bytes<float>(), result.begin());
     return result;
   }();
   return table;

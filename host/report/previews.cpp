@@ -25,8 +25,7 @@ constexpr std::size_t kMostPixels = 1 << 26;  // of the pictures in memory, unle
 std::array<std::uint32_t, 256> light_of_bytes() {
   std::array<std::uint32_t, 256> light{};
   for (std::size_t i = 0; i < light.size(); ++i)
-    light[i] =
-        static_cast<std::uint32_t>(std::lround(linear_from_srgb(static_cast<double>(i) / 255) * (1 << 20)));
+    light[i] = static_cast<std::uint32_t>(std::lround(linear_of_bytes<double>()[i] * (1 << 20)));
   return light;
 }
 

@@ -45,9 +45,7 @@ std::array<double, N> sum_masked(int width, int height, const std::vector<std::u
 // Our exposure against the reference's: least squares per channel in linear light.
 std::array<double, 3> fit_gains(const ImageF& linear, const Image8& reference,
                                 const std::vector<std::uint8_t>& mask) {
-  std::array<double, 256> light_of;
-  for (std::size_t byte = 0; byte < light_of.size(); ++byte)
-    light_of[byte] = linear_from_srgb(static_cast<double>(byte) / 255);
+  const auto& light_of = linear_of_bytes<double>();
   const auto sums =
       sum_masked<6>(linear.width, linear.height, mask, [&](int x, int y, std::array<double, 6>& sum) {
         for (std::size_t k = 0; k < 3; ++k) {

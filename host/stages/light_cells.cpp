@@ -13,13 +13,6 @@ namespace {
 constexpr int kDarkest = 8, kBrightest = 247;
 constexpr double kCellsPerReach = 8;
 
-std::array<float, 256> linear_bytes() {
-  std::array<float, 256> table{};
-  for (std::size_t i = 0; i < table.size(); ++i)
-    table[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
-  return table;
-}
-
 }  // namespace
 
 LightCells::LightCells(const Image8& image, double reach_px)
@@ -30,7 +23,7 @@ LightCells::LightCells(const Image8& image, double reach_px)
       height_(image.height),
       reach_(reach_px),
       mean_(static_cast<std::size_t>(cols_) * static_cast<std::size_t>(rows_)) {
-  const std::array<float, 256> linear = linear_bytes();
+  const auto& linear = linear_of_bytes<float>();
   const auto cell = [&](int col, int row) -> std::array<float, 3> {
     std::array<double, 3> sum{};
     const int left = col * step_, right = std::min(left + step_, width_), top = row * step_,

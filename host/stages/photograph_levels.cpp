@@ -88,12 +88,7 @@ std::vector<int> photograph_levels(RenderState& state, const DeviceBvh& shown, c
 }
 
 Image8 half_size(const Image8& image) {
-  static const auto linear = [] {
-    std::array<float, 256> table{};
-    for (std::size_t i = 0; i < table.size(); ++i)
-      table[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
-    return table;
-  }();
+  const auto& linear = linear_of_bytes<float>();
   Image8 half((image.width + 1) / 2, (image.height + 1) / 2, 3);
   parallel_for(static_cast<std::size_t>(half.height), [&](std::size_t row) {
     const int y = static_cast<int>(row), top = 2 * y, bottom = std::min(top + 1, image.height - 1);

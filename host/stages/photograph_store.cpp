@@ -60,7 +60,7 @@ bool has_mask(const Image8& image) {
 std::vector<float> linear_table(const std::array<double, 3>& gains) {
   std::vector<float> table;
   for (const double gain : gains)
-    for (int i = 0; i < 256; ++i) table.push_back(static_cast<float>(gain * linear_from_srgb(i / 255.0)));
+    for (const double light : linear_of_bytes<double>()) table.push_back(static_cast<float>(gain * light));
   return table;
 }
 

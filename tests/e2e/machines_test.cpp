@@ -44,7 +44,9 @@ TEST(AsAGpu, a_run_has_the_labels_poses_and_views_of_one_on_the_cpu) {
     std::size_t apart = 0;
     for (std::size_t i = 0; i < found.size(); ++i) apart += found[i] != expected[i];
     EXPECT_LE(static_cast<double>(apart), 1e-4 * static_cast<double>(found.size())) << scan;
-    EXPECT_LT(difference(pose_of(out, scan), pose_of(result(), scan)).distance_m, 1e-5) << scan;
+    const auto moved = difference(pose_of(out, scan), pose_of(result(), scan));
+    EXPECT_LT(moved.distance_m, 1e-5) << scan;
+    EXPECT_LT(moved.angle_rad, 1e-6) << scan;
   }
   std::size_t views = 0;
   for (const auto& view : fs::directory_iterator(result() / "views")) {
