@@ -221,7 +221,8 @@ std::vector<Plane> label_and_fit(device::Queue& queue, const RangeImage& image, 
     if (!those.empty()) polish(PolishRounds::first, those);
     changed.insert(changed.end(), those.begin(), those.end());
   };
-  if (drop_refuted_planes(image, squares.noise, planes, labels, least, regions, presence))
+  if (drop_refuted_planes(image, squares.noise, planes, labels, {least, options.min_curvature}, regions,
+                          presence))
     polish_changed(much_moved(compete(), regions, squares.square));
   auto grown = rejoin_planes(image, squares, grid, options, planes, labels, regions, presence);
   if (!grown.empty()) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "core/disjoint_sets.hpp"
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
 #include "stages/step_sharing.hpp"
@@ -20,8 +21,10 @@ namespace {
 constexpr int kSquare = 7, kTile = 32, kInwards = 14, kOnwards = 6;
 constexpr int kMostStride = 8;
 constexpr double kStep_rad = 0.0018;
-constexpr double kTile_rad = 0.115;  // a rim is straight so far, and the longer it is, the better known
-constexpr std::size_t kFewest = 12;  // samples of a rim
+constexpr double kTile_rad = 0.115;   // a rim is straight so far, and the longer it is, the better known
+constexpr int kApart = 4;             // samples: rims farther from each other than that to twice that are two
+constexpr double kLeastCosine = 0.1;  // of a tile's elevation
+constexpr std::size_t kFewest = 12;   // samples of a rim
 constexpr double kContinuitySigmas = 3;
 constexpr double kMostWidth = 0.35;     // of a rim, against its length
 constexpr int kStarts = 28;             // of the curve, that are tried
@@ -137,8 +140,9 @@ class RimFinder {
       }
     std::vector<std::vector<std::uint32_t>> lists;
     for (const auto& [label, samples] : rims)
-      if (samples.size() >= kFewest)
-        if (auto list = trim(tile, label, samples); !list.empty()) lists.push_back(std::move(list));
+      for (const auto& rim : apart(tile, samples))
+        if (rim.size() >= kFewest)
+          if (auto list = trim(tile, label, rim); !list.empty()) lists.push_back(std::move(list));
     return lists;
   }
 
@@ -163,6 +167,34 @@ class RimFinder {
                              kContinuitySigmas / std::sqrt(height.weight)) &&
              surface_goes_on(plane, image_.point(first), image_.point(second), 0);
     });
+  }
+
+  // The rims that samples of a tile make: those in cells that touch are of one.
+  std::vector<std::vector<std::uint32_t>> apart(const Tile& tile,
+                                                const std::vector<std::uint32_t>& samples) const {
+    const int side = kApart * stride_, cols = (tile.cols + side - 1) / side,
+              rows = (tile.rows + side - 1) / side;
+    const auto cell_of = [&](std::uint32_t i) {
+      return (static_cast<int>(i) / image_.cols - tile.row) / side * cols +
+             (static_cast<int>(i) % image_.cols - tile.col) / side;
+    };
+    std::vector<bool> held(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
+    for (const std::uint32_t i : samples) held[static_cast<std::size_t>(cell_of(i))] = true;
+    DisjointSets sets(held.size());
+    for (int row = 0; row < rows; ++row)
+      for (int col = 0; col < cols; ++col)
+        for (const auto& [down, right] : {std::pair{0, 1}, {1, -1}, {1, 0}, {1, 1}}) {
+          const int r = row + down, c = col + right;
+          if (r >= rows || c < 0 || c >= cols) continue;
+          const auto one = static_cast<std::size_t>(row * cols + col),
+                     other = static_cast<std::size_t>(r * cols + c);
+          if (held[one] && held[other]) sets.join(one, other);
+        }
+    std::map<std::uint32_t, std::vector<std::uint32_t>> rims;
+    for (const std::uint32_t i : samples) rims[sets.of(static_cast<std::uint32_t>(cell_of(i)))].push_back(i);
+    std::vector<std::vector<std::uint32_t>> lists;
+    for (auto& [first, rim] : rims) lists.push_back(std::move(rim));
+    return lists;
   }
 
   std::vector<std::uint32_t> trim(const Tile& tile, std::uint32_t label,
@@ -234,6 +266,19 @@ class RimFinder {
   int stride_;  // samples
 };
 
+// Tiles of `side` rows, and of as many columns more as these lie closer together towards the poles.
+std::vector<Tile> rim_tiles(const RangeImage& image, int side) {
+  std::vector<Tile> tiles;
+  for (int row = 0; row < image.rows; row += side) {
+    const int rows = std::min(side, image.rows - row);
+    const double cosine = std::cos(image.elevation_rad[static_cast<std::size_t>(row + rows / 2)]);
+    const int cols = static_cast<int>(std::min(side / std::max(cosine, kLeastCosine), 1.0 * image.cols));
+    for (int col = 0; col < image.cols; col += cols)
+      tiles.push_back({row, col, rows, std::min(cols, image.cols - col)});
+  }
+  return tiles;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const RangeNoise& noise, double excess,
@@ -245,7 +290,7 @@ std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const Rang
   const int stride = std::clamp(std::max((square + kSquare / 2) / kSquare, dense), 1, kMostStride);
   const RimFinder finder(image, noise, excess, labels, planes, regions, stride);
   const auto wide = static_cast<int>(std::lround(std::min(kTile_rad / step_rad, 1.0 * image.rows)));
-  const auto tiles = make_tiles(image.rows, image.cols, std::max(kTile * stride, wide));
+  const auto tiles = rim_tiles(image, std::max(kTile * stride, wide));
   std::vector<std::vector<std::vector<std::uint32_t>>> trimmed(tiles.size());
   parallel_for(tiles.size(), [&](std::size_t t) { trimmed[t] = finder.trimmed(tiles[t]); });
   std::vector<std::uint32_t> changed;

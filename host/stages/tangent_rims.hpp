@@ -10,7 +10,8 @@ namespace hybrid::stages {
 // smoothly from a plane's rim over samples of no plane, the heights over the plane on both sides of the rim
 // are fitted by a parabola that begins on a line along it, and by a crease. Where the parabola is clearly
 // the better one, samples beyond its line lose their label. Rims are looked at in tiles of 32 x 32
-// samples, larger where squares (`square` samples a side) are.
+// samples, larger where squares (`square` samples a side) are and wider towards the poles of the grid, those
+// of one tile that do not touch each on its own.
 // `excess`: factor on the noise of means (split_steps). The labels that lost samples.
 std::vector<std::uint32_t> trim_tangent_rims(const RangeImage& image, const RangeNoise& noise, double excess,
                                              std::vector<std::uint32_t>& labels,

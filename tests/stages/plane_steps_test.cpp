@@ -89,6 +89,25 @@ TEST(PlaneSteps, the_pieces_of_a_rail_behind_a_post_are_one_plane) {
   EXPECT_GT(wall.samples(2, on_rail).first, 400);  // of 480
 }
 
+// Mixed samples along its far edge, say: a dozen of some three hundred.
+TEST(PlaneSteps, a_few_samples_deep_in_a_rail_do_not_refute_it) {
+  const auto rail = [](int row, int col) { return row >= 23 && row < 26 && col >= 30 && col < 130; };
+  const auto odd = [](int row, int col) { return row == 22 && col >= 60 && col < 72; };
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Wall wall([&](int row, int col) { return odd(row, col) ? 0.0055 : rail(row, col) ? 0.0025 : 0; }, seed);
+    for (int row = 0; row < 23; ++row)
+      for (int col = 0; col < kCols; ++col)
+        if (!odd(row, col)) {
+          wall.labels[wall.image.index(row, col)] = 0;
+          wall.image.mask[wall.image.index(row, col)] = kEmpty;
+        }
+    ASSERT_TRUE(wall.split());
+    ASSERT_EQ(wall.planes.size(), 2u);
+    EXPECT_NEAR(wall.planes[1].offset_m, -4.9975, 0.0007);  // the dozen pull by 0.1 mm
+    EXPECT_GT(wall.samples(2, rail).first, 220);            // of 300
+  }
+}
+
 TEST(PlaneSteps, a_plain_wall_is_left_alone) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Wall wall([](int, int) { return 0.0; }, seed);

@@ -30,7 +30,7 @@ struct Wall {
   }
   bool drop(std::int64_t least) {
     return stages::drop_refuted_planes(image, stages::RangeNoise{kSigma_m}, {{-Vec3::UnitX(), -5}, {}},
-                                       std::vector<std::uint32_t>(image.count(), 1), least, regions,
+                                       std::vector<std::uint32_t>(image.count(), 1), {least, 0.15}, regions,
                                        presence);
   }
 
@@ -70,6 +70,19 @@ TEST(RefutedPlanes, relief_goes_and_noise_of_its_size_stays) {
   Wall rough([&](int, int) { return noise(random); });
   EXPECT_FALSE(rough.drop(48));
   EXPECT_TRUE(rough.regions.regions[0].small);
+}
+
+// A bend of a metre's radius leaves the noise by less than twice: no relief, and no plane.
+TEST(RefutedPlanes, a_bend_goes_and_one_of_the_rim_alone_stays) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, kSigma_m);
+  const auto bent = [](double from_m) { return from_m * from_m / 2; };
+  Wall lamp([&](int row, int) { return bent(0.01 * (row - kSide / 2)) + noise(random); });
+  EXPECT_TRUE(lamp.drop(48));
+  EXPECT_FALSE(lamp.regions.regions[0].small);
+  Wall rim([&](int row, int) { return (row < 2 ? 0.006 : 0) + noise(random); });
+  EXPECT_FALSE(rim.drop(48));
+  EXPECT_TRUE(rim.regions.regions[0].small);
 }
 
 TEST(RefutedPlanes, regions_of_squares_are_not_asked) {

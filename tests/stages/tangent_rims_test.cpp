@@ -89,6 +89,20 @@ TEST(TangentRims, a_fine_grid_is_looked_at_over_the_same_angle) {
   EXPECT_GT(after.second, before.second - 10 * 480);
 }
 
+// Samples that no plane took make rims of their own below the vault's, in the same tiles.
+TEST(TangentRims, other_rims_near_by_do_not_hide_a_vault) {
+  Wall wall(vault);
+  for (int row = kSpring + 6; row < kRows; ++row)
+    for (int col = 0; col < kCols; ++col)
+      if (col % 16 < 4) wall.labels[wall.image.index(row, col)] = 0;
+  const auto before = wall.labelled();
+  ASSERT_GT(before.first, 7 * kCols);
+  wall.trim();
+  const auto after = wall.labelled();
+  EXPECT_LT(after.first, before.first / 3);
+  EXPECT_GT(after.second, before.second - 2 * kCols);
+}
+
 // A soffit or another wall begins at a crease, however shallow; nothing is taken from either.
 TEST(TangentRims, a_crease_is_no_curve) {
   for (const double slope : {0.05, 0.3, 0.9}) {
