@@ -12,6 +12,7 @@
 #include "archive/store_lock.hpp"
 #include "archive/worker.hpp"
 #include "core/fail_point.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
 
@@ -55,8 +56,7 @@ void apply(const BatchOptions& options) {
 }
 
 void print(const BatchOptions& options, const nlohmann::ordered_json& json, const std::string& text) {
-  using Json = nlohmann::ordered_json;
-  std::cout << (options.json ? json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n" : text);
+  std::cout << (options.json ? json_text(json) + "\n" : text);
 }
 
 // --- plan -------------------------------------------------------------------------------------------------

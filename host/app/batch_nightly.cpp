@@ -9,6 +9,7 @@
 #include "archive/profile_bench.hpp"
 #include "archive/store_lock.hpp"
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::app {
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 void print(bool json, const Json& document, const std::string& text) {
-  std::cout << (json ? document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n" : text);
+  std::cout << (json ? json_text(document) + "\n" : text);
 }
 
 std::vector<std::string> words_of(const std::string& text) {
@@ -77,8 +78,7 @@ void add_diff(CLI::App& batch, int& exit_code) {
     const Json comparison = archive::compare_nights(a, b, limits);
     if (!out->empty()) {
       io::create_output_folder(*out);
-      io::write_text(*out / "diff.json",
-                     comparison.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+      io::write_text(*out / "diff.json", json_text(comparison) + "\n");
       archive::write_comparison_page(*out, comparison, a, b, *pictures);
     }
     std::string text = archive::comparison_text(comparison);

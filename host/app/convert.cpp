@@ -2,6 +2,7 @@
 
 #include "app/commands.hpp"
 #include "batch/convert_run.hpp"
+#include "core/json_text.hpp"
 #include "io/read_scan.hpp"
 
 namespace hybrid::app {
@@ -40,7 +41,7 @@ void add_convert(CLI::App& program, int& exit_code) {
     }
     const auto run = batch::run_convert(*request);
     if (common->json)
-      std::cout << run.summary.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+      std::cout << json_text(run.summary) << "\n";
     else
       std::cout << batch::text_of(run);
     exit_code = run.exit_code;

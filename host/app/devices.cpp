@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "core/json_text.hpp"
 #include "device/self_test.hpp"
 
 namespace hybrid::app {
@@ -47,7 +48,7 @@ void add_devices(CLI::App& program, int& exit_code) {
       list.push_back(describe(info, result));
     }
     if (common->json) {
-      std::cout << list.dump(1) << "\n";
+      std::cout << json_text(list) << "\n";
       return;
     }
     for (const auto& row : list)

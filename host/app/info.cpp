@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "core/json_text.hpp"
 #include "io/e57/e57_photographs.hpp"
 #include "io/model_info.hpp"
 #include "io/obj.hpp"
@@ -163,9 +164,8 @@ void print_text(const Json& value, const std::string& name, std::string& text) {
                               return item.is_structured();
                             }));
   if (!nested) {
-    text += fmt::format("{}: {}\n", name,
-                        value.is_string() ? value.get<std::string>()
-                                          : value.dump(-1, ' ', false, Json::error_handler_t::replace));
+    text +=
+        fmt::format("{}: {}\n", name, value.is_string() ? value.get<std::string>() : json_text(value, -1));
     return;
   }
   for (const auto& [key, inner] : value.items())
@@ -190,7 +190,7 @@ void add_info(CLI::App& program, int& exit_code) {
       for (const auto& scan : json["scans"])
         if (scan.contains("damage")) exit_code = kSomeFailed;
     if (common->json) {
-      std::cout << json.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
+      std::cout << json_text(json) << "\n";
       return;
     }
     std::string text;

@@ -4,6 +4,7 @@
 
 #include "app/commands.hpp"
 #include "batch/planes_run.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "io/read_scan.hpp"
 
@@ -47,7 +48,7 @@ void add_planes(CLI::App& program, int& exit_code) {
     device::Queue queue(common->device);
     const auto run = batch::run_planes(queue, *request);
     if (common->json)
-      std::cout << run.summary.dump(1) << "\n";
+      std::cout << json_text(run.summary) << "\n";
     else
       std::cout << batch::text_of(run);
     exit_code = run.exit_code;

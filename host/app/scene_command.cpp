@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "report/report.hpp"
 
@@ -37,7 +38,7 @@ int run_scene_command(const SceneCommand& command) {
   const auto run = batch::run_scene(
       queue, request, [&](const batch::SceneRun& made) { report::write_report(queue, made, request.out); });
   if (common.json)
-    std::cout << run.summary.dump(1) << "\n";
+    std::cout << json_text(run.summary) << "\n";
   else
     std::cout << report::text_summary(run, request.out);
   return batch::exit_code(run);

@@ -8,6 +8,7 @@
 #include "archive/outcome.hpp"
 #include "archive/verdict.hpp"
 #include "core/interrupt.hpp"
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::archive {
@@ -48,7 +49,7 @@ void leaves(const Json& value, const std::string& path, std::map<std::string, st
       leaves(value[i], below(name), found);
     }
   } else {
-    found[path] = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    found[path] = json_text(value, -1);
   }
 }
 
@@ -217,7 +218,7 @@ Json described(const Night& night) {
 
 std::string number(const Json& value) {
   if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-  return value.is_string() ? value.get<std::string>() : value.is_null() ? "none" : value.dump();
+  return value.is_string() ? value.get<std::string>() : value.is_null() ? "none" : json_text(value, -1);
 }
 
 std::string figure_line(const Json& row) {

@@ -5,6 +5,7 @@
 #include "batch/planes_run.hpp"
 #include "batch/scene_scan.hpp"
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
 
@@ -40,7 +41,7 @@ void run_scan_of_scene(device::Queue& queue, const Unit& unit, const fs::path& w
   auto kept = batch::make_planes(queue, unit.scan_id, entry, scans.front(), options, progress);
   progress.step("write", "scan " + unit.scan_id);
   write_kept_scan(work / "kept.bin", kept);
-  io::write_text(work / "summary.json", batch::scan_figures(kept.product).dump(1) + "\n");
+  io::write_text(work / "summary.json", json_text(batch::scan_figures(kept.product)) + "\n");
 }
 
 }  // namespace

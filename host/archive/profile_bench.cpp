@@ -10,6 +10,7 @@
 #include "archive/night.hpp"
 #include "archive/outcome.hpp"
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
 #include "io/scene_file.hpp"
@@ -194,7 +195,7 @@ Json run_bench(const BenchRequest& request) {
                 {"profiles", profiles},
                 {"figures", figure_rows(results)},
                 {"scenes", scene_rows(results)}};
-  io::write_text(request.out / "bench.json", bench.dump(1) + "\n");
+  io::write_text(request.out / "bench.json", json_text(bench) + "\n");
   return bench;
 }
 

@@ -1,6 +1,7 @@
 // The archive's page: every result of the night, its figures, what failed. A function of the units' objects,
 // so that it has the same bytes whenever and wherever it is made.
 #include "archive/unit_run.hpp"
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 #include "report/archive_page.hpp"
 
@@ -65,7 +66,7 @@ UnitResult run_report_unit(const Store& store, const Manifest& manifest, const U
     if (!one.result.empty()) results.push_back(row_of(store, one, outcomes));
   }
   for (const auto& [path, what] : manifest.problems) problems.push_back({{"path", path}, {"what", what}});
-  io::write_text(work / "archive.json", Json{{"units", units}, {"problems", problems}}.dump(1) + "\n");
+  io::write_text(work / "archive.json", json_text(Json{{"units", units}, {"problems", problems}}) + "\n");
   const fs::path named = manifest.archive.has_filename() ? manifest.archive : manifest.archive.parent_path();
   report::write_archive_page(work, "Archive " + named.filename().string(),
                              {{"results", results}, {"problems", problems}});

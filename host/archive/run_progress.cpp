@@ -5,14 +5,14 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 
 namespace hybrid::archive {
 namespace {
 
 void say(const nlohmann::ordered_json& json) {
-  using Json = nlohmann::ordered_json;
-  std::fprintf(stderr, "%s\n", json.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+  std::fprintf(stderr, "%s\n", json_text(json, -1).c_str());
 }
 
 std::string clock(double seconds) {

@@ -1,6 +1,7 @@
 #include "archive/sql.hpp"
 
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 
 namespace hybrid::archive {
 
@@ -55,7 +56,7 @@ void SqlInsert::add(const nlohmann::ordered_json& row) {
     } else if (value.is_number()) {
       sqlite3_bind_double(statement_, i + 1, value.get<double>());
     } else {
-      const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+      const std::string text = value.is_string() ? value.get<std::string>() : json_text(value, -1);
       sqlite3_bind_text(statement_, i + 1, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
     }
   }

@@ -9,6 +9,7 @@
 #include "archive/store_lock.hpp"
 #include "core/error.hpp"
 #include "core/fail_point.hpp"
+#include "core/json_text.hpp"
 #include "core/parallel.hpp"
 #include "core/timer.hpp"
 #include "io/output.hpp"
@@ -55,7 +56,7 @@ void leave_other_units_out(const std::filesystem::path& timing, const device::Pr
       kernels[label] = {{"launches", launches}, {"seconds", row["seconds"].get<double>() - old.seconds}};
   }
   document["kernels"] = kernels;
-  io::write_text(timing, document.dump(1) + "\n");
+  io::write_text(timing, json_text(document) + "\n");
 }
 
 UnitResult run_kind(device::Queue& queue, const Store& store, const Manifest& manifest, const Unit& unit,

@@ -11,6 +11,7 @@
 #include "core/error.hpp"
 #include "core/fail_point.hpp"
 #include "core/interrupt.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/memory_budget.hpp"
 
@@ -21,7 +22,7 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 void answer(const Json& json) {
-  const std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string line = json_text(json, -1) + "\n";
   std::size_t done = 0;
   while (done < line.size()) {
     const ssize_t count = write(kAnswerDescriptor, line.data() + done, line.size() - done);

@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/json_text.hpp"
 #include "geometry/st_map.hpp"
 #include "io/exr.hpp"
 #include "io/output.hpp"
@@ -50,7 +51,7 @@ void write_st_maps(const std::vector<Photograph>& photographs, const MadeFile& m
     note("no photograph with distortion: no ST maps");
     return;
   }
-  io::write_text(made("st/cameras.json"), rows.dump(1) + "\n");
+  io::write_text(made("st/cameras.json"), json_text(rows) + "\n");
 }
 
 }  // namespace hybrid::batch

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::batch {
@@ -50,7 +51,7 @@ void begin_output(const fs::path& out, const std::string& scene) {
   io::create_output_folder(out);
   Json begun = {{"device", nullptr}, {"state", "begun, not ended"}};
   if (!scene.empty()) begun["scene"] = scene;
-  io::write_text(out / "timing.json", begun.dump(1) + "\n");
+  io::write_text(out / "timing.json", json_text(begun) + "\n");
   std::error_code code;
   fs::remove(out / "summary.json", code);
   if (code)

@@ -5,6 +5,7 @@
 #include "batch/planes_json.hpp"
 #include "batch/scene_scan.hpp"
 #include "batch/timing_json.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
@@ -79,8 +80,8 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
                  {"scans", scans},
                  {"failures", failures}};
   const auto timing = timing_json(queue, progress, request.files, request.out);
-  io::write_text(request.out / "timing.json", timing.dump(1) + "\n");
-  io::write_text(request.out / "summary.json", run.summary.dump(1) + "\n");
+  io::write_text(request.out / "timing.json", json_text(timing) + "\n");
+  io::write_text(request.out / "summary.json", json_text(run.summary) + "\n");
   if (!failures.empty()) run.exit_code = scans.empty() ? hybrid::exit_code(last_failure) : 3;
   return run;
 }

@@ -6,6 +6,7 @@
 
 #include "batch/automatic_json.hpp"
 #include "batch/face_json.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel_blocks.hpp"
 #include "io/output.hpp"
@@ -262,7 +263,7 @@ void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& 
     std::filesystem::remove(picture);  // of an earlier run
   else
     io::write_png(picture, residual_picture(product, registration.signed_distance_m, registration.residuals));
-  io::write_text(folder / "pose.json", pose_json(product, registration).dump(1) + "\n");
+  io::write_text(folder / "pose.json", json_text(pose_json(product, registration)) + "\n");
 }
 
 Json pose_json(const ScanProduct& product, const ScanRegistration& registration) {

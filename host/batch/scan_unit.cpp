@@ -5,6 +5,7 @@
 
 #include "batch/orthophotos.hpp"
 #include "batch/planes_json.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
 #include "core/parallel_tasks.hpp"
@@ -176,7 +177,7 @@ void write_plane_outputs(const std::filesystem::path& folder, const ScanProduct&
         io::write_exr(folder / "labels.exr", image.cols, image.rows,
                       {{"id", nullptr, product.segmentation.sample_label.data(), 1}});
       },
-      [&] { io::write_text(folder / "planes.json", planes_json(product).dump(1) + "\n"); },
+      [&] { io::write_text(folder / "planes.json", json_text(planes_json(product)) + "\n"); },
       [&] { io::write_text(folder / "intersections.obj", intersections_obj(product)); },
       [&] { write_extra(folder, scan); },
       [&] { write_orthophotos(folder, product); },

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "batch/edit_pictures.hpp"
+#include "core/json_text.hpp"
 #include "core/parallel.hpp"
 #include "io/exr.hpp"
 #include "io/obj.hpp"
@@ -127,7 +128,7 @@ void SceneEditing::write_openings(const fs::path& out) const {
           out / "model" / "openings" / (file_name(uncut_.faces[face.face].name, face.face) + ".png"),
           openings_picture(uncut_, face, found_.openings));
   });
-  io::write_text(out / "model" / "openings.json", openings_json(uncut_, found_, options_).dump(1) + "\n");
+  io::write_text(out / "model" / "openings.json", json_text(openings_json(uncut_, found_, options_)) + "\n");
 }
 
 void SceneEditing::write(device::Queue& queue, const fs::path& out, const std::vector<ScanProduct>& products,

@@ -8,6 +8,7 @@
 #include "batch/export_points.hpp"
 #include "batch/export_rib.hpp"
 #include "batch/export_st_maps.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "geometry/colour.hpp"
 #include "io/output.hpp"
@@ -278,7 +279,7 @@ Json SceneExport::finish() {
                          {"red", s.collected->uncoloured}};
   figures["notes"] = s.notes;
   s.remove_earlier();
-  io::write_text(s.folder / kIndex, figures.dump(1) + "\n");
+  io::write_text(s.folder / kIndex, json_text(figures) + "\n");
   return figures;
 }
 

@@ -19,6 +19,7 @@
 #include "batch/scene_request.hpp"
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
 #include "io/obj.hpp"
@@ -378,6 +379,16 @@ class Run {
     return registration.world_from_scan();
   }
 
+  // The truth says what each sample of hybrid-synth's file is; of another file nothing can be scored.
+  bool is_of_this_file(const io::ScanTruth& truth, const ScanProduct& product) const {
+    if (std::cmp_equal(truth.plane.size(), product.input_samples)) return true;
+    log::warning(
+        "{}: scan {}: expected the truth of its file's {} samples, found that of {}: not scored; name the "
+        "scan's file that hybrid-synth wrote, or take `truth` from the scene",
+        run_.scene.truth->string(), truth.id, product.input_samples, truth.plane.size());
+    return false;
+  }
+
   Json scan_summary(std::size_t i) const {
     Json json = scan_figures(run_.products[i]);
     const auto& registration = run_.registrations[i];
@@ -389,7 +400,7 @@ class Run {
     if (run_.abstentions[i]) json["registration"] = registration_figures(*run_.abstentions[i]);
     if (truth_)
       for (const auto& truth : truth_->scans)
-        if (truth.id == run_.products[i].id) {
+        if (truth.id == run_.products[i].id && is_of_this_file(truth, run_.products[i])) {
           const auto pose = registration ? std::optional(in_truth_s_frame(*registration)) : std::nullopt;
           json["truth"] = truth_figures(truth, run_.products[i], pose ? &*pose : nullptr);
         }
@@ -441,7 +452,7 @@ class Run {
     run_.timing.update(timing_json(queue_, progress_, inputs, request_.out));
     for (const auto& failure : run_.failures) run_.timing["run_again"][failure.unit] = failure.command;
     write_timing(request_.out, run_.timing, wants("report"));
-    io::write_text(request_.out / "summary.json", run_.summary.dump(1) + "\n");
+    io::write_text(request_.out / "summary.json", json_text(run_.summary) + "\n");
   }
 
   device::Queue& queue_;

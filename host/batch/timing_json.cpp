@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "core/json_text.hpp"
 #include "core/parallel.hpp"
 #include "io/output.hpp"
 
@@ -36,8 +37,8 @@ Json timing_json(device::Queue& queue, const Progress& progress,
 }
 
 void write_timing(const std::filesystem::path& out, const Json& timing, bool page) {
-  io::write_text(out / "timing.json", timing.dump(1) + "\n");
-  if (page) io::write_text(out / "report" / "timing.js", "hybridTiming(" + timing.dump(1) + ");\n");
+  io::write_text(out / "timing.json", json_text(timing) + "\n");
+  if (page) io::write_text(out / "report" / "timing.js", "hybridTiming(" + json_text(timing) + ");\n");
 }
 
 }  // namespace hybrid::batch

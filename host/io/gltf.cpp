@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 #include "io/output_file.hpp"
 
@@ -149,7 +150,7 @@ class GlbBuilder {
                                     {"bufferViews", &views_}})
       if (!list->empty()) root_[key] = *list;
     if (binary_bytes_ > 0) root_["buffers"] = Json::array({{{"byteLength", binary_bytes_}}});
-    std::string json = root_.dump();
+    std::string json = json_text(root_, -1);
     json.resize((json.size() + 3) / 4 * 4, ' ');
     const std::uint64_t total = 12 + 8 + json.size() + (binary_bytes_ > 0 ? 8 + binary_bytes_ : 0);
     if (total > std::numeric_limits<std::uint32_t>::max())

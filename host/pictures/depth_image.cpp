@@ -8,15 +8,13 @@
 #include <vector>
 
 #include "core/error.hpp"
-#include "io/output.hpp"
+#include "pictures/open_input.hpp"
 
 namespace hybrid::pictures {
 using namespace io;
 
 Scan read_depth_image(const std::filesystem::path& file, const DepthCamera& camera) {
-  check_readable(file);
-  const auto input = OIIO::ImageInput::open(file.string());
-  if (!input) fail_input("{}: is no picture that can be read: {}", file.string(), OIIO::geterror());
+  const auto input = open_input(file);
   const OIIO::ImageSpec& spec = input->spec();
   constexpr int kLargest_px = 32768;
   if (std::string(input->format_name()) != "png" || spec.nchannels != 1 || spec.format != OIIO::TypeUInt16)

@@ -16,7 +16,7 @@
 #include "core/log.hpp"
 #include "core/parallel.hpp"
 #include "geometry/colour.hpp"
-#include "io/output.hpp"
+#include "pictures/open_input.hpp"
 
 namespace hybrid::pictures {
 using namespace io;
@@ -25,22 +25,12 @@ namespace {
 
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 30;
 
-// OpenImageIO's own words on one line, for the tail of a message.
-std::string reason(std::string message) {
-  for (char& c : message)
-    if (c == '\n' || c == '\r') c = ' ';
-  return message.empty() ? "no reason given" : message;
-}
-
 using Input = std::unique_ptr<OIIO::ImageInput>;
 
 Input open_picture(const fs::path& file) {
-  check_readable(file);
   OIIO::ImageSpec configuration;
   configuration["oiio:UnassociatedAlpha"] = 1;  // else colours arrive multiplied by alpha
-  Input input = OIIO::ImageInput::open(file.string(), &configuration);
-  if (!input) fail_input("{}: is no picture that can be read: {}", file.string(), reason(OIIO::geterror()));
-  return input;
+  return open_input(file, configuration);
 }
 
 void check_size(const fs::path& file, const OIIO::ImageSpec& spec) {

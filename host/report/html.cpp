@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 #include "report/page_parts.hpp"
 
 namespace hybrid::report {
@@ -47,8 +48,7 @@ std::string link(const std::string& path) {
 
 std::string script_json(const Json& document) {
   std::string out;
-  for (const char c : document.dump(-1, ' ', false, Json::error_handler_t::replace))
-    out += c == '<' ? std::string("\\u003c") : std::string(1, c);
+  for (const char c : json_text(document, -1)) out += c == '<' ? std::string("\\u003c") : std::string(1, c);
   return out;
 }
 

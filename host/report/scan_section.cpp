@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 #include "report/histogram.hpp"
 
@@ -23,7 +24,7 @@ void figure_rows(const Json& value, const std::string& name, std::string& rows) 
   if (value.is_array() && (value.size() > 12 || (!value.empty() && value[0].is_object()))) return;
   const std::string text = value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
                            : value.is_string()     ? value.get<std::string>()
-                                               : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+                                                   : json_text(value, -1);
   rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", escape(name), escape(text));
 }
 

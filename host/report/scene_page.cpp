@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/json_text.hpp"
 #include "io/output.hpp"
 #include "report/scan_section.hpp"
 
@@ -85,7 +86,7 @@ Json joined(const Json& list) {
   if (list.is_array())
     for (const auto& entry : list) {
       if (!text.empty()) text += ", ";
-      text += entry.is_string() ? entry.get<std::string>() : entry.dump();
+      text += entry.is_string() ? entry.get<std::string>() : json_text(entry, -1);
     }
   return text.empty() ? Json(nullptr) : Json(text);
 }
@@ -281,8 +282,7 @@ std::string input_section(const ScenePage& page) {
   const auto& program = page.summary["program"];
   return "<h2>Inputs and options</h2>\n<details><summary>" +
          escape(counted(page.summary["inputs"].size(), "input file")) + "</summary>" + table.html() +
-         "</details>\n<details><summary>options</summary><pre>" +
-         escape(page.summary["options"].dump(1, ' ', false, Json::error_handler_t::replace)) +
+         "</details>\n<details><summary>options</summary><pre>" + escape(json_text(page.summary["options"])) +
          "</pre></details>\n<p class=\"soft\">" +
          escape(program["name"].get<std::string>() + " " + program["version"].get<std::string>()) +
          "; all figures: <a href=\"../summary.json\">summary.json</a></p>\n";

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <cstring>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "bad_mini_scene.hpp"
 #include "bad_output_check.hpp"
@@ -352,6 +354,41 @@ TEST(BadScene, ids_from_file_names_avoid_the_given_ones) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(fs::exists(scratch / "out/scans/s/planes.json"));
   EXPECT_TRUE(fs::exists(scratch / "out/scans/s-2/planes.json"));
+}
+
+// Latin-1 names, of a folder, a group of the model and the results, with a question mark: the bytes are the
+// file system's; in JSON what is no UTF-8 becomes U+FFFD.
+TEST(BadScene, names_need_not_be_utf8) {
+  const Scratch scratch;
+  const fs::path folder = scratch / "sc\xe4ne?", out = scratch / "r\xe9sultat why?";
+  fs::copy(mini_scene(), folder, fs::copy_options::recursive);
+  std::string model = io::read_text(folder / "proxy.obj");
+  io::write_text(folder / "proxy.obj", model.insert(model.find("f "), "g W\xe4nde\n"));
+  const auto outcome = run("timeout 60 hybrid run '" + (folder / "scene.toml").string() +
+                           "' --quiet --json --out '" + out.string() + "'");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(fs::exists(out / "report" / "index.html") || fs::exists(out / "report.html"));
+  const std::string summary = io::read_text(out / "summary.json");
+  EXPECT_TRUE(nlohmann::json::accept(summary));
+  EXPECT_TRUE(nlohmann::json::accept(outcome.out));
+  EXPECT_NE(summary.find("W\xef\xbf\xbdnde"), std::string::npos);
+}
+
+TEST(BadScene, truth_of_another_file_scores_nothing) {
+  const Scratch scratch;
+  fs::copy(room(), scratch / "room", fs::copy_options::recursive);
+  std::string truth = io::read_text(scratch / "room/truth.json");
+  for (const auto& [from, to] : {std::pair{"\"west\"", "\"none\""}, {"\"east\"", "\"west\""}})
+    for (std::size_t at = truth.find(from); at != std::string::npos; at = truth.find(from, at + 1))
+      truth.replace(at, std::strlen(from), to);
+  io::write_text(scratch / "room/truth.json", truth);
+  const auto outcome = run("hybrid run " + (scratch / "room/scene.toml").string() + " --quiet --out " +
+                           (scratch / "out").string() + " --only planes");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("truth.json: scan west: expected the truth of"), std::string::npos)
+      << outcome.err;
+  const auto summary = nlohmann::json::parse(io::read_text(scratch / "out/summary.json"));
+  for (const auto& scan : summary.at("scans")) EXPECT_FALSE(scan.contains("truth"));
 }
 
 }  // namespace hybrid::e2e

@@ -93,6 +93,18 @@ TEST(picture, grey_becomes_three_equal_channels) {
   EXPECT_EQ(pixel(back, 3, 2), (std::vector<int>{value, value, value}));
 }
 
+// OpenImageIO would look for options behind the question mark.
+TEST(picture, a_question_mark_in_a_path_is_part_of_it) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "why?" / "a?b=c.png";
+  fs::create_directories(file.parent_path());
+  const Image8 image = gradient(4, 3, 3);
+  write_png(file, image);
+  EXPECT_EQ(read_photograph(file, 4, 3).pixels, image.pixels);
+  write_text(file, "no picture");
+  EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read_photograph(file, 4, 3); }), "a?b=c.png: is no picture"));
+}
+
 TEST(picture, alpha_is_dropped_and_never_multiplied) {
   const TemporaryFolder folder;
   Image8 image(2, 2, 4, 0);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "core/json_text.hpp"
 #include "io/samples/columns.hpp"
 
 namespace hybrid::io {
@@ -89,7 +90,7 @@ std::string header_bytes(const SampleHeader& header) {
   if (header.world_from_scan) json["world_from_scan"] = row_major(*header.world_from_scan);
   for (const Plane& plane : header.planes)
     json["planes"].push_back({plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset_m});
-  return compress(json.dump());
+  return compress(json_text(json, -1));
 }
 
 SampleHeader parse_header(std::string_view bytes, const std::string& place) {
