@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace hybrid::batch {
 
@@ -11,8 +12,27 @@ namespace hybrid::batch {
 // a summary.json of another program), naming what is there; nothing is checked with `force`.
 void check_output_folder(const std::filesystem::path& out, const std::string& scene, bool force);
 
-// Makes the folder, says in timing.json whose run has begun and removes an older run's summary.json. Call
-// when the inputs are known to be good, before the first output. Throws as io::write_text() does.
-void begin_output(const std::filesystem::path& out, const std::string& scene);
+// The folder while a run writes into it.
+class OutputFolder {
+ public:
+  // Makes the folder, says in timing.json whose run has begun and removes an older run's summary.json. Call
+  // when the inputs are known to be good, before the first output. Throws ErrorKind::input when one of the
+  // inputs lies where results are written, ErrorKind::temporary while another run writes there (the kernel
+  // drops the lock with its holder, however that ends), and as io::write_text() does.
+  OutputFolder(const std::filesystem::path& out, const std::string& scene,
+               const std::vector<std::filesystem::path>& inputs);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  // A warning that names files of an earlier run which this one, having made all its results, did not
+  // replace: of scans and views that the scene no longer has, say.
+  void warn_of_leftovers() const;
+
+ private:
+  std::filesystem::path out_;
+  int lock_ = -1;
+  std::filesystem::file_time_type begun_;
+};
 
 }  // namespace hybrid::batch

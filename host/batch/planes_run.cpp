@@ -39,7 +39,7 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
 
 PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
   check_output_folder(request.out, "", request.force);
-  begin_output(request.out, "");
+  const OutputFolder folder(request.out, "", request.files);
   PlanesRun run;
   Progress progress(request.quiet);
   progress.expect(static_cast<int>(request.files.size()) * 7);

@@ -44,7 +44,7 @@ class Run {
 
   SceneRun go() {
     read_inputs();
-    begin_output(request_.out, run_.scene.name);
+    const OutputFolder folder(request_.out, run_.scene.name, input_files());
     for (const auto& entry : run_.scene.scans) process_file(entry);
     unit("edit", [&] { check_edited_scans(run_.scene, names_->taken()); });
     if (needs_poses()) register_all();
@@ -54,11 +54,16 @@ class Run {
     if (wants("report")) report();
     progress_.finish();
     write_summary();
+    if (makes_all_results()) folder.warn_of_leftovers();
     return std::move(run_);
   }
 
  private:
   bool wants(const std::string& stage) const { return stages_.count(stage) > 0; }
+  bool makes_all_results() const {
+    return run_.failures.empty() && request_.scene_views && request_.only_view.empty() &&
+           std::all_of(kAllStages.begin(), kAllStages.end(), [&](const auto& stage) { return wants(stage); });
+  }
   bool needs_poses() const {
     return wants("register") || wants("edit") || wants("render") || (wants("export") && run_.model);
   }
@@ -89,6 +94,15 @@ class Run {
       fail_input("--leave-one-out: {}: expected at least 2 photographs, found {}", run_.scene.path.string(),
                  run_.photographs.cameras.size());
     if (run_.scene.truth) truth_ = io::read_truth(*run_.scene.truth);
+  }
+
+  // All that is read, and must not be written over.
+  std::vector<fs::path> input_files() const {
+    std::vector<fs::path> files = {request_.scene_file};
+    for (const auto& scan : run_.scene.scans) files.push_back(scan.file);
+    for (const auto& [file, hash] : hashes_) files.push_back(file);
+    if (run_.scene.truth) files.push_back(*run_.scene.truth);
+    return files;
   }
 
   void expect_steps() {
