@@ -11,6 +11,7 @@
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "geometry/colour.hpp"
+#include "io/las_crs.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
 #include "io/write_colmap.hpp"
@@ -167,6 +168,9 @@ struct SceneExport::State {
     if (points().position.empty()) return;
     auto cloud = std::make_unique<io::ScanInMemory>(cloud_of(points(), inputs.scene));
     const auto file = made("points." + format);
+    const std::string& crs = inputs.scene.crs;
+    if (format == "las" && !crs.empty() && io::las_crs_records(crs).empty())
+      note(fmt::format("points.las: without the coordinate system {:.40}: no EPSG:n and no WKT", crs));
     const io::ScanSource source = [&] { return std::move(cloud); };
     format == "las" ? io::write_las(file, source) : io::write_ply_scan(file, source);
   }

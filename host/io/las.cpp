@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/error.hpp"
+#include "core/log.hpp"
 #include "core/parallel.hpp"
 #include "io/built_stream.hpp"
 #include "io/input_file.hpp"
@@ -100,6 +101,13 @@ class LasReader {
       notes.push_back(damage.note(header_.announced));
     }
     if (const auto note = check_las_rest(input_, header_, salvage_)) notes.push_back(*note);
+    if (!header_.unit.empty() && header_.unit != "m") {
+      notes.push_back(
+          fmt::format("its coordinate system counts in {}: coordinates stay as they are, and are taken for "
+                      "metres; convert the file to metres first",
+                      header_.unit));
+      log::warning("{}: {}", input_.name(), notes.back());
+    }
     note_extent(notes);
     note_unused(notes);
     return notes;

@@ -6,14 +6,20 @@
 #include <string_view>
 
 #include "core/error.hpp"
-
 #include "io/scalar_type.hpp"
+#include "io/text_cursor.hpp"
 
 namespace hybrid::io {
 namespace {
 
 // GeoTIFF 1.0: a directory of (key, place, count, value) after its head (1, 1, 0, count).
-enum GeoKey : std::uint16_t { kModelType = 1024, kGeographic = 2048, kProjected = 3072, kLinearUnit = 3076 };
+enum GeoKey : std::uint16_t {
+  kModelType = 1024,
+  kGeographic = 2048,
+  kProjected = 3072,
+  kLinearUnit = 3076,
+  kVertical = 4096
+};
 constexpr std::uint16_t kModelProjected = 1, kModelGeographic = 2;
 constexpr std::uint16_t kUserDefined = 32767;
 
@@ -53,6 +59,28 @@ std::string unit_of_wkt(const std::string& wkt) {
   return name == "metre" || name == "meter" || name == "Meter" ? "m" : name;
 }
 
+struct EpsgCodes {
+  std::uint16_t horizontal = 0, vertical = 0;  // 0 = none
+};
+
+// Of "EPSG:25832", "epsg:25832+7837", "25832" and "urn:ogc:def:crs:EPSG::25832"; none of anything else.
+EpsgCodes epsg_codes(const std::string& crs) {
+  std::string text = lower_case(crs);
+  if (text.starts_with("urn:ogc:def:crs:epsg:")) {
+    text.erase(0, text.rfind(':') + 1);  // a version may come before the code
+  } else if (text.starts_with("epsg:")) {
+    text.erase(0, 5);
+  }
+  EpsgCodes codes;
+  const char* end = text.data() + text.size();
+  auto parsed = std::from_chars(text.data(), end, codes.horizontal);
+  if (parsed.ec == std::errc{} && parsed.ptr != end && *parsed.ptr == '+')
+    parsed = std::from_chars(parsed.ptr + 1, end, codes.vertical);
+  const bool good = parsed.ec == std::errc{} && parsed.ptr == end && codes.horizontal < kUserDefined &&
+                    codes.vertical < kUserDefined;
+  return good ? codes : EpsgCodes{};
+}
+
 void append_words(std::string& bytes, std::initializer_list<std::uint16_t> words) {
   for (const std::uint16_t value : words) {
     bytes += static_cast<char>(value & 255);
@@ -77,8 +105,10 @@ void describe_las_crs(LasHeader& header) {
     const std::uint16_t projected = key_value(record.bytes, kProjected),
                         geographic = key_value(record.bytes, kGeographic);
     const std::uint16_t code = projected != 0 ? projected : geographic;
-    header.crs = code == 0 || code == kUserDefined ? "GeoTIFF keys without an EPSG code"
-                                                   : fmt::format("EPSG:{}", code);
+    const std::uint16_t vertical = key_value(record.bytes, kVertical);
+    header.crs = code == 0 || code == kUserDefined           ? "GeoTIFF keys without an EPSG code"
+                 : vertical == 0 || vertical == kUserDefined ? fmt::format("EPSG:{}", code)
+                                                             : fmt::format("EPSG:{}+{}", code, vertical);
     header.unit = unit_of_code(key_value(record.bytes, kLinearUnit));
   }
 }
@@ -90,19 +120,15 @@ bool is_wkt(const std::string& crs) {
 std::vector<CrsRecord> las_crs_records(const std::string& crs) {
   constexpr std::size_t kMostBytes = 65535;  // of a record
   if (is_wkt(crs) && crs.size() < kMostBytes) return {{kWkt, crs + '\0'}};
-  constexpr std::string_view kEpsg = "EPSG:";
-  std::uint16_t code = 0;
-  const char* end = crs.data() + crs.size();
-  if (!crs.starts_with(kEpsg)) return {};
-  if (const auto parsed = std::from_chars(crs.data() + kEpsg.size(), end, code);
-      parsed.ec != std::errc{} || parsed.ptr != end)
-    return {};
+  const auto [code, vertical] = epsg_codes(crs);
+  if (code == 0) return {};
   // Codes from 4000 to 4999 are geographic systems.
   const bool geographic = code >= 4000 && code < 5000;
   CrsRecord record{kGeoKeys, ""};
-  append_words(record.bytes, {1, 1, 0, 2});
+  append_words(record.bytes, {1, 1, 0, static_cast<std::uint16_t>(vertical != 0 ? 3 : 2)});
   append_words(record.bytes, {kModelType, 0, 1, geographic ? kModelGeographic : kModelProjected});
   append_words(record.bytes, {geographic ? kGeographic : kProjected, 0, 1, code});
+  if (vertical != 0) append_words(record.bytes, {kVertical, 0, 1, vertical});
   return {record};
 }
 

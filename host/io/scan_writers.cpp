@@ -5,12 +5,15 @@
 
 #include "core/error.hpp"
 #include "io/intensity_map.hpp"
+#include "io/las_crs.hpp"
 #include "io/las_steps.hpp"
 #include "io/text_cursor.hpp"
 #include "io/write_scan.hpp"
 
 namespace hybrid::io {
 namespace {
+
+constexpr std::size_t kCrsShown = 40;  // characters
 
 // Whether an intensity is no whole number once it is mapped.
 bool rounds(const ScanStream& scan, const IntensityMap& map) {
@@ -101,10 +104,13 @@ WriteLosses losses_of(const ScanWriter& writer, const ScanStream& stream) {
   if (scan.world_from_scan && writer.pose && !writer.pose_scale && scan.world_from_scan->scale != 1)
     losses.dropped.push_back(fmt::format("the pose's scale ({})", scan.world_from_scan->scale));
   if (!scan.crs.empty() && !writer.crs) losses.dropped.emplace_back("coordinate system");
+  if (!scan.crs.empty() && writer.las_steps && scan.crs_records.empty() && las_crs_records(scan.crs).empty())
+    losses.dropped.push_back(
+        fmt::format("coordinate system ({}: no EPSG:n and no WKT)", scan.crs.substr(0, kCrsShown)));
   if (!writer.no_returns)
     if (const std::uint64_t count = stream.count() - stream.facts().returns; count > 0)
       losses.dropped.push_back(fmt::format("no-returns ({})", count));
-  const IntensityMap map = map_intensity(stream, writer.intensity_limits);
+  const IntensityMap map = map_intensity(stream, writer.intensity_limits, writer.whole_intensity);
   if (!map.identity())
     losses.changed.push_back(fmt::format("intensity scaled from {}..{} to {}..{}", map.from[0], map.from[1],
                                          map.to[0], map.to[1]));

@@ -94,7 +94,7 @@ void write_las(const std::filesystem::path& file, const ScanSource& next) {
   const LasSteps& steps = scan->las_steps();
   const Layout layout = choose_layout(*scan);
   const LasPointFormat& format = las_point_format(layout.format);
-  const IntensityMap map = map_intensity(*scan, kLasIntensity);
+  const IntensityMap map = map_intensity(*scan, kLasIntensity, true);
   const std::string head = header(layout, steps, scan->facts().returns);
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);

@@ -12,7 +12,7 @@ void write_pts(const std::filesystem::path& file, const ScanSource& next) {
   write_atomically(file, [&](const std::filesystem::path& temporary) {
     OutputFile out(temporary);
     while (const auto scan = next()) {
-      const IntensityMap map = map_intensity(*scan, kPtsIntensity);
+      const IntensityMap map = map_intensity(*scan, kPtsIntensity, true);
       const std::string count = fmt::format("{}\n", scan->facts().returns);
       out.write(count.data(), count.size());
       write_blocks(out, *scan, [&](const SampleBlock& block, std::size_t i, std::string& text) {

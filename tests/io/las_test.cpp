@@ -40,6 +40,22 @@ TEST(Las, VersionsWithTheirCoordinateSystems) {
   }
 }
 
+TEST(Las, CoordinatesInFeetAreNamed) {
+  const ScanFolder folder;
+  std::string file = las_sample(2);
+  const auto key = [](std::uint16_t unit) {
+    std::string bytes;
+    for (const int word : {3076, 0, 1, int{unit}}) bytes += raw(static_cast<std::uint16_t>(word));
+    return bytes;
+  };
+  const std::size_t at = file.find(key(9001));
+  ASSERT_NE(at, std::string::npos);
+  file.replace(at, 8, key(9003));
+  const Scan scan = io::read_scan(folder.write("a.las", file), 0);
+  ASSERT_EQ(scan.notes.size(), 1u);
+  EXPECT_TRUE(holds(scan.notes[0], "counts in US survey ft: coordinates stay as they are"));
+}
+
 // The same four points in records of every format, with extra bytes at their ends.
 TEST(Las, AllPointFormats) {
   const ScanFolder folder;

@@ -187,6 +187,47 @@ TEST(WriteScan, IntensitiesGoToTheRangeOfTheFormatAndBack) {
   EXPECT_EQ(through(folder, "b.las", ptx).intensity, las.intensity);
 }
 
+// PLY, PCD and EXR say no limits: fractions within the range of a format of whole numbers would become few.
+TEST(WriteScan, IntensitiesWithoutLimitsKeepTheirStepsInFormatsOfWholeNumbers) {
+  const ScanFolder folder;
+  Scan scan = full_scan(100, 30);
+  for (auto& point : scan.points) point = {1, 2, 3};
+  scan.intensity_limits.reset();
+  for (std::size_t i = 0; i < scan.intensity.size(); ++i)
+    scan.intensity[i] = static_cast<float>(i) / static_cast<float>(scan.intensity.size());
+  const Scan las = through(folder, "a.las", scan), pts = through(folder, "a.pts", scan);
+  for (std::size_t i = 0; i < scan.intensity.size(); ++i) {
+    EXPECT_NEAR(las.intensity[i], 65535 * scan.intensity[i], 0.51);
+    EXPECT_NEAR(pts.intensity[i], 4095 * scan.intensity[i] - 2048, 0.51);
+  }
+  for (float& value : scan.intensity) value = 10 + 5 * value;
+  EXPECT_NEAR(through(folder, "b.las", scan).intensity.back(), 65535, 1);
+  for (float& value : scan.intensity) value = 1000 * (value - 10);
+  EXPECT_NEAR(through(folder, "c.las", scan).intensity.back(), scan.intensity.back(), 0.51);
+}
+
+// What people write for one system, and what says none.
+TEST(WriteScan, CoordinateSystemsByTheirCodesReachLas) {
+  const ScanFolder folder;
+  Scan scan = full_scan(4, 5);
+  const auto dropped = [&](const char* name) {
+    return fmt::format("{}", fmt::join(losses_in(name, scan).dropped, ", "));
+  };
+  for (const auto& [written, read] : {std::pair{"epsg:25832", "EPSG:25832"},
+                                      {"25832", "EPSG:25832"},
+                                      {"urn:ogc:def:crs:EPSG::4326", "EPSG:4326"},
+                                      {"EPSG:25832+7837", "EPSG:25832+7837"}}) {
+    scan.crs = written;
+    EXPECT_EQ(through(folder, "a.las", scan).crs, read);
+    EXPECT_FALSE(holds(dropped("a.las"), "coordinate system"));
+  }
+  for (const char* written : {"EPSG:0", "EPSG:nonsense", "EPSG:99999", "a grid"}) {
+    scan.crs = written;
+    EXPECT_EQ(through(folder, "b.las", scan).crs, "");
+    EXPECT_TRUE(holds(dropped("b.las"), "no EPSG:n and no WKT"));
+  }
+}
+
 TEST(WriteScan, LossesAreNamed) {
   const Scan scan = full_scan(4, 5);
   const auto losses = [&](const char* name, const Scan& of) {
