@@ -40,19 +40,31 @@ struct Box {
   void add(const Box& b) {
     x0 = std::min(x0, b.x0), y0 = std::min(y0, b.y0), x1 = std::max(x1, b.x1), y1 = std::max(y1, b.y1);
   }
+  void widen(std::int64_t by) { x0 -= by, y0 -= by, x1 += by, y1 += by; }
   bool meets(const Box& b) const { return x0 <= b.x1 && b.x0 <= x1 && y0 <= b.y1 && b.y0 <= y1; }
   double size() const { return static_cast<double>(x1 - x0) * static_cast<double>(y1 - y0); }
 };
+
+// Nanometres from p to the closed segment ab.
+double distance_nm(const RingVertex& p, const RingVertex& a, const RingVertex& b) {
+  const Vec2 side(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y)),
+      arm(static_cast<double>(p.x - a.x), static_cast<double>(p.y - a.y));
+  const double squared = side.squaredNorm();
+  const double along = squared > 0 ? std::clamp(side.dot(arm) / squared, 0.0, 1.0) : 0;
+  return (arm - along * side).norm();
+}
 
 struct Edge {
   std::uint32_t ring, index;  // from vertex `index` to the next one
 };
 using Crossing = std::pair<Edge, Edge>;
 
-// All edges in ring order under a binary tree of boxes: successive edges are near each other.
+// All edges in ring order under a binary tree of boxes: successive edges are near each other. Edges meet,
+// too, when an end of one comes nearer to the other than `reach_nm`.
 class Crossings {
  public:
-  explicit Crossings(const std::vector<FlatRing>& rings) : rings_(rings) {
+  explicit Crossings(const std::vector<FlatRing>& rings, std::int64_t reach_nm = 0)
+      : rings_(rings), reach_nm_(reach_nm) {
     for (std::uint32_t r = 0; r < rings.size(); ++r)
       for (std::uint32_t i = 0; i < rings[r].vertices.size(); ++i) edges_.push_back({r, i});
     leaves_ = 1;
@@ -61,6 +73,7 @@ class Crossings {
     for (std::size_t i = 0; i < edges_.size(); ++i) {
       boxes_[leaves_ + i].add(start(edges_[i]));
       boxes_[leaves_ + i].add(finish(edges_[i]));
+      boxes_[leaves_ + i].widen(reach_nm);
     }
     for (std::size_t i = leaves_ - 1; i > 0; --i) {
       boxes_[i] = boxes_[2 * i];
@@ -94,34 +107,31 @@ class Crossings {
       for (std::size_t j = 0; j < 2; ++j) across(2 * a + i, 2 * b + j);
   }
   void test(const Edge& e, const Edge& f) {
+    if (cross(e, f) || touch(e, f)) found_.push_back({e, f});
+  }
+  bool cross(const Edge& e, const Edge& f) const {
     if (e.ring == f.ring) {
       const auto count = static_cast<std::uint32_t>(rings_[e.ring].vertices.size());
-      const bool e_then_f = (e.index + 1) % count == f.index, f_then_e = (f.index + 1) % count == e.index;
-      bool bad;
-      if (e_then_f)
-        bad = folds(start(e), start(f), finish(f));
-      else if (f_then_e)
-        bad = folds(start(f), start(e), finish(e));
-      else
-        bad = meet(start(e), finish(e), start(f), finish(f));
-      if (bad) found_.push_back({e, f});
-      return;
+      if ((e.index + 1) % count == f.index) return folds(start(e), start(f), finish(f));
+      if ((f.index + 1) % count == e.index) return folds(start(f), start(e), finish(e));
+      return meet(start(e), finish(e), start(f), finish(f));
     }
     // Touching vertex to vertex is allowed between rings; so is leaving such a vertex in any direction but
     // along the other edge.
     const RingVertex &a = start(e), &b = finish(e), &c = start(f), &d = finish(f);
-    bool bad;
-    if (equal(a, c))
-      bad = folds(b, a, d);
-    else if (equal(a, d))
-      bad = folds(b, a, c);
-    else if (equal(b, c))
-      bad = folds(a, b, d);
-    else if (equal(b, d))
-      bad = folds(a, b, c);
-    else
-      bad = meet(a, b, c, d);
-    if (bad) found_.push_back({e, f});
+    if (equal(a, c)) return folds(b, a, d);
+    if (equal(a, d)) return folds(b, a, c);
+    if (equal(b, c)) return folds(a, b, d);
+    if (equal(b, d)) return folds(a, b, c);
+    return meet(a, b, c, d);
+  }
+  bool touch(const Edge& e, const Edge& f) const {
+    if (reach_nm_ == 0) return false;
+    const RingVertex &a = start(e), &b = finish(e), &c = start(f), &d = finish(f);
+    const auto near = [&](const RingVertex& p, const RingVertex& from, const RingVertex& to) {
+      return !equal(p, from) && !equal(p, to) && distance_nm(p, from, to) < static_cast<double>(reach_nm_);
+    };
+    return near(a, c, d) || near(b, c, d) || near(c, a, b) || near(d, a, b);
   }
   // The path a, b, c runs back over itself.
   static bool folds(const RingVertex& a, const RingVertex& b, const RingVertex& c) {
@@ -130,6 +140,7 @@ class Crossings {
   }
 
   const std::vector<FlatRing>& rings_;
+  std::int64_t reach_nm_;
   std::vector<Edge> edges_;
   std::vector<Box> boxes_;
   std::size_t leaves_ = 1;
@@ -219,6 +230,15 @@ double signed_area2(const FlatRing& ring) {
 
 bool are_simple(const std::vector<FlatRing>& rings) {
   return Crossings(rings).find().empty();
+}
+
+std::vector<std::size_t> touching_rings(const std::vector<FlatRing>& rings, std::int64_t reach_nm) {
+  std::vector<std::size_t> touching;
+  for (const auto& [e, f] : Crossings(rings, reach_nm).find())
+    touching.insert(touching.end(), {e.ring, f.ring});
+  std::sort(touching.begin(), touching.end());
+  touching.erase(std::unique(touching.begin(), touching.end()), touching.end());
+  return touching;
 }
 
 void make_simple(std::vector<FlatRing>& rings) {

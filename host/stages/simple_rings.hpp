@@ -34,6 +34,11 @@ double signed_area2(const FlatRing& ring);
 // equal vertices.
 bool are_simple(const std::vector<FlatRing>& rings);
 
+// The rings, in order, of which an edge meets another of theirs or another ring's in that sense, or a vertex
+// comes nearer to such an edge than `reach_nm`: points moved onto one line lie on it but for rounding, so
+// that edges that lie over each other need not meet.
+std::vector<std::size_t> touching_rings(const std::vector<FlatRing>& rings, std::int64_t reach_nm);
+
 // Drops the vertices at which rings cross themselves or each other, until none does: the shorter loop a
 // crossing cuts off, or the ends of the crossing edges. A ring that would lose more than a quarter of its
 // vertices is given up: an outer one becomes its convex hull, an inner one is dropped. Rings whose area

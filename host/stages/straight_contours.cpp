@@ -10,6 +10,7 @@
 namespace hybrid::stages {
 namespace {
 
+constexpr std::int64_t kApart_nm = 10;    // what moved contours keep from each other
 constexpr double kReach = 2;              // spacings from a point to its line, and beyond the line's ends
 constexpr double kCornerReach = 4;        // spacings from the ends of two runs to the corner of their lines
 constexpr double kLeastCornerSine = 0.2;  // lines that meet at less than 12 degrees have no sharp corner
@@ -164,21 +165,32 @@ FlatRing flat(const PlaneCoordinates& coordinates, const ContourRing& ring) {
   return result;
 }
 
-// A ring stays as it is when it would cross itself or close up: parts a few samples wide may have both
-// borders within reach of one line.
+// Rings stay as they are that would cross or touch, themselves or each other, or close up: parts a few
+// samples wide may have both borders within reach of one line.
 void straighten(const Straightener& straightener, Supercluster& supercluster) {
   const PlaneCoordinates coordinates(supercluster.plane);
   std::vector<ContourRing> contours;
   std::vector<FlatRing> rings;
+  std::vector<bool> moved;
   for (const ContourRing& contour : supercluster.contours) {
     ContourRing straight{straightener.straighten(contour.points), contour.outer};
     FlatRing before = flat(coordinates, contour), after = flat(coordinates, straight);
     const double change = after.vertices.size() < 3 ? 0 : signed_area2(after) / signed_area2(before);
-    const bool good = change > kLeastArea && change < kMostArea && are_simple({after});
-    contours.push_back(good ? std::move(straight) : contour);
-    rings.push_back(good ? std::move(after) : std::move(before));
+    moved.push_back(change > kLeastArea && change < kMostArea && touching_rings({after}, kApart_nm).empty());
+    contours.push_back(moved.back() ? std::move(straight) : contour);
+    rings.push_back(moved.back() ? std::move(after) : std::move(before));
   }
-  if (are_simple(rings)) supercluster.contours = std::move(contours);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const std::size_t r : touching_rings(rings, kApart_nm)) {
+      if (!moved[r]) continue;
+      moved[r] = false;
+      changed = true;
+      contours[r] = supercluster.contours[r];
+      rings[r] = flat(coordinates, contours[r]);
+    }
+  }
+  supercluster.contours = std::move(contours);
 }
 
 }  // namespace

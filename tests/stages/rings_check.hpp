@@ -32,6 +32,21 @@ inline int crossings(const Polygon& p, const Polygon& q) {
       count += edges_cross(p[i], p[(i + 1) % p.size()], q[j], q[(j + 1) % q.size()]);
   return count;
 }
+// Vertices of q on edges of p, but for edges' own ends and, between rings, common vertices.
+inline int touches(const Polygon& p, const Polygon& q) {
+  constexpr double kNear_m = 2e-9, kSame_m = 1e-12;
+  int count = 0;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      const Vec2 &a = p[i], &b = p[(i + 1) % p.size()], &c = q[j];
+      if ((&p == &q && (j == i || j == (i + 1) % p.size())) || (c - a).norm() < kSame_m ||
+          (c - b).norm() < kSame_m)
+        continue;
+      const double along = std::clamp((c - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+      count += (a + along * (b - a) - c).norm() < kNear_m;
+    }
+  return count;
+}
 inline bool contains(const Polygon& polygon, const Vec2& p) {
   bool in = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -68,6 +83,7 @@ inline double expect_valid_contours(const Supercluster& s) {
       if (j >= i) {
         EXPECT_EQ(crossings(flat[i], flat[j]), 0) << "supercluster " << s.id << " rings " << i << " " << j;
       }
+      EXPECT_EQ(touches(flat[i], flat[j]), 0) << "supercluster " << s.id << " rings " << i << " " << j;
       // The middle of an edge: a vertex may touch the outer ring.
       held = held || (s.contours[j].outer && contains(flat[j], (flat[i][0] + flat[i][1]) / 2));
     }

@@ -66,6 +66,23 @@ TEST(SimpleRings, touching_itself_folding_back_and_repeating_are_not_simple) {
   EXPECT_FALSE(stages::are_simple({square, ring_of({{1, 1}, {3, 1}, {3, 1.5}})}));  // across
 }
 
+// Points moved onto a slanted line lie on it but for a nanometre: what lies over each other need not meet.
+TEST(SimpleRings, edges_within_reach_of_each_other_touch) {
+  const Vec2 along = Vec2(3, 1).normalized(), across(-along.y(), along.x());
+  const auto at = [&](double s, double t) -> Vec2 { return s * along + t * across; };
+  const auto ring = ring_of({at(0, 0), at(2, 0), at(2, 1), at(0, 1)});
+  // Back over its own edge, 2 nm beside it; another ring along it; a corner on it.
+  const auto doubled = ring_of({at(0, 0), at(2, 0), at(2, 1), at(1.5, 2e-9), at(1, 2e-9), at(0, 1)});
+  const auto beside = ring_of({at(0.5, -2e-9), at(0.5, -1), at(1.5, -1), at(1.5, -2e-9)});
+  const auto pointed = ring_of({at(1, -2e-9), at(0.5, -1), at(1.5, -1)});
+  const auto clear = ring_of({at(0.5, -1e-6), at(0.5, -1), at(1.5, -1), at(1.5, -1e-6)});
+  EXPECT_EQ(stages::touching_rings({doubled}, 10), (std::vector<std::size_t>{0}));
+  EXPECT_EQ(stages::touching_rings({clear, ring, beside}, 10), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(stages::touching_rings({ring, pointed}, 10), (std::vector<std::size_t>{0, 1}));
+  EXPECT_TRUE(stages::touching_rings({ring, clear}, 10).empty());
+  EXPECT_TRUE(stages::touching_rings({ring, ring_of({at(2, 1), at(3, 1), at(3, 2)})}, 10).empty());
+}
+
 TEST(SimpleRings, make_simple_drops_only_what_crosses) {
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
     std::vector<stages::FlatRing> rings = {ring_of(star(500, 0.01, seed))};
