@@ -122,6 +122,12 @@ void find_planes(device::Queue& queue, const StageOptions& options, Progress& pr
         100 * product.segmentation.interleaved, product.segmentation.waviness_m));
     log::warning("{}: {}", unit, product.notes.back());
   }
+  if (product.segmentation.superclusters.empty()) {
+    product.notes.emplace_back(
+        "no plane was found: expected walls or floors of `planes.min_squares` squares; look at range.png, "
+        "whether rows and columns are in the file's order and lengths in metres");
+    log::warning("{}: {}", unit, product.notes.back());
+  }
   progress.step("contours", unit);
   product.boundary = stages::trace_contours(queue, product.image, product.segmentation, options.contours);
   product.intersections = stages::find_intersections(product.image, product.segmentation);

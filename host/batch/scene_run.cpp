@@ -67,6 +67,9 @@ class Run {
   bool needs_poses() const {
     return wants("register") || wants("edit") || wants("render") || (wants("export") && run_.model);
   }
+  bool needs_photographs() const {
+    return run_.scene.photographs && (wants("render") || wants("export") || request_.leave_one_out);
+  }
   bool colours_scans() const {
     return wants("render") && wants("planes") && run_.scene.photographs.has_value();
   }
@@ -83,7 +86,7 @@ class Run {
       run_.model = editing_.edit(run_.scene, model, names);
       add_input(run_.scene.model->file);
     }
-    if (run_.scene.photographs) {
+    if (needs_photographs()) {
       run_.photographs =
           read_photographs(*run_.scene.photographs, request_.salvage,
                            (std::size_t{1} << 18) * static_cast<std::size_t>(options_.render.photograph_mb));
@@ -156,7 +159,13 @@ class Run {
     std::future<io::FileFingerprint> print;  // taken beside the reading, where there are threads
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      scans = list_scene_scans(entry, request_.salvage);
+      auto listed = list_scene_scans(entry, request_.salvage);
+      if (listed.size() > 1 && !entry.landmarks.empty())
+        fail_input(
+            "{}:{}: expected the landmarks of one scan, found {} scans in {}; give each scan of the file a "
+            "[[scan]] with its `index`, landmarks in the one they belong to",
+            run_.scene.path.string(), entry.line, listed.size(), entry.file.filename().string());
+      scans = std::move(listed);
       print = std::async(thread_count() > 1 ? std::launch::async : std::launch::deferred,
                          [&] { return io::fingerprint(entry.file); });
     });
@@ -218,7 +227,7 @@ class Run {
     progress_.step("drawn samples", all);
     choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
     if (!run_.model) return;
-    if (run_.scene.photographs) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
+    if (needs_photographs()) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
     const auto contours = world_contours(run_.products, run_.registrations);
     const fs::path file = request_.out / "model" / "unexplained.obj";

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/log.hpp"
 #include "io/input_file.hpp"
 #include "io/salvage.hpp"
 #include "io/scan_builder.hpp"
@@ -15,12 +16,15 @@
 namespace hybrid::io {
 namespace {
 
+constexpr double kSamePlace_m = 0.001;
+
 constexpr std::uint64_t kShortestLine = 8;  // "0 0 0 0\n"
 
 struct PtxHeader {
   std::uint64_t line = 0;  // of its first line
   std::uint64_t cols = 0, rows = 0;
   std::array<double, 16> world_from_scan{};  // row-major, column vectors
+  Vec3 position = Vec3::Zero();              // of the scanner, as its line says
 };
 
 [[noreturn]] void fail_cut_short(const TextCursor& cursor, const std::string& expected) {
@@ -54,14 +58,17 @@ std::uint64_t read_count(TextCursor& cursor, const char* meaning) {
   return static_cast<std::uint64_t>(value);
 }
 
-// Columns, rows, the scanner's position and axes (the same pose again, not used), and the 4x4, which
-// multiplies row vectors from the right and so has the translation in its last row.
+// Columns, rows, the scanner's position and axes (the same pose again, used for nothing but a comparison),
+// and the 4x4, which multiplies row vectors from the right and so has the translation in its last row.
 PtxHeader read_header(TextCursor& cursor) {
   PtxHeader header{cursor.line()};
   header.cols = read_count(cursor, "the number of columns, a whole number from 1");
   header.rows = read_count(cursor, "the number of rows, a whole number from 1");
   std::array<double, 4> row{};
-  for (int i = 0; i < 4; ++i) read_line(cursor, std::span(row).first(3), "the scanner's position and axes");
+  for (int i = 0; i < 4; ++i) {
+    read_line(cursor, std::span(row).first(3), "the scanner's position and axes");
+    if (i == 0) header.position = {row[0], row[1], row[2]};
+  }
   for (std::size_t i = 0; i < 4; ++i) {
     read_line(cursor, row, "a row of the 4x4 matrix");
     for (std::size_t j = 0; j < 4; ++j) header.world_from_scan[4 * j + i] = row[j];
@@ -69,13 +76,27 @@ PtxHeader read_header(TextCursor& cursor) {
   return header;
 }
 
+// Files whose points are in world coordinates have a position beside the identity: the beams begin there.
+void compare_position(Scan& scan, const std::string& file, const PtxHeader& header) {
+  const Vec3& p = header.position;
+  if (p.norm() <= kSamePlace_m || header.world_from_scan != row_major(Pose{})) return;
+  scan.notes.push_back(
+      fmt::format("line {}: the scanner's position {} {} {} does not fit the matrix, the identity, which is "
+                  "used; if the points are in world coordinates, give the scan `scanner = [{}, {}, {}]`",
+                  header.line + 2, p.x(), p.y(), p.z(), p.x(), p.y(), p.z()));
+  log::warning("{}: {}", file, scan.notes.back());
+}
+
 void set_pose(Scan& scan, const std::string& file, const PtxHeader& header, bool salvage) {
+  compare_position(scan, file, header);
   if (header.world_from_scan == row_major(Pose{})) return;
   try {
     scan.world_from_scan = pose_from_row_major(header.world_from_scan);
   } catch (const Error& error) {
-    const auto problem = fmt::format("lines {} to {} (the scan's 4x4 matrix): {}", header.line + 6,
-                                     header.line + 9, error.what());
+    const auto problem = fmt::format(
+        "lines {} to {} (the scan's 4x4 matrix, transposed: the translation "
+        "stands in the last): {}",
+        header.line + 6, header.line + 9, error.what());
     if (!salvage)
       fail_input("{}: {}; correct it, or write the identity and register the scan, {}", file, problem,
                  kSalvageRemedy);

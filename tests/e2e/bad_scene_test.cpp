@@ -356,6 +356,35 @@ TEST(BadScene, ids_from_file_names_avoid_the_given_ones) {
   EXPECT_TRUE(fs::exists(scratch / "out/scans/s-2/planes.json"));
 }
 
+// Photographs are neither read nor asked for where nothing is drawn of them.
+TEST(BadScene, planes_and_poses_need_no_photographs) {
+  const Scratch scratch;
+  fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  io::write_text(scratch / "scene/images/0.png", "no picture");
+  const std::string command = "hybrid run " + (scratch / "scene/scene.toml").string() + " --quiet --out " +
+                              (scratch / "out").string() + " --only planes,register";
+  EXPECT_EQ(run(command).exit_code, 0);
+  expect_failure(run(command + ",render"), 4, {"images/0.png: is no picture that can be read"});
+}
+
+TEST(BadScene, landmarks_of_a_file_of_several_scans_need_an_index) {
+  const Scratch scratch;
+  fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  io::write_text(scratch / "scene/two.ptx",
+                 "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n"
+                 "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 4 0.5\n");
+  std::string text = mini_scene_text();
+  text.replace(text.find("[[scan]]"), text.find("[model]") - text.find("[[scan]]"),
+               "[[scan]]\nid = \"two\"\nfile = \"two.ptx\"\nlandmarks = [\n"
+               "{ scan = [0, 0, 0], model = [0, 0, 0] },\n{ scan = [4, 0, 0], model = [4, 0, 0] },\n"
+               "{ scan = [0, 3, 0], model = [0, 3, 0] }]\n\n");
+  io::write_text(scratch / "scene/scene.toml", text);
+  expect_failure(run("hybrid run " + (scratch / "scene/scene.toml").string() + " --quiet --out " +
+                     (scratch / "out").string() + " --only planes,register"),
+                 4,
+                 {"scene.toml:", "expected the landmarks of one scan, found 2 scans in two.ptx", "`index`"});
+}
+
 // Latin-1 names, of a folder, a group of the model and the results, with a question mark: the bytes are the
 // file system's; in JSON what is no UTF-8 becomes U+FFFD.
 TEST(BadScene, names_need_not_be_utf8) {

@@ -51,6 +51,17 @@ TEST(Ptx, MatrixIsTransposedAndScansAreNumbered) {
   EXPECT_TRUE(scans[1].rgb.empty());
 }
 
+TEST(Ptx, APositionBesideTheMatrixIsNamed) {
+  const ScanFolder folder;
+  std::string text = "1\n1\n100 200 50\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n";
+  const auto beside = read_scans(folder.write("beside.ptx", text));
+  ASSERT_EQ(beside[0].notes.size(), 1u);
+  EXPECT_TRUE(holds(beside[0].notes[0], "line 3: the scanner's position 100 200 50 does not fit the matrix"));
+  EXPECT_TRUE(holds(beside[0].notes[0], "`scanner = [100, 200, 50]`"));
+  text.replace(text.find("0 0 0 1\n1 2"), 7, "100 200 50 1");
+  EXPECT_TRUE(read_scans(folder.write("same.ptx", text))[0].notes.empty());
+}
+
 TEST(Ptx, FewerPointsThanPromisedIsFoundAtTheNextHeader) {
   const ScanFolder folder;
   const auto file =
