@@ -9,6 +9,7 @@
 
 #include "core/memory_budget.hpp"
 #include "core/option_table.hpp"
+#include "geometry/vectors.hpp"
 
 namespace hybrid::app {
 
@@ -42,6 +43,10 @@ bool shows_progress(const CommonOptions& options);
 
 // "auto" or a number, as --square takes it.
 OptionValue parse_square(const std::string& text);
+// "X,Y,Z". Throws ErrorKind::usage naming the option.
+Vec3 parse_place(const std::string& text, const std::string& option);
+// What --dry-run says, a line each: as it is, or as one JSON document.
+void print_dry_run(const CommonOptions& options, const std::string& text);
 
 // "8G", "512M", "1.5GiB" in bytes of powers of 1024.
 std::uint64_t parse_bytes(const std::string& text, const std::string& option);

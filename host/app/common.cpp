@@ -1,6 +1,11 @@
 #include <charconv>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "app/commands.hpp"
+#include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
 
@@ -22,7 +27,7 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
 
 void add_salvage_option(CLI::App& command, bool& salvage) {
   command.add_flag("--salvage", salvage,
-                   "use what is good of a damaged E57 file and say what is lost, instead of failing");
+                   "use what is good of a damaged file and say what is lost, instead of failing");
 }
 
 void add_set_option(CLI::App& command, CommonOptions& options) {
@@ -41,6 +46,31 @@ void apply(const CommonOptions& options) {
 
 bool shows_progress(const CommonOptions& options) {
   return !options.quiet && (options.log_level == "info" || options.log_level == "debug");
+}
+
+void print_dry_run(const CommonOptions& options, const std::string& text) {
+  if (!options.json) {
+    std::cout << text;
+    return;
+  }
+  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  std::cout << json_text(nlohmann::ordered_json{{"dry_run", lines}}) << "\n";
+}
+
+Vec3 parse_place(const std::string& text, const std::string& option) {
+  Vec3 place;
+  const char *at = text.data(), *end = text.data() + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto parsed = std::from_chars(at, end, place[axis]);
+    const bool last = axis == 2;
+    if (parsed.ec != std::errc() || !std::isfinite(place[axis]) ||
+        (last ? parsed.ptr != end : parsed.ptr == end || *parsed.ptr != ','))
+      fail(ErrorKind::usage, "{} {}: expected three numbers with commas between them, X,Y,Z", option, text);
+    at = parsed.ptr + (last ? 0 : 1);
+  }
+  return place;
 }
 
 OptionValue parse_square(const std::string& text) {

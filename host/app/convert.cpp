@@ -36,7 +36,7 @@ void add_convert(CLI::App& program, int& exit_code) {
     request->out = files->back();
     request->more.assign(files->begin() + 1, files->end() - 1);
     if (common->dry_run) {
-      std::cout << batch::describe_convert(*request);
+      print_dry_run(*common, batch::describe_convert(*request));
       return;
     }
     const auto run = batch::run_convert(*request);

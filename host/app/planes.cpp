@@ -19,14 +19,11 @@ void add_planes(CLI::App& program, int& exit_code) {
   command->add_option("scans", request->files, "scan files (" + io::scan_extensions() + ")")->required();
   command->add_option("--out", request->out, "output folder")->required();
   command->add_option("--square", *square, "side of the squares in samples: auto or 3..16");
-  auto scanner = std::make_shared<std::vector<double>>();
-  command
-      ->add_option(
-          "--scanner", *scanner,
-          "X,Y,Z: where the scanner stood, metres in the files' coordinates, for files that cannot say "
-          "(PTS, LAS, PLY, ...); else it is taken to stand at their origin")
-      ->delimiter(',')
-      ->expected(3);
+  auto scanner = std::make_shared<std::string>();
+  command->add_option(
+      "--scanner", *scanner,
+      "X,Y,Z: where the scanner stood, metres in the files' coordinates, for files that cannot say "
+      "(PTS, LAS, PLY, ...); else it is taken to stand at their origin");
   add_salvage_option(*command, request->salvage);
   add_common_options(*command, *common);
   add_memory_option(*command, *common);
@@ -35,13 +32,13 @@ void add_planes(CLI::App& program, int& exit_code) {
     apply(*common);
     for (const auto& assignment : common->assignments) request->options.set(assignment);
     if (command->count("--square")) request->options.set_square(parse_square(*square));
-    if (!scanner->empty()) request->scanner = Vec3(scanner->at(0), scanner->at(1), scanner->at(2));
+    if (command->count("--scanner") > 0) request->scanner = parse_place(*scanner, "--scanner");
     request->options.set_tile(common->tile);
     if (common->seed) request->options.set_seed(*common->seed);
     request->quiet = !shows_progress(*common);
     request->force = common->force;
     if (common->dry_run) {
-      std::cout << batch::describe_planes_run(*request);
+      print_dry_run(*common, batch::describe_planes_run(*request));
       return;
     }
     const auto budget = memory_budget(*common, request->out);

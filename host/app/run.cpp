@@ -28,7 +28,8 @@ void add_run(CLI::App& program, int& exit_code) {
           "computed "
           "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
           "them; without --only all but export, which runs where the scene file has [export]")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);  // what follows is the scene
   scene.command->add_flag("--leave-one-out", scene.request->leave_one_out,
                           "after the scene's views, every photograph's made from all the others, scored");
   scene.command->callback([=, &exit_code] {

@@ -30,7 +30,7 @@ int run_scene_command(const SceneCommand& command) {
   request.force = common.force;
   request.quiet = !shows_progress(common);
   if (common.dry_run) {
-    std::cout << batch::describe_run(request) << "\n";
+    print_dry_run(common, batch::describe_run(request) + "\n");
     return 0;
   }
   const auto budget = memory_budget(common, request.out);

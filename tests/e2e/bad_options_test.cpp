@@ -118,6 +118,31 @@ TEST(Options, dry_run_writes_nothing_and_names_every_input) {
   EXPECT_FALSE(fs::exists(scratch / "out"));
 }
 
+TEST(Options, dry_run_with_json_is_one_document) {
+  const Scratch scratch;
+  const std::string scan = (mini_scene() / "s.ply").string();
+  const std::vector<std::string> commands = {"run SCENE --out OUT", "planes " + scan + " --out OUT",
+                                             "convert " + scan + " OUT.las"};
+  for (const std::string& command : commands) {
+    const auto outcome = hybrid(command + " --dry-run --json", scratch / "out");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_FALSE(nlohmann::json::parse(outcome.out).at("dry_run").empty()) << command;
+  }
+}
+
+// Lists end with their commas: what follows is the scene or the scan.
+TEST(Options, a_list_does_not_take_what_follows) {
+  const Scratch scratch;
+  const std::string scan = (mini_scene() / "s.ply").string();
+  EXPECT_EQ(hybrid("run --only planes,register SCENE --out OUT --dry-run", scratch / "out").exit_code, 0);
+  EXPECT_EQ(hybrid("planes --scanner 0,0,0.5 " + scan + " --out OUT --dry-run", scratch / "out").exit_code,
+            0);
+  for (const char* place : {"0,0", "0,0,0,0", "0;0;0", "0,0,nan", ""})
+    expect_failure(
+        hybrid(std::string("planes ") + scan + " --out OUT --scanner '" + place + "'", scratch / "out"), 2,
+        {"--scanner"});
+}
+
 TEST(Options, quiet_leaves_stderr_empty_and_the_log_level_rules_progress) {
   const Scratch scratch;
   EXPECT_EQ(hybrid("run SCENE --out OUT --only planes --quiet", scratch / "a").err, "");
