@@ -9,6 +9,7 @@
 #include "archive/audit.hpp"
 #include "archive/engine.hpp"
 #include "archive/plan.hpp"
+#include "archive/plan_loss.hpp"
 #include "archive/store_lock.hpp"
 #include "archive/worker.hpp"
 #include "core/fail_point.hpp"
@@ -92,20 +93,31 @@ void add_plan(CLI::App& batch, int& exit_code) {
     request->build = archive::build_identity(options->device);
     std::optional<Store> store;
     std::optional<StoreLock> lock;
-    if (!*dry_run) {
+    const auto take_store = [&] {
       store = Store::create(options->store);
-      lock.emplace(*store, StoreLock::Sharing::alone, "a plan", options->wait);
-    }
+      if (!*dry_run) lock.emplace(*store, StoreLock::Sharing::alone, "a plan", options->wait);
+    };
+    Store::expect_free(options->store);
+    if (Store::exists(options->store)) take_store();
     archive::InputCache cache(options->store / "inputs.json", request->build.planes_sources, *rehash);
     const Manifest manifest = archive::make_plan(*request, cache);
     for (const auto& file : cache.changed_unseen())
       log::warning("{}: another content under the same size and time; its units are made again", file);
-    if (store) {
+    archive::expect_units(manifest);
+    archive::PlanLoss loss;
+    if (store) loss = archive::loss_since_last_night(*store, manifest);
+    if (!*dry_run) {
+      if (!store) take_store();  // nothing was wrong so far that would leave an empty one
       cache.save();
       write_manifest(*store, archive::to_text(manifest));
     }
-    print(*options, archive::summary(manifest), archive::describe(manifest));
-    if (!manifest.problems.empty()) exit_code = 3;
+    auto summary = archive::summary(manifest);
+    if (loss.is_most()) {
+      summary["gone"] = {{"of", loss.before}, {"units", loss.gone}};
+      log::warning("{}", archive::describe(loss, manifest));
+    }
+    print(*options, summary, archive::describe(manifest));
+    if (!manifest.problems.empty() || loss.is_most()) exit_code = 3;
   });
 }
 
@@ -196,13 +208,20 @@ void add_run_command(CLI::App& batch, int& exit_code) {
     engine->device = options->device;
     engine->quiet = options->quiet;
     engine->log_level = options->log_level;
-    const auto single = chosen_units(*unit, archive::count_units(store.manifest_file()));
+    const fs::path plan = store.plan_in_force();
+    const std::size_t count = archive::count_units(plan);
+    if (count == 0)
+      fail_input(
+          "{}: the plan has no units: no scene and no scan was in {}; check that it is there and make "
+          "the plan again",
+          plan.string(), archive::read_manifest_head(plan).archive.string());
+    const auto single = chosen_units(*unit, count);
     const StoreLock lock(store, single ? StoreLock::Sharing::with_units : StoreLock::Sharing::alone, "a run",
                          options->wait);
     // As it is under the lock. Of a plan of thousands of units one that runs a few reads these.
     const auto schedule = archive::Detail::schedule;
-    const Manifest manifest = single ? archive::read_units(store.manifest_file(), *single, schedule)
-                                     : archive::read_manifest(store.manifest_file(), schedule);
+    const Manifest manifest =
+        single ? archive::read_units(plan, *single, schedule) : archive::read_manifest(plan, schedule);
     if (single)
       engine->units = places_of(*single, manifest);
     else
@@ -236,7 +255,7 @@ void add_status(CLI::App& batch, int& exit_code) {
     apply(*options);
     const Store store = Store::open(options->store);
     const auto status = archive::store_status(
-        store, archive::read_manifest(store.manifest_file(), archive::Detail::schedule));
+        store, archive::read_manifest(store.plan_in_force(), archive::Detail::schedule));
     print(*options, status, archive::status_text(status));
     exit_code = 0;
   });

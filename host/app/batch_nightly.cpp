@@ -138,7 +138,7 @@ void submit_batch(const CLI::App& command, const EngineChoice& choice, const arc
        {"--memory", "--unit-memory", "--unit-time", "--retries", "--device", "--log-level"})
     if (const auto* option = command.get_option(name); option->count() > 0)
       options.run_options.insert(options.run_options.end(), {name, option->as<std::string>()});
-  const auto manifest = archive::read_manifest(store.manifest_file(), archive::Detail::schedule);
+  const auto manifest = archive::read_manifest(store.plan_in_force(), archive::Detail::schedule);
   const Json submission = archive::submit_to_slurm(store, manifest, options);
   print(json, submission, archive::slurm_text(submission));
 }

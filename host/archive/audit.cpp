@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "archive/night.hpp"
 #include "archive/outcome.hpp"
 #include "core/error.hpp"
 #include "core/interrupt.hpp"
@@ -77,18 +78,6 @@ std::uintmax_t size_of(const fs::path& path) {
   for (const auto& entry : fs::recursive_directory_iterator(path))
     if (entry.is_regular_file()) bytes += entry.file_size();
   return bytes;
-}
-
-std::vector<fs::path> manifests_newest_first(const Store& store) {
-  std::vector<std::pair<fs::file_time_type, fs::path>> dated;
-  std::error_code code;
-  for (fs::directory_iterator entry(store.folder() / "manifests", code), end; !code && entry != end;
-       entry.increment(code))
-    if (entry->path().extension() == ".json") dated.emplace_back(entry->last_write_time(), entry->path());
-  std::sort(dated.rbegin(), dated.rend());
-  std::vector<fs::path> files;
-  for (const auto& [time, file] : dated) files.push_back(file);
-  return files;
 }
 
 }  // namespace
@@ -168,15 +157,14 @@ Json verify_store(const Store& store, bool remove) {
 }
 
 Json prune_store(const Store& store, std::size_t keep, bool dry_run) {
-  auto manifests = manifests_newest_first(store);
-  std::vector<fs::path> dropped;
-  while (keep > 0 && manifests.size() > keep) {
-    dropped.push_back(manifests.back());
-    manifests.pop_back();
+  std::vector<fs::path> manifests, dropped;
+  for (const NightFile& night : nights_of(store)) {
+    const bool kept = keep == 0 || (count_units(night.file) > 0 && manifests.size() < keep);
+    (kept ? manifests : dropped).push_back(night.file);
   }
   // Of each plan what its units have now, and what they would have with every scan in order.
   std::set<std::string> used;
-  manifests.push_back(store.manifest_file());
+  manifests.push_back(store.plan_in_force());
   for (const fs::path& file : manifests) {
     const Manifest manifest = read_manifest(file, Detail::schedule);
     Outcomes outcomes(store, manifest);

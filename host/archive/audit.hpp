@@ -20,7 +20,8 @@ std::string status_text(const nlohmann::ordered_json& status);
 nlohmann::ordered_json verify_store(const Store& store, bool remove);
 
 // Removes objects and failures that no manifest names, not even with a failed scan of theirs, after all but
-// the newest `keep` manifests (0: all kept) are dropped: {"removed", "bytes", "kept", "manifests_dropped"}.
+// the newest `keep` manifests (0: all kept) are dropped; one without units, as of an archive that was
+// not mounted, is none of these: {"removed", "bytes", "kept", "manifests_dropped"}.
 // With `dry_run` says only what would go. The caller holds the lock alone.
 nlohmann::ordered_json prune_store(const Store& store, std::size_t keep, bool dry_run);
 

@@ -42,8 +42,8 @@ Night open_night(const std::string& text) {
   std::error_code ignored;
   if (at == std::string::npos || fs::exists(text, ignored)) {
     Store store = Store::open(text);
-    const std::string plan = io::read_text(store.manifest_file());
-    return {store, hash_of(plan), read_manifest(store.manifest_file())};
+    const fs::path plan = store.plan_in_force();
+    return {store, hash_of(io::read_text(plan)), read_manifest(plan)};
   }
   Store store = Store::open(text.substr(0, at));
   const std::string which = text.substr(at + 1);

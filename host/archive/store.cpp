@@ -96,9 +96,13 @@ Json unseal(const fs::path& file) {
   return document;
 }
 
-Store Store::open(const fs::path& folder) {
+bool Store::exists(const fs::path& folder) {
   std::error_code code;
-  if (!fs::exists(folder / "store.json", code))
+  return fs::exists(folder / "store.json", code);
+}
+
+Store Store::open(const fs::path& folder) {
+  if (!exists(folder))
     fail_input("{}: expected a store, found no store.json; make one by hybrid batch plan ARCHIVE --out {}",
                folder.string(), folder.string());
   const Json document = Json::parse(io::read_text(folder / "store.json"), nullptr, false);
@@ -108,22 +112,31 @@ Store Store::open(const fs::path& folder) {
   return Store(fs::absolute(folder).lexically_normal());
 }
 
-Store Store::create(const fs::path& folder) {
+void Store::expect_free(const fs::path& folder) {
   std::error_code code;
-  if (!fs::exists(folder / "store.json", code)) {
-    if (fs::is_directory(folder, code)) {
-      const auto foreign = [](const fs::directory_entry& entry) {  // not a killed plan's
-        const auto name = entry.path().filename().string();
-        return name != "lock" && !name.starts_with(".part-");
-      };
-      for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code))
-        if (foreign(*entry))
-          fail_input("{}: expected a store or an empty folder, found {}; choose another --out",
-                     folder.string(), entry->path().filename().string());
-    }
-    io::write_text(folder / "store.json", Json{{"format", kFormat}}.dump(1) + "\n");
-  }
+  if (exists(folder) || !fs::is_directory(folder, code)) return;
+  const auto foreign = [](const fs::directory_entry& entry) {  // not a killed plan's
+    const auto name = entry.path().filename().string();
+    return name != "lock" && !name.starts_with(".part-");
+  };
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code))
+    if (foreign(*entry))
+      fail_input("{}: expected a store or an empty folder, found {}; choose another --out", folder.string(),
+                 entry->path().filename().string());
+}
+
+Store Store::create(const fs::path& folder) {
+  expect_free(folder);
+  if (!exists(folder)) io::write_text(folder / "store.json", Json{{"format", kFormat}}.dump(1) + "\n");
   return open(folder);
+}
+
+fs::path Store::plan_in_force() const {
+  std::error_code code;
+  if (!fs::exists(manifest_file(), code))
+    fail_input("{}: expected a plan, found no manifest.json; make one by hybrid batch plan ARCHIVE --out {}",
+               folder_.string(), folder_.string());
+  return manifest_file();
 }
 
 fs::path Store::object(const std::string& key) const {

@@ -43,14 +43,20 @@ namespace hybrid::archive {
 // Sealed: a JSON document whose last member "xxh3" is the XXH3-128 of its text without that member.
 class Store {
  public:
+  // Whether the folder says that it is a store.
+  static bool exists(const std::filesystem::path& folder);
   // Of an existing store. Throws ErrorKind::input when the folder is none, or of another format.
   static Store open(const std::filesystem::path& folder);
   // Makes it where there is none. Throws as io::write_text does, and ErrorKind::input when the folder holds
   // other things.
   static Store create(const std::filesystem::path& folder);
+  // Throws as create() does where it would find other things in the folder; makes nothing.
+  static void expect_free(const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return folder_; }
   std::filesystem::path manifest_file() const { return folder_ / "manifest.json"; }
+  // The same of a store that has a plan; else throws ErrorKind::input.
+  std::filesystem::path plan_in_force() const;
   std::filesystem::path inputs_file() const { return folder_ / "inputs.json"; }
   std::filesystem::path lock_file() const { return folder_ / "lock"; }
   std::filesystem::path object(const std::string& key) const;

@@ -59,7 +59,7 @@ class Log {
 class Worker {
  public:
   Worker(const fs::path& store, const std::string& device)
-      : store_(Store::open(store)), head_(read_manifest_head(store_.manifest_file())), queue_(device) {
+      : store_(Store::open(store)), head_(read_manifest_head(store_.plan_in_force())), queue_(device) {
     if (const auto build = build_identity(device); build != head_.build)
       fail(ErrorKind::failed,
            "the plan is for another program or machine ({} {} {}), this one is {} {} {}; make the plan again "
@@ -77,7 +77,7 @@ class Worker {
       fail_point("unit-begun");
       std::unique_ptr<MemoryBudget> budget;
       if (job.contains("memory")) budget = std::make_unique<MemoryBudget>(job["memory"], work);
-      const Manifest manifest = read_units(store_.manifest_file(), {number});
+      const Manifest manifest = read_units(store_.plan_in_force(), {number});
       const Unit& unit = manifest.units.back();  // it needs only earlier ones
       Outcomes outcomes(store_, manifest);       // the store goes on changing
       try {

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "../e2e/bad_mini_scene.hpp"
+#include "archive/manifest.hpp"
+#include "archive/store.hpp"
 #include "io/output.hpp"
 #include "small_archive.hpp"
 
@@ -120,6 +122,48 @@ TEST_F(Nights, prune_keeps_what_a_plan_names) {
   EXPECT_EQ(pruned["removed"], 3);
   EXPECT_EQ(pruned["kept"], 7);
   EXPECT_EQ(run("hybrid batch verify " + store.string()).exit_code, 0);
+  EXPECT_EQ(next_night()["computed"], 0);
+}
+
+TEST_F(Nights, an_archive_that_is_not_mounted_gets_no_plan) {
+  fs::rename(archive, scratch / "elsewhere");
+  fs::create_directories(archive / "lost+found");
+  const auto before = stamps_of(store);
+  const auto planned = plan(archive, store);
+  EXPECT_EQ(planned.exit_code, 4) << planned.out;
+  const std::string expected =
+      archive.string() + ": expected scenes (scene.toml, *.scene.toml) or scans (.e57,";
+  EXPECT_NE(planned.err.find(expected), std::string::npos) << planned.err;
+  auto after = stamps_of(store);
+  after["lock"] = before.at("lock");  // who holds it
+  EXPECT_EQ(after, before);
+  EXPECT_EQ(plan(archive, scratch / "other").exit_code, 4);
+  EXPECT_FALSE(fs::exists(scratch / "other"));
+}
+
+TEST_F(Nights, a_plan_that_lost_most_of_the_last_says_so_once) {
+  fs::rename(archive / "b", scratch / "b");
+  EXPECT_EQ(plan(archive, store, "--dry-run").exit_code, 0);  // a third of it
+  fs::rename(archive / "c", scratch / "c");
+  const auto planned = plan(archive, store);
+  EXPECT_EQ(planned.exit_code, 3) << planned.err;
+  EXPECT_NE(planned.err.find("4 of the 6 scenes and scans of the store's last plan are gone (planes b s, "),
+            std::string::npos)
+      << planned.err;
+  EXPECT_EQ(json_of(planned)["gone"]["units"].size(), 4u);
+  EXPECT_EQ(plan(archive, store).exit_code, 0);
+}
+
+TEST_F(Nights, prune_does_not_count_a_plan_without_units) {
+  archive::Manifest none;  // as earlier programs wrote it for a share that was not mounted
+  none.archive = archive;
+  const std::string text = archive::to_text(none);
+  io::write_text(store / "manifests" / (archive::hash_of(text) + ".json"), text);
+  io::write_text(store / "manifest.json", text);
+  EXPECT_EQ(json_of(run("hybrid batch prune --keep 1 --dry-run --json " + store.string()))["removed"], 0);
+  const auto ran = run_store(store);
+  EXPECT_EQ(ran.exit_code, 4);
+  EXPECT_NE(ran.err.find("manifest.json: the plan has no units"), std::string::npos) << ran.err;
   EXPECT_EQ(next_night()["computed"], 0);
 }
 
