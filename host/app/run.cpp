@@ -27,7 +27,8 @@ void add_run(CLI::App& program, int& exit_code) {
           "is "
           "computed "
           "again from the inputs, never taken from DIR; report writes the others too, since its page shows "
-          "them; without --only all but export, which runs where the scene file has [export]")
+          "them; without --only all but export, which runs where the scene file has [export] or --set a key "
+          "of it")
       ->delimiter(',')
       ->allow_extra_args(false);  // what follows is the scene
   scene.command->add_flag("--leave-one-out", scene.request->leave_one_out,

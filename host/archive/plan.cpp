@@ -1,5 +1,7 @@
 #include "archive/plan.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -63,6 +65,7 @@ class Planner {
     note_beside(content.beside_scenes);
     for (const auto& file : content.loose) plan_loose(file, content.loose);
     note_equal_names();
+    note_idle_overrides();
     for (Unit& scene : scenes_) manifest_.units.push_back(std::move(scene));
     plan_report();
     for (std::size_t i = 0; i < manifest_.units.size(); ++i)
@@ -73,12 +76,23 @@ class Planner {
  private:
   void read_profile() {
     profile_ = io::read_profile_file(*request_.profile);
-    const auto check = [&](const std::string& place, const io::ProfileSettings& settings) {
-      with_context(place, [&] { options_of_loose(settings); });
-    };
-    check(request_.profile->string(), profile_.all);
-    for (const auto& one : profile_.overrides)
-      check(fmt::format("{}:{}: [[scene]]", request_.profile->string(), one.line), one.settings);
+    check_options(profile_.all);
+    for (const auto& one : profile_.overrides) check_options(one.settings);
+  }
+
+  void check_options(const io::ProfileSettings& settings) const {
+    batch::StageOptions options;
+    for (std::size_t i = 0; i < settings.assignments.size(); ++i) {
+      const std::string& assignment = settings.assignments[i];
+      with_context(fmt::format("{}:{}: [{}]", request_.profile->string(), settings.lines[i],
+                               assignment.substr(0, assignment.find('.'))),
+                   [&] { options.apply(assignment); });
+    }
+  }
+
+  io::ProfileSettings settings_of(const std::string& name) {
+    names_.push_back(name);
+    return profile_.settings_of(name);
   }
 
   std::string named(const fs::path& path) const {
@@ -135,7 +149,7 @@ class Planner {
     unit.id = "scene " + name;
     unit.result = name == "." ? "scene" : name + "/scene";
     unit.scene = file;
-    unit.settings = profile_.settings_of(name);
+    unit.settings = settings_of(name);
     unit.inputs.push_back(cache_.look(file));
     unit.made_from = key_base(unit.kind, manifest_.build.all_sources);
     unit.made_from["scene"] = print_of(unit.inputs.front());
@@ -145,6 +159,8 @@ class Planner {
           with_settings(batch::read_stage_options(scene, unit.settings.assignments), unit.settings);
       scene_names_[scene.name].push_back(name);
       unit.made_from["options"] = batch::describe(options);
+      if (!scene.has_export && batch::asks_for_export(scene, unit.settings.assignments))
+        unit.made_from["export"] = true;  // with default options nothing else would tell
       plan_parts(scene, name, options, unit);
     } catch (const std::exception& error) {
       manifest_.problems.push_back({named(file), error.what()});
@@ -259,7 +275,7 @@ class Planner {
           return other.parent_path() == file.parent_path() && other.extension() == ".exr";
         }))
       return;  // of the range image beside it
-    const auto settings = profile_.settings_of(name);
+    const auto settings = settings_of(name);
     const auto listing = cache_.list(file, settings.salvage.value_or(false));
     if (!listing.problem.empty() && (extension == ".exr" || extension == ".laz")) {
       manifest_.notes.push_back({name, "no scan that can be read: " + listing.problem});
@@ -291,6 +307,19 @@ class Planner {
                                    name, where.front())});
   }
 
+  void note_idle_overrides() {
+    const std::vector<std::string> some(names_.begin(),
+                                        names_.begin() + std::min<std::ptrdiff_t>(3, std::ssize(names_)));
+    for (const auto& one : profile_.overrides)
+      if (std::none_of(names_.begin(), names_.end(), [&](const auto& name) { return one.matches(name); }))
+        manifest_.notes.push_back(
+            {fmt::format("{}:{}", request_.profile->string(), one.line),
+             fmt::format(
+                 "[[scene]] match = \"{}\": expected the name of a scene or loose scan, * and ? as in "
+                 "a shell, found none that matches among {} ({}{})",
+                 one.match, names_.size(), fmt::join(some, ", "), names_.size() > 3 ? ", ..." : "")});
+  }
+
   void plan_report() {
     if (manifest_.units.empty()) return;
     Draft unit;
@@ -317,6 +346,7 @@ class Planner {
   io::ProfileFile profile_;
   Manifest manifest_;
   std::vector<Unit> scenes_;
+  std::vector<std::string> names_;                               // of scenes and loose scans
   std::set<std::string> used_;                                   // files that a scene reads
   std::map<std::string, std::vector<std::string>> scene_names_;  // [scene] name -> scenes
 };

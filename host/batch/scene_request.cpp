@@ -15,7 +15,7 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
   options.set_tile(request.tile);
   if (request.seed) options.set_seed(*request.seed);
   if (request.square) options.set_square(*request.square);
-  if (request.export_if_asked && scene.has_export) stages.insert("export");
+  if (request.export_if_asked && asks_for_export(scene, request.assignments)) stages.insert("export");
   if (stages.count("report")) {  // its page shows the others' files
     stages.insert("planes");
     if (scene.model) stages.insert({"register", "edit", "render"});

@@ -23,7 +23,7 @@ struct RunRequest {
   // Whose outputs are written. What they need is computed again from the inputs, never taken from `out`;
   // "report" brings the others with it, since its page shows their files.
   std::set<std::string> stages = kAllStages;
-  bool export_if_asked = false;          // add "export" where the scene file has [export]
+  bool export_if_asked = false;          // add "export" where asks_for_export() (stage_options.hpp)
   std::string only_view;                 // render: this view alone
   bool scene_views = true;               // render: the scene file's views
   bool leave_one_out = false;            // render: then every photograph from the others

@@ -202,17 +202,21 @@ void StageOptions::set_square(const OptionValue& value) {
   auto_square = false;
 }
 
-void StageOptions::set(const std::string& assignment) {
+void StageOptions::apply(const std::string& assignment) {
   const auto dot = assignment.find('.'), equals = assignment.find('=');
   if (dot == std::string::npos || equals == std::string::npos || dot > equals)
-    fail(ErrorKind::usage, "--set {}: expected SECTION.KEY=VALUE, such as render.blend=linear", assignment);
+    fail_input("expected SECTION.KEY=VALUE, such as render.blend=linear");
   const std::string name = assignment.substr(0, dot), key = assignment.substr(dot + 1, equals - dot - 1);
   const auto section =
       std::find_if(sections().begin(), sections().end(), [&](const auto& s) { return s.name == name; });
+  if (section == sections().end())
+    fail_input("unknown section '{}'; expected planes, register, edit, render or export", name);
+  apply_key(*this, *section, key, parse_value(assignment.substr(equals + 1)));
+}
+
+void StageOptions::set(const std::string& assignment) {
   try {
-    if (section == sections().end())
-      fail_input("unknown section '{}'; expected planes, register, edit, render or export", name);
-    apply_key(*this, *section, key, parse_value(assignment.substr(equals + 1)));
+    apply(assignment);
   } catch (const Error& error) {
     fail(ErrorKind::usage, "--set {}: {}", assignment, error.what());
   }
@@ -227,6 +231,12 @@ StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<st
                    [&, &k = key, &o = option] { apply_key(options, section, k, o.value); });
   for (const auto& assignment : assignments) options.set(assignment);
   return options;
+}
+
+bool asks_for_export(const io::SceneFile& scene, const std::vector<std::string>& assignments) {
+  return scene.has_export || std::any_of(assignments.begin(), assignments.end(), [](const auto& assignment) {
+           return assignment.starts_with("export.");
+         });
 }
 
 nlohmann::ordered_json describe(const StageOptions& options) {

@@ -59,9 +59,9 @@ struct StageOptions {
   // "auto" or 3..16. Throws ErrorKind::input.
   void set_square(const OptionValue& value);
   // "SECTION.KEY=VALUE" as --set takes it; SECTION is planes, register, edit, render or export, KEY and VALUE
-  // as in
-  // the scene file. Throws ErrorKind::usage naming the assignment, the key, what was expected and what was
-  // found.
+  // as in the scene file. Throws ErrorKind::input naming the key, what was expected and what was found.
+  void apply(const std::string& assignment);
+  // The same, of the command line: throws ErrorKind::usage naming the assignment, too.
   void set(const std::string& assignment);
 };
 
@@ -69,6 +69,10 @@ struct StageOptions {
 // wrong types and values out of range throw ErrorKind::input naming file, line and key (ErrorKind::usage for
 // --set).
 StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<std::string>& assignments = {});
+
+// Whether a run without --only exports: where the scene file has an [export], or an assignment one of its
+// keys.
+bool asks_for_export(const io::SceneFile& scene, const std::vector<std::string>& assignments);
 
 // All options as they were used, for summary.json.
 nlohmann::ordered_json describe(const StageOptions& options);

@@ -23,9 +23,13 @@ void read_settings(const SceneTable& table, ProfileSettings& settings) {
 void read_sections(const SceneTable& table, const SceneTable::Names& own, ProfileSettings& settings) {
   for (const std::string& section : table.keys()) {
     if (std::find(own.begin(), own.end(), section) != own.end()) continue;
-    if (const auto options = table.table(section, {}))
-      for (const std::string& key : options->keys())
-        settings.assignments.push_back(section + "." + key + "=" + written(options->scalar(key)));
+    const auto options = table.table(section, {});
+    if (section == "export" && options->keys().empty())  // which would be nothing to assign
+      options->fail_table("expected what is to be exported, found no keys; write formats = \"all\"");
+    for (const std::string& key : options->keys()) {
+      settings.assignments.push_back(section + "." + key + "=" + written(options->scalar(key)));
+      settings.lines.push_back(options->line_of(key));
+    }
   }
 }
 
@@ -34,6 +38,7 @@ void merge(const ProfileSettings& over, ProfileSettings& settings) {
   if (over.leave_one_out) settings.leave_one_out = over.leave_one_out;
   if (over.seed) settings.seed = over.seed;
   settings.assignments.insert(settings.assignments.end(), over.assignments.begin(), over.assignments.end());
+  settings.lines.insert(settings.lines.end(), over.lines.begin(), over.lines.end());
 }
 
 ProfileFile read_profile(const std::filesystem::path& file, const toml::table& document) {
@@ -57,10 +62,14 @@ ProfileFile read_profile(const std::filesystem::path& file, const toml::table& d
 
 }  // namespace
 
+bool ProfileFile::Override::matches(const std::string& scene) const {
+  return fnmatch(match.c_str(), scene.c_str(), 0) == 0;
+}
+
 ProfileSettings ProfileFile::settings_of(const std::string& scene) const {
   ProfileSettings settings = all;
   for (const Override& one : overrides)
-    if (fnmatch(one.match.c_str(), scene.c_str(), 0) == 0) merge(one.settings, settings);
+    if (one.matches(scene)) merge(one.settings, settings);
   return settings;
 }
 

@@ -12,7 +12,7 @@ namespace hybrid::io {
 //   salvage = true              of damaged scans what is good
 //   leave_one_out = true        every photograph's view from the others
 //   seed = 1
-//   [planes] ... [register] ... [render] ...   options over those of every scene file
+//   [planes] ... [register] ... [edit] ... [render] ... [export]   options over those of every scene file
 //   [[scene]]                   and again for the scenes whose name in the archive matches
 //   match = "abbey/*"           * and ? as in a shell; * also takes slashes
 //   salvage = false
@@ -21,6 +21,7 @@ struct ProfileSettings {
   std::optional<bool> salvage, leave_one_out;
   std::optional<int> seed;
   std::vector<std::string> assignments;  // SECTION.KEY=VALUE as --set takes them, in the file's order
+  std::vector<int> lines;                // of each assignment in the file; empty once it is in a manifest
 };
 struct ProfileFile {
   ProfileSettings all;
@@ -28,6 +29,8 @@ struct ProfileFile {
     int line = 0;
     std::string match;
     ProfileSettings settings;
+
+    bool matches(const std::string& scene) const;
   };
   std::vector<Override> overrides;
 

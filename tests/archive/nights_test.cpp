@@ -81,6 +81,16 @@ TEST_F(Nights, a_profile_overrides_and_a_scene_of_it_overrides_that) {
   EXPECT_EQ(blend("a"), "linear");
 }
 
+TEST_F(Nights, a_profile_exports_where_no_scene_file_asks_for_it) {
+  io::write_text(scratch / "p.toml", "[[scene]]\nmatch = \"b\"\nexport.formats = \"ply\"\n");
+  EXPECT_EQ(next_night("--profile " + (scratch / "p.toml").string())["computed"], 2);  // scene b, the report
+  EXPECT_TRUE(fs::exists(store / "results/b/scene/export/points.ply"));
+  EXPECT_FALSE(fs::exists(store / "results/a/scene/export"));
+  io::write_text(scratch / "p.toml", "[[scene]]\nmatch = \"a\"\nexport.formats = \"all\"\n");  // the default
+  EXPECT_EQ(next_night("--profile " + (scratch / "p.toml").string())["computed"], 2);
+  EXPECT_TRUE(fs::exists(store / "results/a/scene/export/scene.glb"));
+}
+
 TEST_F(Nights, a_touched_file_is_not_made_again_and_a_forged_time_is_found) {
   const fs::path scan = archive / "a/s.ply";
   fs::last_write_time(scan, fs::file_time_type::clock::now());

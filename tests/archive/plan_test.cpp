@@ -72,16 +72,38 @@ TEST(ArchivePlan, says_what_is_wrong_with_its_arguments) {
   expect(plan(scratch / "nowhere", scratch / "store"), 4, "expected an archive's folder, found nothing");
   expect(plan(scratch / "archive", scratch / "archive"), 4, "expected a store or an empty folder");
   io::write_text(scratch / "p.toml", "[render]\nblnd = \"dual\"\n");
-  expect(plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string()), 2,
-         "blnd");
+  expect(plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string()), 4,
+         "p.toml:2: [render]: unknown key \"blnd\"; did you mean \"blend\"?");
+  io::write_text(scratch / "p.toml", "[[scene]]\nmatch = \"a\"\n\nplanes.square = 99\n");
+  expect(plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string()), 4,
+         "p.toml:4: [planes]: square: expected a whole number from 3 to 16");
+  io::write_text(scratch / "p.toml", "[export]\n");
+  expect(plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string()), 4,
+         "p.toml:1: [export]: expected what is to be exported");
   io::write_text(scratch / "p.toml", "[run]\nsalvge = true\n");
   expect(plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string()), 4,
          "p.toml:2");
+  EXPECT_FALSE(fs::exists(scratch / "store"));
   expect(run_store(scratch / "archive"), 4, "expected a store, found no store.json");
   ASSERT_EQ(plan(scratch / "archive", scratch / "store").exit_code, 0);
   expect(run_store(scratch / "store", "--unit 9"), 2, "expected units from 0 to 2");
   expect(run_store(scratch / "store", "--unit 1-"), 2, "expected numbers of units");
   expect(run_store(scratch / "store", "--memory lots"), 2, "expected a size such as 8G");
+}
+
+TEST(ArchivePlan, notes_an_override_for_scenes_that_are_not_there) {
+  const Scratch scratch;
+  write_small_archive(scratch / "archive", 2);
+  io::write_text(scratch / "p.toml",
+                 "[[scene]]\nmatch = \"b\"\nseed = 2\n[[scene]]\nmatch = \"abbey/*\"\nseed = 3\n");
+  const auto planned =
+      plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string());
+  EXPECT_EQ(planned.exit_code, 0) << planned.err;
+  const auto notes = json_of(planned)["notes"];
+  EXPECT_TRUE(mentions(notes, (scratch / "p.toml").string() + ":4",
+                       "\"abbey/*\": expected the name of a scene or loose scan"))
+      << notes;
+  EXPECT_FALSE(mentions(notes, (scratch / "p.toml").string() + ":1", "")) << notes;
 }
 
 }  // namespace hybrid::e2e
