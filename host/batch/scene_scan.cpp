@@ -1,5 +1,6 @@
 #include "batch/scene_scan.hpp"
 
+#include "core/error.hpp"
 #include "core/log.hpp"
 #include "io/grid_scan.hpp"
 #include "io/read_scan.hpp"
@@ -17,7 +18,7 @@ std::vector<io::ScanEntry> list_scene_scans(const io::SceneScan& entry, bool sal
 Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
   Scan scan =
       entry.depth ? io::read_depth_image(entry.file, *entry.depth) : io::read_scan(entry.file, scan_entry);
-  if (entry.scanner) io::place_scanner(scan, *entry.scanner);
+  if (entry.scanner) with_context(entry.file.string(), [&] { io::place_scanner(scan, *entry.scanner); });
   if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
     log::warning("scan {}: {}", id, doubt);
   return scan;
@@ -26,10 +27,12 @@ Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io
 ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
                           const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress,
                           const EditImage& edit) {
+  const auto named = [&](const auto& body) { return with_context(entry.file.string(), body); };
   if (!edit && !entry.depth && !entry.scanner && options.resample.min_range_m == 0)
     if (auto grid = io::read_grid_scan(entry.file, scan_entry))
-      return process_scan(queue, id, *std::move(grid), options, progress);
-  return process_scan(queue, id, read_scene_scan(id, entry, scan_entry), options, progress, edit);
+      return named([&] { return process_scan(queue, id, *std::move(grid), options, progress); });
+  Scan scan = read_scene_scan(id, entry, scan_entry);
+  return named([&] { return process_scan(queue, id, std::move(scan), options, progress, edit); });
 }
 
 ScanNames::ScanNames(const io::SceneFile& scene) {

@@ -8,7 +8,7 @@ namespace {
 std::string describe(const OptionValue& value) {
   if (auto flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (auto integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
-  if (auto number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  if (auto number = std::get_if<double>(&value)) return fmt::format("{:#}", *number);  // 16.0 is not 16
   return fmt::format("\"{}\"", std::get<std::string>(value));
 }
 

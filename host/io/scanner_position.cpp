@@ -18,17 +18,16 @@ bool is_identity(const Pose& pose) {
 
 void place_scanner(Scan& scan, const Vec3& scanner) {
   if (!scanner.allFinite())
-    fail_input("scan {}: scanner: expected finite numbers, found {}, {}, {}", scan.name, scanner.x(),
-               scanner.y(), scanner.z());
+    fail_input("scanner: expected finite numbers, found {}, {}, {}", scanner.x(), scanner.y(), scanner.z());
   if (scan.range_grid)
-    fail_input("scan {}: scanner: a range image has the scanner at its origin; remove the position",
-               scan.name);
+    fail_input("scanner: a range image has the scanner at its origin; remove the position");
   if (scan.world_from_scan && !is_identity(*scan.world_from_scan)) {
     const Vec3& t = scan.world_from_scan->translation;
     fail_input(
-        "scan {}: scanner: the file has the scanner's pose (at {}, {}, {}) and its points in the scanner's "
-        "frame; remove the position",
-        scan.name, t.x(), t.y(), t.z());
+        "scanner: the file has the scanner's pose (at {}, {}, {}) and its points in the scanner's frame; "
+        "remove "
+        "the position",
+        t.x(), t.y(), t.z());
   }
   scan.scanner_is_known = true;
   const Vec3 shift = scan.origin - scanner;

@@ -209,31 +209,42 @@ std::optional<ScanColumns> grid_of(const SampleAngles& angles, Sweeps sweeps, do
   return columns;
 }
 
+// An organised file of one row or column is no grid.
+std::string grid_remedy(const Scan& scan) {
+  if (scan.grid_rows < 1 || scan.grid_cols < 1) return "use an organised file (PTX, PCD with HEIGHT > 1)";
+  return fmt::format("its grid of {} x {} is a single line: export the scan with its rows and columns",
+                     scan.grid_rows, scan.grid_cols);
+}
+
 }  // namespace
+
+void fail_without_returns(const std::string& where) {
+  fail_input("expected returns, found none {}; export the scan again with its points, or leave it out",
+             where);
+}
 
 ScanColumns recover_columns(const Scan& scan) {
   const auto angles = sample_angles(scan);
   if (std::all_of(angles.elevation_rad.begin(), angles.elevation_rad.end(),
                   [](double e) { return std::isnan(e); }))
-    fail_input("scan {}: expected returns, found none among {} samples", scan.name, scan.points.size());
+    fail_without_returns(fmt::format("among {} samples", scan.points.size()));
   Sweeps sweeps = sweeps_of_acquisition(angles);
   if (sweeps.count() == 0) sweeps = sweeps_of_azimuth(angles);
   if (auto columns = grid_of(angles, std::move(sweeps), 0)) return std::move(*columns);
 
   if (!scan.scanner_is_known)
     fail_input(
-        "scan {}: no columns found among {} samples: expected the scanner at the origin and samples in the "
-        "order of acquisition, column by column, or at all elevations of shared azimuths, found neither; use "
-        "an organised file (PTX, PCD with HEIGHT > 1), or say where the scanner stood: scanner = [x, y, z] "
-        "of [[scan]], or hybrid planes --scanner x,y,z",
-        scan.name, scan.points.size());
+        "no columns found among {} samples: expected the scanner at the origin and samples in the order of "
+        "acquisition, column by column, or at all elevations of shared azimuths, found neither; {}, or say "
+        "where the scanner stood: scanner = [x, y, z] of [[scan]], or hybrid planes --scanner x,y,z",
+        scan.points.size(), grid_remedy(scan));
   ScatteredSweeps scattered = scatter_sweeps(angles);
   auto columns = grid_of(angles, std::move(scattered.sweeps), scattered.step_rad);
   if (!columns)
     fail_input(
-        "scan {}: {} samples lie too few or too unevenly about the scanner's position for a grid: is it "
-        "where the scanner stood? (scanner = [x, y, z] of [[scan]], or hybrid planes --scanner x,y,z)",
-        scan.name, scan.points.size());
+        "{} samples lie too few or too unevenly about the scanner's position for a grid: is it where the "
+        "scanner stood? (scanner = [x, y, z] of [[scan]], or hybrid planes --scanner x,y,z)",
+        scan.points.size());
   log::info("scan {}: no columns found: laid over {} x {} nodes, {:.4f} degrees apart", scan.name,
             columns->rows, columns->count(), scattered.step_rad * 360 / kTurn);
   return std::move(*columns);

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "geometry/scan.hpp"
@@ -30,5 +31,8 @@ struct ScanColumns {
 // an even grid whose step is its samples' own (scattered.hpp). Throws ErrorKind::input when there is no
 // return or no column structure.
 ScanColumns recover_columns(const Scan& scan);
+
+// Throws ErrorKind::input: there is no return in what was looked at.
+[[noreturn]] void fail_without_returns(const std::string& where);
 
 }  // namespace hybrid::stages

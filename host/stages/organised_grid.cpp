@@ -8,6 +8,7 @@
 #include "core/large_vector.hpp"
 #include "core/parallel_blocks.hpp"
 #include "geometry/placed_range_image.hpp"
+#include "stages/columns.hpp"
 #include "stages/grid_tables.hpp"
 
 namespace hybrid::stages {
@@ -185,8 +186,7 @@ RangeImage place(const Scan& scan, GridSamples& grid, bool flip_rows, bool flip_
 }
 
 [[noreturn]] void fail_no_return(const Scan& scan) {
-  fail_input("scan {}: expected returns, found none in a grid of {} x {}", scan.name, scan.grid_rows,
-             scan.grid_cols);
+  fail_without_returns(fmt::format("in a grid of {} x {}", scan.grid_rows, scan.grid_cols));
 }
 
 // A range image fed in again: tables, interpolated nodes and samples beside the grid as they were, so that
@@ -220,11 +220,10 @@ RangeImage arrange_grid(const Scan& scan) {
       static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
   if (scan.range_grid) return restore_grid(scan);
   if (!scan.node.empty() && scan.node.size() != scan.points.size())
-    fail_input("scan {}: expected a node for each of {} samples, found {}", scan.name, scan.points.size(),
-               scan.node.size());
+    fail_input("expected a node for each of {} samples, found {}", scan.points.size(), scan.node.size());
   if (scan.node.empty() && nodes != scan.points.size())
-    fail_input("scan {}: expected {} samples for a grid of {} rows x {} columns, found {}", scan.name, nodes,
-               scan.grid_rows, scan.grid_cols, scan.points.size());
+    fail_input("expected {} samples for a grid of {} rows x {} columns, found {}", nodes, scan.grid_rows,
+               scan.grid_cols, scan.points.size());
   std::size_t first = 0;
   while (first < scan.points.size() && !is_return(scan.point(first))) ++first;
   if (first == scan.points.size()) fail_no_return(scan);

@@ -61,7 +61,7 @@ TEST(option_table, sets_and_gets_every_type) {
 
 TEST(option_table, errors_say_what_was_expected_and_found) {
   EXPECT_EQ(reason("threshold", 1.5), "threshold: expected a number from 0 to 1 m, found 1.5");
-  EXPECT_EQ(reason("count", 2.0), "count: expected a whole number from 1 to 10, found 2");
+  EXPECT_EQ(reason("count", 2.0), "count: expected a whole number from 1 to 10, found 2.0");
   EXPECT_EQ(reason("count", std::int64_t{0}), "count: expected a whole number from 1 to 10, found 0");
   EXPECT_EQ(reason("count", std::int64_t{1} << 40),
             "count: expected a whole number from 1 to 10, found 1099511627776");

@@ -187,7 +187,22 @@ TEST(Columns, no_returns_are_an_error_that_says_so) {
   scan.name = "west";
   scan.points.assign(100, {NAN, 0, 0});
   scan.points.push_back({0, 0, 0});
-  EXPECT_NE(error_of(scan).find("west: expected returns"), std::string::npos);
+  EXPECT_EQ(
+      error_of(scan),
+      "expected returns, found none among 101 samples; export the scan again with its points, or leave it "
+      "out");
+}
+
+TEST(Columns, an_organised_file_of_one_line_is_told_that_it_is_no_grid) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  Scan scan;
+  scan.grid_rows = 1;
+  scan.grid_cols = 200;
+  for (int i = 0; i < 200; ++i) scan.points.push_back({normal(random), normal(random), normal(random)});
+  const std::string error = error_of(scan);
+  EXPECT_NE(error.find("its grid of 1 x 200 is a single line"), std::string::npos) << error;
+  EXPECT_EQ(error.find("use an organised file"), std::string::npos) << error;
 }
 
 TEST(Columns, points_without_structure_are_an_error_that_says_so) {
