@@ -4,6 +4,7 @@
 
 #include "core/json_text.hpp"
 #include "core/log.hpp"
+#include "core/shell_words.hpp"
 #include "report/report.hpp"
 
 namespace hybrid::app {
@@ -29,6 +30,7 @@ int run_scene_command(const SceneCommand& command) {
   request.seed = common.seed;
   request.force = common.force;
   request.quiet = !shows_progress(common);
+  request.command = own_command();
   if (common.dry_run) {
     print_dry_run(common, batch::describe_run(request) + "\n");
     return 0;

@@ -142,13 +142,7 @@ class Run {
     } catch (const Error& error) {
       if (ends_the_run(error.kind())) throw;
       log::error("{}", error.what());
-      std::string assignments;
-      for (const auto& assignment : request_.assignments) assignments += " --set " + assignment;
-      run_.failures.push_back({name, error.what(), error.kind(),
-                               !request_.command.empty()
-                                   ? request_.command
-                                   : fmt::format("hybrid run {} --out {}{}", request_.scene_file.string(),
-                                                 request_.out.string(), assignments)});
+      run_.failures.push_back({name, error.what(), error.kind(), request_.command});
     }
   }
 

@@ -37,7 +37,7 @@ struct RunRequest {
   // A scan by its id, where it was processed before with the same options: nothing to read and process it
   // here. What it throws is that scan's failure.
   std::function<std::optional<ProcessedScan>(const std::string& id)> kept_scan;
-  std::string command;  // what failures say runs them again; "": a hybrid run with this request's options
+  std::string command;  // what failures say runs them again
 };
 
 // A unit that failed while the others went on.

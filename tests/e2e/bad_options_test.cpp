@@ -236,4 +236,18 @@ TEST(Options, planes_has_the_same_timing_file_as_a_scene) {
   EXPECT_EQ(scene["inputs"].size(), 5u);  // scene file, proxy, scan, two photographs
 }
 
+// A part of a run that failed is run again by what the user typed.
+TEST(RunAgain, is_the_command_that_was_given) {
+  const Scratch scratch;
+  std::string text = mini_scene_text();
+  text.resize(text.find("[model]"));
+  fs::copy(mini_scene(), scratch / "a scene", fs::copy_options::recursive);
+  io::write_text(scratch / "a scene/scene.toml", text + "[[scan]]\nid = \"t\"\nfile = \"t.ply\"\n");
+  const std::string command = "hybrid register '" + (scratch / "a scene/scene.toml").string() + "' --out " +
+                              (scratch / "out").string() + " --quiet --salvage --tile 256 --seed 3";
+  const auto outcome = run(command);
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_NE(outcome.out.find("run it again: " + command + "\n"), std::string::npos) << outcome.out;
+}
+
 }  // namespace hybrid::e2e
