@@ -32,9 +32,11 @@ struct NamedModel {
 std::vector<std::size_t> find_faces(const NamedModel& named, const io::SceneFaces& faces) {
   const PolygonModel& model = named.model;
   if (const int* index = std::get_if<int>(&faces.which)) {
-    if (static_cast<std::size_t>(*index) >= model.faces.size())
-      fail_input("face {}: the model has {} faces (0-based, in file order)", *index, model.faces.size());
-    return {static_cast<std::size_t>(*index)};
+    const auto place = static_cast<std::size_t>(*index);
+    for (std::size_t i = 0; i < named.names.size(); ++i)
+      if (named.names[i].place == place) return {i};
+    fail_input("face {}: the model has {} faces (0-based, in file order){}", place, model.faces.size(),
+               place < named.names.back().place ? ", this one was left out" : "");
   }
   const auto& name = std::get<std::string>(faces.which);
   std::vector<std::size_t> found;

@@ -52,11 +52,6 @@ io::SceneScan in_scan_frame(io::SceneScan entry) {
   return entry;
 }
 
-PolygonModel read_scene_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names) {
-  const double scale = section.unit == "mm" ? 0.001 : 1.0;
-  return io::read_obj(section.file, scale, section.up == "y", &names);
-}
-
 std::string relative_name(const fs::path& file, const io::SceneFile& scene) {
   return fs::proximate(file, fs::absolute(scene.path).parent_path()).generic_string();
 }

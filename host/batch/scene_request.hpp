@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "batch/scene_run.hpp"
-#include "io/obj.hpp"
 #include "io/scene_file.hpp"
 
 namespace hybrid::batch {
@@ -18,9 +17,6 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
 
 // What the scene file says in the file's coordinates, in the scanner's frame.
 io::SceneScan in_scan_frame(io::SceneScan entry);
-
-// In metres, Z up; `names`: per face, what the file calls it.
-PolygonModel read_scene_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names);
 
 // As seen from the scene file: in summary.json no path may be absolute.
 std::string relative_name(const std::filesystem::path& file, const io::SceneFile& scene);

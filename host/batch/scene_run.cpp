@@ -16,13 +16,13 @@
 #include "batch/residual_figures.hpp"
 #include "batch/scene_editing.hpp"
 #include "batch/scene_export.hpp"
+#include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
 #include "batch/timing_json.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
-#include "io/obj.hpp"
 #include "io/output.hpp"
 #include "io/read_cameras.hpp"
 
@@ -84,6 +84,7 @@ class Run {
       std::vector<io::ObjFaceNames> names;
       const PolygonModel model = read_scene_model(*run_.scene.model, names);
       run_.model = editing_.edit(run_.scene, model, names);
+      check_outlines(*run_.scene.model, model, names, *run_.model);
       add_input(run_.scene.model->file);
     }
     if (needs_photographs()) {

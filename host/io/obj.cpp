@@ -110,9 +110,10 @@ class ObjReader {
       fail_at(file_, line_, "face: expected at least 3 different vertices, found \"{}\"",
               excerpt(trim(statement_)));
     face.name = name_;
+    names_.place = model_.faces.size();
+    names_.line = line_;
     face_names_.push_back(names_);
     model_.faces.push_back(std::move(face));
-    face_lines_.push_back(line_);
   }
 
   // "7", "7/1", "7//3", "7/1/3": the vertex, 0-based. The other indices are checked for their form alone.
@@ -149,7 +150,7 @@ class ObjReader {
       // A positive index may point forward in the file, so that its range is known only now.
       for (std::uint32_t vertex : face.outer)
         if (vertex >= model_.vertices.size())
-          fail_at(file_, face_lines_[i], "face: expected a vertex from 1 to {}, found {}",
+          fail_at(file_, face_names_[i].line, "face: expected a vertex from 1 to {}, found {}",
                   model_.vertices.size(), std::uint64_t{vertex} + 1);
       split_keyholes(model_, face);
       if (face.name.empty()) face.name = fmt::format("face-{}", i);
@@ -177,7 +178,6 @@ class ObjReader {
   InputFile input_;
   TextCursor cursor_;
   PolygonModel model_;
-  std::vector<std::uint64_t> face_lines_;
   std::string_view statement_;
   std::string joined_, name_;
   ObjFaceNames names_;

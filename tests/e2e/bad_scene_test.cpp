@@ -43,6 +43,12 @@ Change text(const std::string& whole) {
   return [=](const fs::path& folder) { io::write_text(folder / "scene.toml", whole); };
 }
 
+Change with_faces(const std::string& more) {
+  return [=](const fs::path& folder) {
+    io::write_text(folder / "proxy.obj", io::read_text(folder / "proxy.obj") + more);
+  };
+}
+
 std::string utf16(const std::string& text) {
   std::string wide = "\xff\xfe";
   for (char c : text) wide += {c, '\0'};
@@ -256,6 +262,20 @@ std::vector<SceneCase> scene_cases() {
        3,
        {"scan s: registration: from its start no plane", "the model is 5590 m across", "unit in [model]"}},
 
+      {"face_that_crosses_itself",
+       with_faces("v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\nf 9 10 11 12\n"),
+       4,
+       {"proxy.obj:19: face face-6: expected a simple outline"}},
+      {"scan_without_returns",
+       [](const fs::path& folder) {
+         std::string ptx = "3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+         for (int i = 0; i < 12; ++i) ptx += "0 0 0 0.5\n";
+         io::write_text(folder / "s.ptx", ptx);
+         instead("\"s.ply\"", "\"s.ptx\"")(folder);
+       },
+       4,
+       {"scan s: ", "s.ptx: expected returns, found none in a grid of 4 x 3; export the scan again"}},
+
       // Files that the scene names: absent, of another kind, in circles.
       {"scan_missing", instead("\"s.ply\"", "\"t.ply\""), 4, {"scan s: ", "t.ply: no such file"}},
       {"scan_is_the_scene", instead("\"s.ply\"", "\"scene.toml\""), 4, {"scan s: ", "expected a scan as"}},
@@ -418,6 +438,20 @@ TEST(BadScene, truth_of_another_file_scores_nothing) {
       << outcome.err;
   const auto summary = nlohmann::json::parse(io::read_text(scratch / "out/summary.json"));
   for (const auto& scan : summary.at("scans")) EXPECT_FALSE(scan.contains("truth"));
+}
+
+// A mesh has slivers: they do not end a night.
+TEST(BadScene, faces_without_area_are_left_out) {
+  const Scratch scratch;
+  fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  with_faces("v 1 1 1\nv 2 2 2\nv 3 3 3\ng sliver\nf 9 10 11\n")(scratch / "scene");
+  const auto outcome = run("hybrid register " + (scratch / "scene/scene.toml").string() + " --quiet --out " +
+                           (scratch / "out").string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("proxy.obj: 1 of 7 faces have no area and are left out (line 19, face sliver: 3 "
+                             "vertices on one point or line)"),
+            std::string::npos)
+      << outcome.err;
 }
 
 }  // namespace hybrid::e2e
