@@ -183,12 +183,23 @@ class Engine {
     return std::nullopt;
   }
 
+  std::optional<std::size_t> unit_in_flight(const std::string& key) const {
+    for (const Slot& slot : slots_)
+      if (slot.unit && slot.key == key) return slot.unit;
+    return std::nullopt;
+  }
+
   void start(std::size_t index) {
     const Unit& unit = manifest_.units[index];
     outcomes_.forget(index);
     const Outcome outcome = outcomes_.of(index);
     if (!is_to_run(unit)) {  // what it needs came out as before
       settle(index, outcome, 0);
+      return;
+    }
+    if (const auto same = unit_in_flight(outcome.key)) {  // its object will be this one's, too
+      missing_[index] = 1;
+      users_[*same].push_back(index);
       return;
     }
     Slot& slot = slot_for(unit);
@@ -473,7 +484,7 @@ class Engine {
   std::set<std::size_t> pending_;                // not settled; some of them in flight
   std::set<std::size_t> alone_;                  // run with no other beside them
   std::list<std::size_t> ready_;                 // of pending_: need nothing more
-  std::vector<std::vector<std::size_t>> users_;  // per unit: pending units that need it
+  std::vector<std::vector<std::size_t>> users_;  // per unit: pending units that need it, or have its key
   std::vector<std::size_t> missing_;             // per unit: pending units that it needs
   std::map<std::size_t, int> attempts_;          // in this run
   std::size_t todo_count_ = 0, computed_ = 0;

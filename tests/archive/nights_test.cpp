@@ -91,6 +91,18 @@ TEST_F(Nights, a_profile_exports_where_no_scene_file_asks_for_it) {
   EXPECT_TRUE(fs::exists(store / "results/a/scene/export/scene.glb"));
 }
 
+TEST_F(Nights, what_is_the_same_is_made_once_though_several_units_are_in_flight) {
+  for (const char* copy : {"d", "e", "f"}) {
+    fs::copy(archive / "a", archive / copy, fs::copy_options::recursive);
+    change_scan(archive / copy);
+  }
+  ASSERT_EQ(plan(archive, store).exit_code, 0);
+  const auto ran = run("hybrid batch run --json --jobs 3 --out " + store.string());
+  EXPECT_EQ(json_of(ran)["computed"], 3) << ran.err;  // planes and scene of all three, the report
+  EXPECT_EQ(json_of(ran)["units"]["done"], 13);
+  EXPECT_EQ(fs::canonical(store / "results/d/scene"), fs::canonical(store / "results/f/scene"));
+}
+
 TEST_F(Nights, a_touched_file_is_not_made_again_and_a_forged_time_is_found) {
   const fs::path scan = archive / "a/s.ply";
   fs::last_write_time(scan, fs::file_time_type::clock::now());
