@@ -84,7 +84,8 @@ void add_plan(CLI::App& batch, int& exit_code) {
   add_store(*command, options);
   command->add_option("--profile", *profile, "TOML file with options for all scenes, and for single ones");
   command->add_option("--device", options->device, "cpu, gpu or an index of `hybrid devices`");
-  command->add_flag("--dry-run", *dry_run, "say what would be done, write nothing");
+  command->add_flag("--dry-run", *dry_run,
+                    "print the units that would be planned, with --json the manifest, and write nothing");
   command->add_flag("--verify", *rehash, "read every input again, whatever its size and time say");
   add_wait(*command, options);
   command->callback([=, &exit_code] {
@@ -116,7 +117,10 @@ void add_plan(CLI::App& batch, int& exit_code) {
       summary["gone"] = {{"of", loss.before}, {"units", loss.gone}};
       log::warning("{}", archive::describe(loss, manifest));
     }
-    print(*options, summary, archive::describe(manifest));
+    if (*dry_run && options->json)
+      std::cout << archive::to_text(manifest);
+    else
+      print(*options, summary, (*dry_run ? archive::list_units(manifest) : "") + archive::describe(manifest));
     if (!manifest.problems.empty() || loss.is_most()) exit_code = 3;
   });
 }

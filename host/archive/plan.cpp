@@ -351,49 +351,10 @@ class Planner {
   std::map<std::string, std::vector<std::string>> scene_names_;  // [scene] name -> scenes
 };
 
-struct Work {
-  std::size_t units = 0;
-  double cpu_s = 0;
-  std::uint64_t most_bytes = 0;
-};
-
-std::map<UnitKind, Work> work_of(const Manifest& manifest) {
-  std::map<UnitKind, Work> work;
-  for (const Unit& unit : manifest.units) {
-    Work& of_kind = work[unit.kind];
-    ++of_kind.units;
-    of_kind.cpu_s += unit.estimate_s;
-    of_kind.most_bytes = std::max(of_kind.most_bytes, unit.estimate_bytes);
-  }
-  return work;
-}
-
 }  // namespace
 
 Manifest make_plan(const PlanRequest& request, InputCache& cache) {
   return Planner(request, cache).go();
-}
-
-std::string describe(const Manifest& manifest) {
-  std::string text = fmt::format("archive {}\n", manifest.archive.string());
-  for (const auto& [kind, work] : work_of(manifest))
-    text += fmt::format("{:<8} {:>7} units, about {:.0f} CPU s, at most {:.1f} GiB each\n", name_of(kind),
-                        work.units, work.cpu_s, static_cast<double>(work.most_bytes) / (1 << 30));
-  for (const auto& [path, what] : manifest.notes) text += fmt::format("note: {}: {}\n", path, what);
-  for (const auto& [path, what] : manifest.problems) text += fmt::format("problem: {}: {}\n", path, what);
-  return text;
-}
-
-Json summary(const Manifest& manifest) {
-  Json json = {{"archive", manifest.archive.string()}, {"build", to_json(manifest.build)}};
-  for (const auto& [kind, work] : work_of(manifest))
-    json["units"][name_of(kind)] = {
-        {"count", work.units}, {"cpu_s", work.cpu_s}, {"most_memory_bytes", work.most_bytes}};
-  for (const auto* list : {&manifest.problems, &manifest.notes}) {
-    Json& remarks = json[list == &manifest.problems ? "problems" : "notes"] = Json::array();
-    for (const auto& [path, what] : *list) remarks.push_back({{"path", path}, {"what", what}});
-  }
-  return json;
 }
 
 }  // namespace hybrid::archive

@@ -20,6 +20,8 @@ Manifest make_plan(const PlanRequest& request, InputCache& cache);
 
 // For people: what was found, and the work by kind.
 std::string describe(const Manifest& manifest);
+// For people: a line per unit: number, kind, estimate, numbers of the units that it needs, id and file.
+std::string list_units(const Manifest& manifest);
 // For --json.
 nlohmann::ordered_json summary(const Manifest& manifest);
 
