@@ -32,10 +32,10 @@ void add_salvage_option(CLI::App& command, bool& salvage) {
 
 void add_set_option(CLI::App& command, CommonOptions& options) {
   command
-      .add_option("--set", options.assignments,
-                  "SECTION.KEY=VALUE: an option of [planes], [register], [render] or [export], over the "
-                  "scene file's; "
-                  "repeatable")
+      .add_option(
+          "--set", options.assignments,
+          "SECTION.KEY=VALUE: an option of [planes], [register], [edit], [render] or [export], over the "
+          "scene file's; repeatable")
       ->allow_extra_args(false);
 }
 

@@ -18,6 +18,7 @@
 #include "core/fail_point.hpp"
 #include "core/interrupt.hpp"
 #include "core/log.hpp"
+#include "core/shell_words.hpp"
 #include "core/timer.hpp"
 #include "io/output.hpp"
 
@@ -350,21 +351,21 @@ class Engine {
     std::error_code code;
     const fs::path log = slot.work / "log.txt";
     if (fs::exists(log, code)) io::write_text(store_.failure_log(slot.key), io::read_text(log));
-    store_.write_failure(slot.key,
-                         {{"key", slot.key},
-                          {"unit", manifest_.units[unit].id},
-                          {"index", manifest_.units[unit].number},
-                          {"error", ending.error},
-                          {"error_kind", name_of(ending.kind)},
-                          {"exit_code", exit_code(ending.kind)},
-                          {"attempts", attempts},
-                          {"quarantined", !lasting && attempts >= kMostAttempts},
-                          {"command", fmt::format("hybrid batch run --out {} --unit {} --retry",
-                                                  store_.folder().string(), manifest_.units[unit].number)},
-                          {"log", store_.failure_log(slot.key).lexically_relative(store_.folder()).string()},
-                          {"host", host_name()},
-                          {"finished", utc_now()},
-                          {"seconds", slot.timer.seconds()}});
+    store_.write_failure(
+        slot.key, {{"key", slot.key},
+                   {"unit", manifest_.units[unit].id},
+                   {"index", manifest_.units[unit].number},
+                   {"error", ending.error},
+                   {"error_kind", name_of(ending.kind)},
+                   {"exit_code", exit_code(ending.kind)},
+                   {"attempts", attempts},
+                   {"quarantined", !lasting && attempts >= kMostAttempts},
+                   {"command", as_typed({"hybrid", "batch", "run", "--out", store_.folder().string(),
+                                         "--unit", std::to_string(manifest_.units[unit].number), "--retry"})},
+                   {"log", store_.failure_log(slot.key).lexically_relative(store_.folder()).string()},
+                   {"host", host_name()},
+                   {"finished", utc_now()},
+                   {"seconds", slot.timer.seconds()}});
     drop(slot);
     outcomes_.forget(unit);
     settle(unit, outcomes_.of(unit), slot.timer.seconds());
@@ -401,7 +402,10 @@ class Engine {
                               unit_memory_ >> 20, options_.unit_memory_bytes ? "--unit-memory" : "--memory"));
       }
       if (slot.timer.seconds() > options_.unit_seconds)
-        end(slot, fmt::format("took longer than {:.0f} s (--unit-time)", options_.unit_seconds));
+        end(slot,
+            fmt::format("took longer than {} s (--unit-time); give it more, or see its log for what takes "
+                        "so long",
+                        options_.unit_seconds));
       if (!youngest || slot.timer.seconds() < youngest->timer.seconds()) youngest = &slot;
       name = manifest_.units[*slot.unit].id;
     }

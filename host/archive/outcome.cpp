@@ -46,6 +46,14 @@ const char* name_of(ErrorKind kind) {
   }
 }
 
+std::string in_batch_words(std::string error) {
+  constexpr std::string_view kOption = "--salvage";
+  const std::string key = "salvage = true in [run] of a profile (hybrid batch plan --profile)";
+  for (auto at = error.find(kOption); at != std::string::npos; at = error.find(kOption, at + key.size()))
+    error.replace(at, kOption.size(), key);
+  return error;
+}
+
 ErrorKind error_kind_from(const std::string& name) {
   for (const ErrorKind kind : kKinds)
     if (name == name_of(kind)) return kind;
@@ -65,7 +73,7 @@ std::string Outcomes::key_of(const Unit& unit) {
     if (outcome.state == UnitState::waiting) return "";
     if (outcome.state == UnitState::done && outcome.key == needed.key) continue;
     others += fmt::format("{} {} {} {}\n", needed.id, outcome.key,
-                          has_object(outcome.state) ? "made" : "failed", outcome.error);
+                          has_object(outcome.state) ? "made" : "failed", outcome.cause);
   }
   return others.empty() ? unit.key : hash_of(unit.key + "\n" + others);
 }
@@ -79,14 +87,16 @@ Outcome Outcomes::look(const Unit& unit) {
       const auto object = store_.object_json(outcome.key);
       outcome.state = object.value("status", "") == "done" ? UnitState::done : UnitState::partial;
       for (const auto& failure : object["failures"])
-        outcome.error += (outcome.error.empty() ? "" : "; ") + failure["error"].get<std::string>();
+        outcome.cause += (outcome.cause.empty() ? "" : "; ") + failure["error"].get<std::string>();
+      outcome.error = in_batch_words(outcome.cause);
       return outcome;
     } catch (const Error& error) {  // as if it were not there: it is made again
       log::warning("{}", error.what());
     }
   }
   if (const auto failure = store_.failure(outcome.key)) {
-    outcome.error = failure->value("error", "");
+    outcome.cause = failure->value("error", "");
+    outcome.error = in_batch_words(outcome.cause);
     outcome.kind = error_kind_from(failure->value("error_kind", ""));
     outcome.attempts = failure->value("attempts", 1);
     outcome.finished = failure->value("finished", "");

@@ -21,8 +21,9 @@ const char* name_of(UnitState state);
 // A unit that is to be tried no more counts as failed for those that need it: they go on without.
 struct Outcome {
   UnitState state = UnitState::waiting;
-  std::string key;  // of the object, or of the failure; "" while a unit that it needs waits
-  std::string error;
+  std::string key;    // of the object, or of the failure; "" while a unit that it needs waits
+  std::string cause;  // why it failed, as the run said it; what the key of another unit may be made of
+  std::string error;  // the same as `hybrid batch` tells it (in_batch_words)
   ErrorKind kind = ErrorKind::failed;
   int attempts = 0;
   std::string finished;  // of failures
@@ -53,6 +54,9 @@ class Outcomes {
   const Manifest& manifest_;
   std::vector<std::optional<Outcome>> known_;
 };
+
+// What a run says, where it names options that `hybrid batch` takes from a profile.
+std::string in_batch_words(std::string error);
 
 // The failure's words for a kind, and back: "input", "failed", ...
 const char* name_of(ErrorKind kind);

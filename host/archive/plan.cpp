@@ -7,6 +7,7 @@
 #include <set>
 
 #include "archive/estimate.hpp"
+#include "archive/outcome.hpp"
 #include "archive/scene_inputs.hpp"
 #include "archive/store.hpp"
 #include "batch/scene_scan.hpp"
@@ -163,7 +164,7 @@ class Planner {
         unit.made_from["export"] = true;  // with default options nothing else would tell
       plan_parts(scene, name, options, unit);
     } catch (const std::exception& error) {
-      manifest_.problems.push_back({named(file), error.what()});
+      manifest_.problems.push_back({named(file), in_batch_words(error.what())});
       unit.made_from["problem"] = error.what();
     }
     unit.made_from["leave_one_out"] = unit.settings.leave_one_out.value_or(false);
@@ -232,7 +233,7 @@ class Planner {
         {{"file", fs::proximate(scan.file, scene.path.parent_path()).generic_string()},
          {"xxh3", print_of(unit.inputs.back())}});
     if (!listing.problem.empty()) {
-      manifest_.problems.push_back({named(scene.path), listing.problem});
+      manifest_.problems.push_back({named(scene.path), in_batch_words(listing.problem)});
       unit.made_from["scans"].back()["problem"] = listing.problem;
       return 0;
     }
@@ -283,7 +284,7 @@ class Planner {
     }
     auto scans = listing.scans;
     if (!listing.problem.empty()) {  // its unit will tell
-      manifest_.problems.push_back({name, listing.problem});
+      manifest_.problems.push_back({name, in_batch_words(listing.problem)});
       scans = {{0, 0}};
     }
     const auto options = options_of_loose(settings);

@@ -1,11 +1,14 @@
 // A scene's registration, views and report page: what `hybrid run` writes, byte for byte, from the scans'
 // planes that their own units made.
+#include <fmt/ranges.h>
+
 #include <map>
 
 #include "archive/kept_scan.hpp"
 #include "archive/unit_run.hpp"
 #include "batch/scene_run.hpp"
 #include "core/log.hpp"
+#include "core/shell_words.hpp"
 #include "report/report.hpp"
 
 namespace hybrid::archive {
@@ -14,21 +17,25 @@ namespace {
 namespace fs = std::filesystem;
 
 // What a person would type; the folder is the reader's choice.
-std::string command_of(const Unit& unit) {
-  std::string command = fmt::format("hybrid run {} --out DIR", unit.scene.string());
-  if (unit.settings.salvage.value_or(false)) command += " --salvage";
-  if (unit.settings.leave_one_out.value_or(false)) command += " --leave-one-out";
-  if (unit.settings.seed) command += fmt::format(" --seed {}", *unit.settings.seed);
-  for (const auto& assignment : unit.settings.assignments) command += " --set " + assignment;
-  return command;
+std::string command_of(const Unit& unit, const batch::RunRequest& request) {
+  std::vector<std::string> words = {"hybrid", "run", unit.scene.string(), "--out", "DIR"};
+  const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
+  if (request.stages != batch::kAllStages) add({"--only", fmt::format("{}", fmt::join(request.stages, ","))});
+  if (request.salvage) add({"--salvage"});
+  if (request.leave_one_out) add({"--leave-one-out"});
+  if (request.seed) add({"--seed", std::to_string(*request.seed)});
+  for (const auto& assignment : request.assignments) add({"--set", assignment});
+  return as_typed(words);
 }
 
 // Stages that need a model are for scenes that have one; a scene that cannot be read will say so itself.
-std::set<std::string> stages_of(const fs::path& scene) {
+std::set<std::string> stages_of(const Unit& unit) {
   auto stages = batch::kAllStages;
   try {
-    if (!io::read_scene_file(scene).model)
-      for (const char* stage : {"register", "edit", "render"}) stages.erase(stage);
+    const auto scene = io::read_scene_file(unit.scene);
+    if (scene.model) return stages;
+    for (const char* stage : {"register", "edit", "render"}) stages.erase(stage);
+    if (batch::asks_for_export(scene, unit.settings.assignments)) stages.insert("export");
   } catch (const Error&) {
   }
   return stages;
@@ -54,20 +61,20 @@ UnitResult run_scene_unit(device::Queue& queue, const Store& store, const Manife
   batch::RunRequest request;
   request.scene_file = unit.scene;
   request.out = work;
-  request.stages = stages_of(unit.scene);
+  request.stages = stages_of(unit);
   request.export_if_asked = true;
   request.leave_one_out = unit.settings.leave_one_out.value_or(false);
   request.assignments = unit.settings.assignments;
   request.seed = unit.settings.seed;
   request.salvage = unit.settings.salvage.value_or(false);
-  request.command = command_of(unit);
+  request.command = command_of(unit, request);
   request.kept_scan = [&](const std::string& id) -> std::optional<batch::ProcessedScan> {
     const auto found = planes.find(id);
     if (found == planes.end()) return std::nullopt;
     const Outcome& outcome = outcomes.of(found->second->index);
     if (outcome.state == UnitState::done) return read_or_nothing(store.object(outcome.key) / "kept.bin");
     // As the run itself would have found it; a scan that took its process down does not take this one too.
-    throw Error(outcome.kind == ErrorKind::input ? ErrorKind::input : ErrorKind::failed, outcome.error);
+    throw Error(outcome.kind == ErrorKind::input ? ErrorKind::input : ErrorKind::failed, outcome.cause);
   };
   const auto run = batch::run_scene(
       queue, request, [&](const batch::SceneRun& made) { report::write_report(queue, made, work); });

@@ -85,6 +85,12 @@ TEST(ArchiveDamage, is_told_with_its_cause_and_the_others_go_on) {
   EXPECT_EQ(state_of(status, "planes loose.e57 loose"), "failed");
   EXPECT_NE(error_of(status, "planes loose.e57 loose").find("(page 4): expected checksum"), std::string::npos)
       << status["list"];
+  // The options of `hybrid run` that would help are a profile's here.
+  EXPECT_NE(error_of(status, "planes loose.e57 loose").find("use salvage = true in [run] of a profile"),
+            std::string::npos)
+      << status["list"];
+  EXPECT_EQ(status.dump().find("use --salvage"), std::string::npos) << status["list"];
+  EXPECT_EQ(ran.out.find("use --salvage"), std::string::npos) << ran.out;
   EXPECT_EQ(made_for(store, "a"), made_for(first.store, "a"));
   for (const auto& row : status["list"])
     if (row["state"] == "failed") {
@@ -133,6 +139,20 @@ TEST(ArchiveDamage, a_unit_that_takes_its_process_down_is_quarantined) {
   EXPECT_EQ(state_of(status_of(store), "scene a"), "done");
 }
 
+TEST(ArchiveDamage, a_scene_without_a_model_is_told_a_command_that_it_can_be_run_by) {
+  const Scratch scratch;
+  const fs::path archive = scratch / "archive", store = scratch / "store";
+  write_small_archive(archive, 1);
+  std::string text = mini_scene_text();
+  text.resize(text.find("[model]"));
+  io::write_text(archive / "a/scene.toml", text + "[[scan]]\nid = \"t\"\nfile = \"t.ply\"\n");
+  ASSERT_EQ(plan(archive, store).exit_code, 3);
+  EXPECT_EQ(run_store(store).exit_code, 3);
+  const auto timing = nlohmann::json::parse(io::read_text(store / "results/a/scene/timing.json"));
+  EXPECT_EQ(timing["run_again"]["scan t"],
+            "hybrid run " + (archive / "a/scene.toml").string() + " --out DIR --only planes,report");
+}
+
 TEST(ArchiveDamage, limits_end_a_unit_and_not_the_run) {
   const Scratch scratch;
   const fs::path store = scratch / "store";
@@ -145,7 +165,8 @@ TEST(ArchiveDamage, limits_end_a_unit_and_not_the_run) {
         << memory.out;
   }
   const auto time = run_store(store, "--unit 0 --unit-time 0.001");
-  EXPECT_NE(time.out.find("took longer than 0 s (--unit-time)"), std::string::npos) << time.out;
+  EXPECT_NE(time.out.find("took longer than 0.001 s (--unit-time); give it more"), std::string::npos)
+      << time.out;
   EXPECT_EQ(run_store(store, "--retry").exit_code, 0);  // after three failures
 }
 

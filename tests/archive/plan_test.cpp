@@ -92,6 +92,10 @@ TEST(ArchivePlan, says_what_is_wrong_with_its_arguments) {
          "p.toml:2");
   EXPECT_FALSE(fs::exists(scratch / "store"));
   expect(run_store(scratch / "archive"), 4, "expected a store, found no store.json");
+  io::write_text(scratch / "new/store.json", "{\"format\": \"hybrid store 1\"}");
+  expect(run_store(scratch / "new"), 4,
+         (scratch / "new").string() +
+             ": expected a plan, found no manifest.json; make one by hybrid batch plan");
   ASSERT_EQ(plan(scratch / "archive", scratch / "store").exit_code, 0);
   expect(run_store(scratch / "store", "--unit 9"), 2, "expected units from 0 to 2");
   expect(run_store(scratch / "store", "--unit 1-"), 2, "expected numbers of units");
