@@ -8,6 +8,7 @@
 
 #include "core/json_text.hpp"
 #include "io/output.hpp"
+#include "report/model_sections.hpp"
 #include "report/scan_section.hpp"
 
 namespace hybrid::report {
@@ -303,8 +304,9 @@ void write_scene_page(const ScenePage& given) {
   fs::remove_all(folder / "pictures", ignored);
   Previews previews(page.out);
   std::string body = facts(page) + failure_section(page.failures) + abstained_sections(page, previews) +
-                     registration_section(page, previews) + view_section(page, previews) +
-                     leave_one_out_section(page, previews);
+                     registration_section(page, previews) + edit_section(previews, page.summary) +
+                     view_section(page, previews) + leave_one_out_section(page, previews) +
+                     coverage_section(page.summary) + export_section(previews, page.summary);
   body += scan_table(page);
   const auto& scans = page.summary["scans"];
   for (std::size_t i = 0; i < scans.size(); ++i) body += scan_section(previews, scans[i], i);

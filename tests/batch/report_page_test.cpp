@@ -123,6 +123,50 @@ TEST_F(ReportPage, superclusters_come_from_planes_json_and_their_slope_from_the_
   EXPECT_NE(write(page()).find("[{\"value\":7},2.25,1.25,99,4,90.0,-1.5,"), std::string::npos);
 }
 
+TEST_F(ReportPage, shows_what_was_edited_what_no_photograph_sees_and_what_was_exported) {
+  auto made = page();
+  const std::string before = write(made);
+  for (const char* section : {"id=\"edits\"", "id=\"coverage\"", "id=\"export\""})
+    EXPECT_EQ(before.find(section), std::string::npos) << section;
+  made.summary["edit"] = {
+      {"removed_faces", {kHostile}},
+      {"openings", {{"found", 1}, {"cut", 1}}},
+      {"displacement", {{{"face", "west"}, {"texel_m", 0.01}, {"size", {30, 20}}, {"measured_m2", 1.5}}}},
+      {"scans", {{"one #1", {{"clips", {{{"line", 3}, {"samples", 40}}}}, {"depth_edited_samples", 7}}}}}};
+  made.summary["coverage"] = {
+      {"texel_m", 0.02},
+      {"area_m2", 20},
+      {"unseen_m2", 5},
+      {"faces", {{{"face", "west"}, {"area_m2", 4}, {"unseen_m2", 1}}}},
+      {"next_camera_like", "0.jpg"},
+      {"next_cameras", {{{"position", {1, 2, 3}}, {"direction", {0, 1, 0}}, {"gained_m2", 0.75}}}}};
+  made.summary["export"] = {{"files", {{{"file", "atlas-0.png"}, {"bytes", 1'000'000}}}},
+                            {"notes", {kHostile}}};
+  const Json openings = {{"openings",
+                          {{{"face", "west"},
+                            {"kind", "glass"},
+                            {"cut", true},
+                            {"area_m2", 2},
+                            {"rays", 900},
+                            {"confidence", 0.5},
+                            {"depth_m", 3}}}}};
+  io::write_text(folder_ / "model/openings.json", openings.dump());
+  io::write_text(folder_ / "model/displacement/003-west.exr", "");
+  for (const char* name : {"model/edited.png", "model/openings/003-west.png", "scans/one #1/clipped.png",
+                           "scans/one #1/depth-edits.png", "export/atlas-0.png"})
+    io::write_png(folder_ / name, Image8(30, 10, 3, 200));
+  const std::string html = write(made);
+  EXPECT_EQ(html.find("<script>alert"), std::string::npos);
+  for (const char* part :
+       {"src=\"pictures/model/edited.jpg\"", "src=\"pictures/model/openings/003-west.jpg\"",
+        "src=\"pictures/scans/one%20%231/clipped.jpg\"", "src=\"pictures/scans/one%20%231/depth-edits.jpg\"",
+        "src=\"pictures/export/atlas-0.jpg\"", "href=\"../model/displacement/003-west.exr\"",
+        "[\"west\",10.0,30,20,1.5]", "[\"one #1\",40,7]", "[\"west\",\"glass\",{\"text\":\"cut\"",
+        "5.00 of 20.00 m\u00b2 (25.0 %)", "[\"west\",4.0,1,25.0]", "[1,2,3,\"0.000 1.000 0.000\",0.75]",
+        "{\"text\":\"atlas-0.png\",\"href\":\"../export/atlas-0.png\"},1.0]"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+}
+
 // Each is made once, however often it is asked for; of those that are no pictures the first asked for is
 // named.
 TEST_F(ReportPage, previews_are_made_once_in_their_order_and_the_first_error_is_told) {

@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+
+#include "report/html.hpp"
+#include "report/previews.hpp"
+
+namespace hybrid::report {
+
+// Sections of a scene's page, each empty where the run has nothing of it.
+
+// What [edit] changed: faces, holes, openings found and cut, displacement maps, clips and moved depths.
+std::string edit_section(Previews& previews, const Json& summary);
+
+// What no photograph sees, face by face, and where to stand for more.
+std::string coverage_section(const Json& summary);
+
+// The files of DIR/export/, with what was left out of them.
+std::string export_section(Previews& previews, const Json& summary);
+
+}  // namespace hybrid::report
