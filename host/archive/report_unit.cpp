@@ -2,6 +2,7 @@
 // so that it has the same bytes whenever and wherever it is made.
 #include "archive/unit_run.hpp"
 #include "core/json_text.hpp"
+#include "core/log.hpp"
 #include "io/output.hpp"
 #include "report/archive_page.hpp"
 
@@ -30,13 +31,45 @@ Json page_of(const Unit& unit, const Outcome& outcome) {
                                       : "../" + unit.result + "/";
 }
 
+// Class pictures, where they lie: the smaller ones that a scene's page has, those of a loose scan themselves.
+Json pictures_of(const Store& store, const Unit& unit, const Outcome& outcome, const Json& summary) {
+  Json pictures = Json::array();
+  if (!summary.is_object() || !summary.contains("scans")) return pictures;
+  for (const auto& scan : summary["scans"]) {
+    const std::string id = scan["id"].get<std::string>();
+    const std::string file = unit.kind == UnitKind::scene ? "report/pictures/scans/" + id + "/classes.jpg"
+                                                          : "scans/" + id + "/classes.png";
+    std::error_code ignored;
+    if (fs::exists(store.object(outcome.key) / file, ignored))
+      pictures.push_back({{"scan", id}, {"file", "../" + unit.result + "/" + file}});
+  }
+  return pictures;
+}
+
+// CPU seconds of the units that there are, as they were when these were made: for timing.js.
+Json times_of(const Store& store, const Manifest& manifest, const Unit& report, Outcomes& outcomes) {
+  Json times = Json::object();
+  for (const std::size_t need : report.needs) {
+    const Outcome& outcome = outcomes.of(need);
+    if (!has_object(outcome)) continue;
+    try {
+      times[manifest.units[need].id] = store.record_json(outcome.key).value("cpu_s", 0.0);
+    } catch (const Error& error) {  // verify tells of it; no page fails for a time
+      log::warning("{}", error.what());
+    }
+  }
+  return times;
+}
+
 Json row_of(const Store& store, const Unit& unit, Outcomes& outcomes) {
   const Outcome& outcome = outcomes.of(unit.index);
+  const Json summary = summary_of(store, outcome);
   Json row = {{"result", unit.result},
               {"kind", name_of(unit.kind)},
               {"state", name_of(outcome.state)},
               {"page", page_of(unit, outcome)},
-              {"summary", summary_of(store, outcome)}};
+              {"pictures", pictures_of(store, unit, outcome, summary)},
+              {"summary", summary}};
   if (outcome.error.empty()) return row;
   row["error"] = outcome.error;
   // What it needs and has not got, too. The store's own place is the reader's to know.
@@ -70,6 +103,10 @@ UnitResult run_report_unit(const Store& store, const Manifest& manifest, const U
   const fs::path named = manifest.archive.has_filename() ? manifest.archive : manifest.archive.parent_path();
   report::write_archive_page(work, "Archive " + named.filename().string(),
                              {{"results", results}, {"problems", problems}});
+  const Json times = {{"cpu_s_by_unit", times_of(store, manifest, unit, outcomes)}};
+  io::write_text(
+      work / "report" / "timing.js",
+      fmt::format("hybridTiming({});\n", times.dump(1, ' ', false, Json::error_handler_t::replace)));
   return {};
 }
 

@@ -31,7 +31,7 @@ namespace hybrid::archive {
 //       scene:                   what `hybrid run` writes: summary.json, scans/, views/, report/ ...
 //       planes of a loose scan:  what `hybrid planes` writes
 //       planes of a scene's scan: kept.bin (kept_scan.hpp), summary.json
-//       report:                  archive.json, index.html (report/archive_page.hpp)
+//       report:                  archive.json, index.html (report/archive_page.hpp), report/timing.js
 //     failures/<kk>/<key>.json  sealed. The unit's last failure: unit, error, exit_code, attempts,
 //                              quarantined, command (runs it again), finished. Gone when it succeeds
 //     failures/<kk>/<key>.log   what it said

@@ -104,16 +104,40 @@ std::string loose_table(const Json& archive) {
       .number("noise", "mm", 2)
       .number("superclusters", "", 0)
       .number("discarded", "%", 1)
-      .number("notes", "", 0);
+      .number("notes", "", 0)
+      .text("picture");
   for (const auto& row : archive["results"]) {
     if (row["kind"] != "planes") continue;
     const Json& summary = row["summary"];
     const Json scan = summary.contains("scans") && !summary["scans"].empty() ? summary["scans"][0] : Json();
+    Json shown;
+    if (!row["pictures"].empty())
+      shown = {{"text", "planes"}, {"href", link(row["pictures"][0]["file"].get<std::string>())}};
     table.add({named(row), state_cell(row), cell(scan, "/input_returns"), cell(scan, "/sigma_m", 1000),
                cell(scan, "/superclusters"), cell(scan, "/decimation/discarded_share", 100),
-               scan.contains("notes") ? Json(scan["notes"].size()) : Json()});
+               scan.contains("notes") ? Json(scan["notes"].size()) : Json(), shown});
   }
   return table.empty() ? "" : "<h2 id=\"loose\">Scans without a scene</h2>\n" + table.html();
+}
+
+// Closed at first: the pictures, which are those of the scenes' own pages, are loaded when they are looked
+// at.
+std::string class_pictures(const Json& archive) {
+  std::string html;
+  std::size_t count = 0;
+  for (const auto& row : archive["results"]) {
+    if (row["kind"] != "scene" || !row["page"].is_string()) continue;
+    for (const auto& picture : row["pictures"]) {
+      ++count;
+      html += figure(picture["file"].get<std::string>(), row["page"].get<std::string>(),
+                     row["result"].get<std::string>() + ": scan " + picture["scan"].get<std::string>());
+    }
+  }
+  if (html.empty()) return "";
+  return fmt::format(
+      "<details><summary>pictures of {} scans: planes pastel, what is none dark</summary>"
+      "<div class=\"row small\">\n{}</div></details>\n",
+      count, html);
 }
 
 std::string abstained_table(const Json& archive) {
@@ -142,10 +166,15 @@ std::string failure_list(const Json& archive) {
                         escape(row["result"].get<std::string>()), css_of(row["state"].get<std::string>()),
                         escape(row["state"].get<std::string>()), escape(row["error"].get<std::string>()));
     if (row.contains("command"))
-      html += fmt::format("<br>run it again: <code>{}</code>", escape(row["command"].get<std::string>()));
+      html += fmt::format("<br>run it again: <code data-store>{}</code>",
+                          escape(row["command"].get<std::string>()));
     html += "</li>\n";
   }
-  if (!html.empty()) html = "<h2 id=\"failures\">Failures</h2>\n<ul>\n" + html + "</ul>\n";
+  if (!html.empty())
+    html =
+        "<h2 id=\"failures\">Failures</h2>\n<p id=\"store\">STORE stands for the folder that holds "
+        "results/report/, where this page is.</p>\n<ul>\n" +
+        html + "</ul>\n";
   std::string problems;
   for (const auto& problem : archive["problems"])
     problems += fmt::format("<li><strong>{}</strong>: {}</li>\n", escape(problem["path"].get<std::string>()),
@@ -176,10 +205,12 @@ std::string facts(const Json& archive) {
 }  // namespace
 
 void write_archive_page(const std::filesystem::path& folder, const std::string& title, const Json& archive) {
-  io::write_text(folder / "index.html", page(title,
-                                             facts(archive) + failure_list(archive) + scene_table(archive) +
-                                                 abstained_table(archive) + loose_table(archive),
-                                             ""));
+  io::write_text(folder / "index.html",
+                 page(title,
+                      facts(archive) + failure_list(archive) + scene_table(archive) +
+                          class_pictures(archive) + abstained_table(archive) + loose_table(archive) +
+                          "<h2>Times</h2>\n<div id=\"timing\"></div>\n",
+                      "report/timing.js"));
 }
 
 }  // namespace hybrid::report

@@ -120,6 +120,16 @@ function bars(rows) {
   return svg;
 }
 
+// An archive's page knows where it was opened, and so the store's folder; the page itself holds no such path.
+const store = location.protocol === 'file:' && decodeURIComponent(location.pathname)
+  .match(/^(.*)\/(?:results\/report|objects\/[0-9a-f]{2}\/[0-9a-f]{32})\/index\.html$/)?.[1];
+if (store) {
+  const typed = /^[\w@%+=:,./-]+$/.test(store) ? store : `'${store.replaceAll("'", "'\\''")}'`;
+  for (const command of document.querySelectorAll('code[data-store]'))
+    command.textContent = command.textContent.replace('STORE', () => typed);
+  document.getElementById('store')?.remove();
+}
+
 // timing.js beside this page calls it: what differs from run to run stays out of the page.
 function hybridTiming(timing) {
   const place = document.getElementById('timing');
@@ -127,9 +137,15 @@ function hybridTiming(timing) {
   const seconds = value => value >= 100 ? `${value.toFixed(0)} s` : `${value.toFixed(3)} s`;
   const ranked = (list, most) => Object.entries(list).sort((a, b) => b[1] - a[1]).slice(0, most)
     .map(([name, value]) => [name, value, seconds(value)]);
+  const total = list => Object.values(list).reduce((sum, value) => sum + value, 0);
+  const units = timing.cpu_s_by_unit;
+  if (units) {
+    const all = `${Object.keys(units).length} units, ${seconds(total(units))} of CPU time when they were made`;
+    place.replaceChildren(make('h3', {}, `${all}; the longest`), bars(ranked(units, 40)));
+    return;
+  }
   const stages = timing.seconds_by_stage ?? {};
   const kernels = Object.fromEntries(Object.entries(timing.kernels ?? {}).map(([name, row]) => [name, row.seconds]));
-  const total = list => Object.values(list).reduce((sum, value) => sum + value, 0);
   place.replaceChildren(
     make('p', {class: 'soft'}, `${timing.host}, ${timing.device}, ${timing.threads} threads`),
     make('h3', {}, `Stages, ${seconds(total(stages))} in all`), bars(ranked(stages, 40)));

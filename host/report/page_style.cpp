@@ -31,6 +31,7 @@ li { overflow-wrap: anywhere; }
 .row { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 26rem), 1fr)); gap: 1rem;
        align-items: start; margin: .6rem 0; }
 .wide { grid-template-columns: 1fr; }
+.small { grid-template-columns: repeat(auto-fill, minmax(min(100%, 12rem), 1fr)); }
 .three { grid-template-columns: repeat(auto-fit, minmax(min(100%, 15rem), 1fr)); }
 figure { margin: 0; }
 img { display: block; width: 100%; height: auto; border: 1px solid var(--line); background: var(--shade); }

@@ -125,11 +125,21 @@ TEST_F(Nightly, three_nights_in_catalogue_diff_and_page) {
   EXPECT_NE(page.find("s.ply"), std::string::npos);
   EXPECT_NE(page.find("hybrid batch run --out STORE --unit 2,5 --retry"), std::string::npos);
   EXPECT_NE(page.find("../a/scene/report/index.html"), std::string::npos);
+  EXPECT_NE(page.find("src=\"../a/scene/report/pictures/scans/s/classes.jpg\""), std::string::npos);
+  EXPECT_TRUE(fs::exists(store / "results/a/scene/report/pictures/scans/s/classes.jpg"));
+  EXPECT_EQ(page.find("src=\"../c/"), std::string::npos);  // its scan is damaged
+  EXPECT_NE(io::read_text(store / "results/report/report/timing.js").find("\"scene a\": "),
+            std::string::npos);
   for (const fs::path& file : {store / "results/report/index.html", scratch / "page/index.html"}) {
     const auto opened = open_in_browser(file);
     if (!opened) continue;
     EXPECT_EQ(opened->console, "") << file;
     EXPECT_NE(opened->dom.find("aria-label=\"filter the rows\""), std::string::npos) << file;
+    // Where the store lies the page knows when it is opened.
+    const bool named = opened->dom.find("hybrid batch run --out " + store.string() + " --unit 2,5 --retry") !=
+                       std::string::npos;
+    EXPECT_EQ(opened->dom.find("of CPU time when they were made") != std::string::npos, named) << opened->dom;
+    EXPECT_EQ(named, file.parent_path().filename() == "report") << opened->dom;
   }
 }
 
