@@ -104,9 +104,7 @@ UnitResult run_report_unit(const Store& store, const Manifest& manifest, const U
   report::write_archive_page(work, "Archive " + named.filename().string(),
                              {{"results", results}, {"problems", problems}});
   const Json times = {{"cpu_s_by_unit", times_of(store, manifest, unit, outcomes)}};
-  io::write_text(
-      work / "report" / "timing.js",
-      fmt::format("hybridTiming({});\n", times.dump(1, ' ', false, Json::error_handler_t::replace)));
+  io::write_text(work / "report" / "timing.js", fmt::format("hybridTiming({});\n", json_text(times)));
   return {};
 }
 
