@@ -1,7 +1,6 @@
 #include "archive/engine.hpp"
 
 #include <poll.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <csignal>
@@ -286,11 +285,7 @@ class Engine {
     Ending ending;
     ending.error = slot.killed_for;
     ending.worker_died = slot.killed_for.empty();
-    if (ending.error.empty())
-      ending.error = WIFSIGNALED(status) ? fmt::format("its process was ended by signal {} ({})",
-                                                       WTERMSIG(status), strsignal(WTERMSIG(status)))
-                                         : fmt::format("its process ended with code {} before it was done",
-                                                       WEXITSTATUS(status));
+    if (ending.error.empty()) ending.error = describe_end(status);
     ended(slot, ending);
   }
 
@@ -402,10 +397,8 @@ class Engine {
                               unit_memory_ >> 20, options_.unit_memory_bytes ? "--unit-memory" : "--memory"));
       }
       if (slot.timer.seconds() > options_.unit_seconds)
-        end(slot,
-            fmt::format("took longer than {} s (--unit-time); give it more, or see its log for what takes "
-                        "so long",
-                        options_.unit_seconds));
+        end(slot, fmt::format("took longer than {} s (--unit-time); give it more, or see its log",
+                              options_.unit_seconds));
       if (!youngest || slot.timer.seconds() < youngest->timer.seconds()) youngest = &slot;
       name = manifest_.units[*slot.unit].id;
     }

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 
 #include "archive/worker.hpp"
@@ -102,6 +103,13 @@ std::uint64_t WorkerProcess::resident_bytes() const {
   std::uint64_t size = 0, resident = 0;
   statm >> size >> resident;
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+std::string describe_end(int status) {
+  return WIFSIGNALED(status)
+             ? fmt::format("its process was ended by signal {} ({})", WTERMSIG(status),
+                           strsignal(WTERMSIG(status)))
+             : fmt::format("its process ended with code {} before it was done", WEXITSTATUS(status));
 }
 
 }  // namespace hybrid::archive

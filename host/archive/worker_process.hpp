@@ -44,4 +44,7 @@ class WorkerProcess {
   std::string unread_;
 };
 
+// What a status of waitpid says of a process that ended by itself.
+std::string describe_end(int status);
+
 }  // namespace hybrid::archive
