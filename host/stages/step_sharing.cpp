@@ -246,7 +246,8 @@ bool StepSharing::is_sharp(const Evidence& evidence) const {
          evidence.inside.count >= kFewestNear && evidence.outside.count >= kFewestNear &&
          (evidence.inside.value_m() - evidence.outside.value_m()) / step_m() >= kSharp &&
          std::abs(evidence.outside.value_m()) <= level &&
-         (evidence.deep.count < std::max(kFewestNear, evidence.part.count / 8) || std::abs(evidence.deep.value_m() - step_m()) <= level);
+         (evidence.deep.count < std::max(kFewestNear, evidence.part.count / 8) ||
+          std::abs(evidence.deep.value_m() - step_m()) <= level);
 }
 
 // Samples of the part from which it goes on so for two samples, the first of which may be a noisy step away.

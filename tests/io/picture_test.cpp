@@ -102,7 +102,8 @@ TEST(picture, a_question_mark_in_a_path_is_part_of_it) {
   write_png(file, image);
   EXPECT_EQ(read_photograph(file, 4, 3).pixels, image.pixels);
   write_text(file, "no picture");
-  EXPECT_TRUE(holds(error_of(ErrorKind::input, [&] { read_photograph(file, 4, 3); }), "a?b=c.png: is no picture"));
+  EXPECT_TRUE(
+      holds(error_of(ErrorKind::input, [&] { read_photograph(file, 4, 3); }), "a?b=c.png: is no picture"));
 }
 
 TEST(picture, alpha_is_dropped_and_never_multiplied) {
