@@ -13,13 +13,12 @@
 #include "batch/output_folder.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/registered_scans.hpp"
-#include "batch/residual_figures.hpp"
 #include "batch/scene_editing.hpp"
 #include "batch/scene_export.hpp"
 #include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
+#include "batch/scene_summary.hpp"
 #include "batch/timing_json.hpp"
-#include "batch/truth_figures.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
@@ -387,44 +386,6 @@ class Run {
     return read_scene_scan(run_.products[i].id, entry, list_scene_scans(entry, request_.salvage).front());
   }
 
-  // Without a model the first scan is the frame: its true pose brings the others into the truth's.
-  Pose in_truth_s_frame(const ScanRegistration& registration) const {
-    if (run_.model || !run_.registrations[0]) return registration.world_from_scan();
-    for (const auto& truth : truth_->scans)
-      if (truth.id == run_.products[0].id)
-        return truth.world_from_scan * run_.registrations[0]->world_from_scan().inverse() *
-               registration.world_from_scan();
-    return registration.world_from_scan();
-  }
-
-  // The truth says what each sample of hybrid-synth's file is; of another file nothing can be scored.
-  bool is_of_this_file(const io::ScanTruth& truth, const ScanProduct& product) const {
-    if (std::cmp_equal(truth.plane.size(), product.input_samples)) return true;
-    log::warning(
-        "{}: scan {}: expected the truth of its file's {} samples, found that of {}: not scored; name the "
-        "scan's file that hybrid-synth wrote, or take `truth` from the scene",
-        run_.scene.truth->string(), truth.id, product.input_samples, truth.plane.size());
-    return false;
-  }
-
-  Json scan_summary(std::size_t i) const {
-    Json json = scan_figures(run_.products[i]);
-    const auto& registration = run_.registrations[i];
-    if (registration) {
-      json["registration"] = registration_figures(*registration);
-      if (!registration->signed_distance_m.empty())
-        json["registration"]["residuals"] = residual_figures(run_.products[i], *registration);
-    }
-    if (run_.abstentions[i]) json["registration"] = registration_figures(*run_.abstentions[i]);
-    if (truth_)
-      for (const auto& truth : truth_->scans)
-        if (truth.id == run_.products[i].id && is_of_this_file(truth, run_.products[i])) {
-          const auto pose = registration ? std::optional(in_truth_s_frame(*registration)) : std::nullopt;
-          json["truth"] = truth_figures(truth, run_.products[i], pose ? &*pose : nullptr);
-        }
-    return json;
-  }
-
   void report() {
     make_summary();
     unit("report", [&] {
@@ -434,13 +395,11 @@ class Run {
   }
 
   void make_summary() {
-    Json scans = Json::array();
-    for (std::size_t i = 0; i < run_.products.size(); ++i) scans.push_back(scan_summary(i));
     run_.summary = {{"program", {{"name", "hybrid"}, {"version", HYBRID_VERSION}}},
                     {"scene", run_.scene.name},
                     {"inputs", inputs_},
                     {"options", describe(options_)},
-                    {"scans", scans},
+                    {"scans", scan_summaries(run_, truth_ ? &*truth_ : nullptr)},
                     {"views", views_},
                     {"failures", Json::array()}};
     if (!export_.is_null()) run_.summary["export"] = export_;

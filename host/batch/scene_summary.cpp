@@ -1,0 +1,64 @@
+#include "batch/scene_summary.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "batch/planes_json.hpp"
+#include "batch/residual_figures.hpp"
+#include "batch/truth_figures.hpp"
+#include "core/log.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Without a model the first scan is the frame: its true pose brings the others into the truth's.
+Pose in_truth_s_frame(const SceneRun& run, const io::SceneTruth& truths,
+                      const ScanRegistration& registration) {
+  if (run.model || !run.registrations[0]) return registration.world_from_scan();
+  for (const auto& truth : truths.scans)
+    if (truth.id == run.products[0].id)
+      return truth.world_from_scan * run.registrations[0]->world_from_scan().inverse() *
+             registration.world_from_scan();
+  return registration.world_from_scan();
+}
+
+// The truth says what each sample of hybrid-synth's file is; of another file nothing can be scored.
+bool is_of_this_file(const SceneRun& run, const io::ScanTruth& truth, const ScanProduct& product) {
+  if (std::cmp_equal(truth.plane.size(), product.input_samples)) return true;
+  log::warning(
+      "{}: scan {}: expected the truth of its file's {} samples, found that of {}: not scored; name the "
+      "scan's file that hybrid-synth wrote, or take `truth` from the scene",
+      run.scene.truth->string(), truth.id, product.input_samples, truth.plane.size());
+  return false;
+}
+
+Json scan_summary(const SceneRun& run, const io::SceneTruth* truths, std::size_t i) {
+  Json json = scan_figures(run.products[i]);
+  const auto& registration = run.registrations[i];
+  if (registration) {
+    json["registration"] = registration_figures(*registration);
+    if (!registration->signed_distance_m.empty())
+      json["registration"]["residuals"] = residual_figures(run.products[i], *registration);
+  }
+  if (run.abstentions[i]) json["registration"] = registration_figures(*run.abstentions[i]);
+  if (truths == nullptr) return json;
+  for (const auto& truth : truths->scans)
+    if (truth.id == run.products[i].id && is_of_this_file(run, truth, run.products[i])) {
+      const auto pose =
+          registration ? std::optional(in_truth_s_frame(run, *truths, *registration)) : std::nullopt;
+      json["truth"] = truth_figures(truth, run.products[i], pose ? &*pose : nullptr);
+    }
+  return json;
+}
+
+}  // namespace
+
+Json scan_summaries(const SceneRun& run, const io::SceneTruth* truth) {
+  Json scans = Json::array();
+  for (std::size_t i = 0; i < run.products.size(); ++i) scans.push_back(scan_summary(run, truth, i));
+  return scans;
+}
+
+}  // namespace hybrid::batch
