@@ -115,6 +115,20 @@ void drop_clipped(const std::vector<std::uint8_t>& clipped, stages::Decimation& 
   }
 }
 
+// Marks the samples beside the grid that a clip drops, as clip_nodes() does those in it.
+std::int64_t clip_extra(const ScanRemains& remains, const Pose& shape_from_scan,
+                        const stages::ClipShape& shape, bool keep_inside,
+                        std::vector<std::uint8_t>& clipped) {
+  std::int64_t dropped = 0;
+  for (std::size_t i = 0; i < clipped.size(); ++i) {
+    const auto& p = remains.extra[i].position;
+    if (clipped[i] || stages::holds(shape, shape_from_scan * Vec3(p[0], p[1], p[2])) == keep_inside) continue;
+    clipped[i] = 1;
+    ++dropped;
+  }
+  return dropped;
+}
+
 // All registered scans but their stray and clipped samples.
 struct Evidence {
   std::vector<std::vector<std::uint8_t>> ignored;
@@ -214,40 +228,27 @@ void edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& 
   }
 }
 
-Json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration, ScanProduct& product) {
-  auto& clipped = product.clipped;
+Json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration, const ScanRemains& remains,
+               ScanProduct& product) {
   Json clips = Json::array();
   for (const auto& clip : scene.edits.clips) {
     if (!clip.scan.empty() && clip.scan != product.id) continue;
     with_context(place(scene, clip.line, "clip"), [&] {
-      clipped.resize(product.image.count(), 0);
+      product.clipped.resize(product.image.count(), 0);
+      product.extra_clipped.resize(remains.extra.size(), 0);
       const Pose shape_from_scan = clip.in_scan_frame ? Pose{} : registration.world_from_scan();
+      const auto shape = shape_of(clip);
       const auto dropped =
-          stages::clip_nodes(product.image, shape_from_scan, shape_of(clip), clip.keep_inside, clipped);
+          stages::clip_nodes(product.image, shape_from_scan, shape, clip.keep_inside, product.clipped) +
+          clip_extra(remains, shape_from_scan, shape, clip.keep_inside, product.extra_clipped);
       clips.push_back({{"line", clip.line}, {"samples", dropped}});
     });
   }
   if (clips.empty()) return {};
-  give_back_contours(clipped, product);
-  drop_clipped(clipped, product.decimation);
+  give_back_contours(product.clipped, product);
+  drop_clipped(product.clipped, product.decimation);
+  product.decimation.measured -= std::count(product.extra_clipped.begin(), product.extra_clipped.end(), 1);
   return clips;
-}
-
-std::vector<std::uint8_t> clip_extra(const io::SceneFile& scene, const ScanRegistration& registration,
-                                     const std::string& id, const ScanRemains& remains) {
-  std::vector<std::uint8_t> clipped(remains.extra.size(), 0);
-  for (const auto& clip : scene.edits.clips) {
-    if (!clip.scan.empty() && clip.scan != id) continue;
-    const auto shape = shape_of(clip);
-    for (std::size_t i = 0; i < clipped.size(); ++i) {
-      const auto& p = remains.extra[i].position;
-      const Vec3 own(p[0], p[1], p[2]);
-      const Vec3 point = clip.in_scan_frame ? own : registration.world_from_scan() * own;
-      if (std::visit([&](const auto& s) { return s.holds(point); }, shape) != clip.keep_inside)
-        clipped[i] = 1;
-    }
-  }
-  return clipped;
 }
 
 stages::Openings openings_of_scans(const PolygonModel& model, const std::vector<ScanProduct>& products,

@@ -24,15 +24,11 @@ void check_edited_scans(const io::SceneFile& scene, const std::vector<std::strin
 // The scene's depth edits of one scan, on its range image.
 void edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image);
 
-// Drops what the scene's clips say from a registered scan: the samples take no part in detail.ply, views and
-// openings any more; contour polygons of superclusters that lose samples give their other samples back.
-// Returns figures; null when no clip concerns the scan.
+// Drops what the scene's clips say from a registered scan and from its samples beside the grid: they take no
+// part in detail.ply, views, exported points and openings any more; contour polygons of superclusters that
+// lose samples give their other samples back. Returns figures; null when no clip concerns the scan.
 nlohmann::ordered_json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration,
-                                 ScanProduct& product);
-
-// The same of the samples beside the grid: 1 per sample that the clips drop.
-std::vector<std::uint8_t> clip_extra(const io::SceneFile& scene, const ScanRegistration& registration,
-                                     const std::string& id, const ScanRemains& remains);
+                                 const ScanRemains& remains, ScanProduct& product);
 
 // Evidence of openings from all registered scans.
 stages::Openings openings_of_scans(const PolygonModel& model, const std::vector<ScanProduct>& products,

@@ -32,8 +32,8 @@ class Collector {
           colours_ && colours_->coverage[i] > 0 ? &colours_->colour.pixels[3 * i] : nullptr,
           product_.drawn[i] == stages::kDrawn);
     }
-    // Samples that no grid node took: data too, but nothing tells what hides them from a photograph.
-    for (const io::PlyPoint& point : remains_.extra)
+    // Nothing tells what hides samples beside the grid from a photograph.
+    for (const io::PlyPoint& point : kept_extra(product_, remains_))
       add({point.position[0], point.position[1], point.position[2]}, point.intensity,
           remains_.colour ? &point.rgb : nullptr, nullptr, false);
   }

@@ -62,11 +62,9 @@ void SceneEditing::edit_depths(const io::SceneFile& scene, const std::string& id
 }
 
 void SceneEditing::clip(const io::SceneFile& scene, const ScanRegistration& registration,
-                        ScanProduct& product, ScanRemains& remains) {
-  const Json clips = clip_scan(scene, registration, product);
-  if (clips.is_null()) return;
-  scans_[product.id]["clips"] = clips;
-  remains.extra_clipped = clip_extra(scene, registration, product.id, remains);
+                        const ScanRemains& remains, ScanProduct& product) {
+  const Json clips = clip_scan(scene, registration, remains, product);
+  if (!clips.is_null()) scans_[product.id]["clips"] = clips;
 }
 
 void SceneEditing::openings(const stages::OpeningOptions& options,

@@ -14,8 +14,8 @@ class SceneEditing {
   // Of a scan's range image, and of its samples where they are kept beside it (georeferenced scans).
   void edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image, Scan& scan);
   // Of a registered scan and of its samples beside the grid.
-  void clip(const io::SceneFile& scene, const ScanRegistration& registration, ScanProduct& product,
-            ScanRemains& remains);
+  void clip(const io::SceneFile& scene, const ScanRegistration& registration, const ScanRemains& remains,
+            ScanProduct& product);
   // Looks for openings, where the options say so, and cuts them into the model; those that glass closes get
   // their panes, and samples seen through them are strays. Displacement maps of what is left of its faces.
   void openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement,

@@ -244,7 +244,7 @@ class Run {
       write_registered(i);
     }
     if (run_.registrations[i])
-      editing_.clip(run_.scene, *run_.registrations[i], run_.products[i], remains_[i]);
+      editing_.clip(run_.scene, *run_.registrations[i], remains_[i], run_.products[i]);
     if (run_.abstentions[i]) abstain(i);
     if (wants("register")) remove_landmark_sheet(folder);
   }

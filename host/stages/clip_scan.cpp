@@ -18,7 +18,7 @@ std::int64_t clip_nodes(const RangeImage& image, const Pose& shape_from_scan, co
       const std::size_t i = image.index(static_cast<int>(row), col);
       if (image.mask[i] != kMeasured || clipped[i]) continue;
       const Vec3 point = shape_from_scan * image.point(i);
-      if (std::visit([&](const auto& s) { return s.holds(point); }, shape) == keep_inside) continue;
+      if (holds(shape, point) == keep_inside) continue;
       clipped[i] = 1;
       ++own;
     }

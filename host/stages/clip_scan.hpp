@@ -30,6 +30,9 @@ struct ClipPrism {  // over a polygon of x, y
   }
 };
 using ClipShape = std::variant<ClipBox, ClipHalfSpace, ClipPrism>;
+inline bool holds(const ClipShape& shape, const Vec3& p) {
+  return std::visit([&](const auto& s) { return s.holds(p); }, shape);
+}
 
 // Marks (1) the measured nodes that the clip drops, in `clipped` (one per node); returns how many that had
 // not been. The points are taken into the shape's frame first.

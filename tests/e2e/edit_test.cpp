@@ -28,6 +28,21 @@ Outcome run_edited(const Scratch& scratch, const std::string& edits, const std::
              (scratch / "out").string());
 }
 
+// The mini scene's scan with a second return behind and one before every 9th point: its grid has room for
+// one.
+void add_colliding_samples(const Scratch& scratch) {
+  fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  const Scan scan = io::read_scan(scratch / "scene/s.ply", 0);
+  std::vector<io::PlyPoint> points;
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+    for (const double factor : {1.0, 1.25, 0.75}) {
+      if (factor != 1 && i % 9) continue;
+      const Vec3 point = factor * scan.point(i);
+      points.push_back({{point.x(), point.y(), point.z()}});
+    }
+  io::write_ply(scratch / "scene/s.ply", points, {});
+}
+
 }  // namespace
 
 TEST(Edit, removes_faces_and_cuts_holes_and_the_same_file_makes_the_same_model) {
@@ -70,6 +85,34 @@ TEST(Edit, clips_drop_samples_from_what_is_kept_but_not_from_the_range_image) {
   EXPECT_EQ(io::read_scan(scratch / "out/scans/s/range.exr", 0).points.size(), 7200u);
   EXPECT_TRUE(fs::exists(scratch / "out/scans/s/clipped.png"));
   EXPECT_GT(summary_of(scratch / "out")["edit"]["scans"]["s"]["clips"][0]["samples"].get<int>(), 1000);
+}
+
+TEST(Edit, clipped_samples_beside_the_grid_are_in_no_export_either) {
+  const Scratch scratch;
+  add_colliding_samples(scratch);
+  const std::string half = "[[edit.clip]]\nplane = [-1, 0, 0, -2]\n",
+                    options = "--only planes,register,export";
+  const std::string clouds = " --set 'export.formats=ply colmap'";
+  const auto clipped = run_edited(scratch, half, options + clouds);
+  ASSERT_EQ(clipped.exit_code, 0) << clipped.err;
+  const auto cloud = io::read_scan(scratch / "out/export/points.ply", 0);
+  EXPECT_GT(cloud.points.size(), 0u);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) EXPECT_LT(cloud.point(i).x(), 2.001);
+  const auto scan = summary_of(scratch / "out")["scans"][0];
+  const int extra = scan["extra_samples"], kept = scan["decimation"]["kept"]["extra"];
+  EXPECT_GT(extra, 1000);
+  EXPECT_LT(kept, extra - 300);
+  EXPECT_GT(kept, 300);
+  EXPECT_EQ(io::read_scan(scratch / "out/scans/s/extra.ply", 0).points.size(),
+            static_cast<std::size_t>(extra));
+  std::int64_t counted = scan["decimation"]["discarded"];
+  for (const auto& count : scan["decimation"]["kept"]) counted += count.get<int>();
+  EXPECT_EQ(scan["decimation"]["measured"], counted);
+  // Nothing is left: nothing is exported.
+  const std::string all = "[[edit.clip]]\nbox = [-100, -100, -100, 100, 100, 100]\n";
+  ASSERT_EQ(run_edited(scratch, all, options + clouds).exit_code, 0);
+  EXPECT_EQ(summary_of(scratch / "out")["export"]["points"]["count"], 0);
+  EXPECT_FALSE(fs::exists(scratch / "out/export/points.ply"));
 }
 
 TEST(Edit, a_depth_edit_moves_its_area_of_the_range_image) {
