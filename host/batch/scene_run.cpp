@@ -78,6 +78,7 @@ class Run {
   void read_inputs() {
     run_.scene = read_scene(request_, stages_, options_);
     names_.emplace(run_.scene);
+    if (const auto ids = scan_ids(run_.scene, request_.salvage)) check_edited_scans(run_.scene, *ids);
     expect_steps();
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
@@ -211,6 +212,7 @@ class Run {
     });
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
+    editing_.finish_clips(run_.scene);
     progress_.step("edit", all);
     if (run_.model)
       unit("edit", [&] {

@@ -136,6 +136,39 @@ TEST(Edit, a_depth_edit_moves_its_area_of_the_range_image) {
   EXPECT_TRUE(fs::exists(scratch / "out/scans/s/depth-edits.png"));
 }
 
+TEST(Edit, a_depth_edit_moves_the_samples_beside_the_grid_too) {
+  const Scratch scratch;
+  add_colliding_samples(scratch);
+  ASSERT_EQ(run_edited(scratch, "", "--only planes").exit_code, 0);
+  const auto before = io::read_scan(scratch / "out/scans/s/extra.ply", 0);
+  const auto moved = run_edited(
+      scratch,
+      "[[edit.depth]]\nscan = \"s\"\npolygon = [[20, 30], [20, 50], [40, 50], [40, 30]]\nby_m = 0.07\n",
+      "--only planes,edit");
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  const auto after = io::read_scan(scratch / "out/scans/s/extra.ply", 0);
+  ASSERT_EQ(after.points.size(), before.points.size());
+  int changed = 0;
+  for (std::size_t i = 0; i < after.points.size(); ++i) {
+    const double by = after.point(i).norm() - before.point(i).norm();
+    EXPECT_TRUE(std::abs(by) < 1e-6 || std::abs(by - 0.07) < 1e-5) << by;
+    changed += by > 0.01;
+  }
+  EXPECT_NEAR(changed, 2 * 21 * 21 / 9.0, 10);
+  EXPECT_EQ(summary_of(scratch / "out")["edit"]["scans"]["s"]["depth_edited_samples"], 21 * 21 + changed);
+}
+
+TEST(Edit, a_clip_that_drops_nothing_is_named) {
+  const Scratch scratch;
+  const auto outcome = run_edited(scratch,
+                                  "[[edit.clip]]\nbox = [100, 100, 100, 101, 101, 101]\n"
+                                  "[[edit.clip]]\nplane = [-1, 0, 0, -2]\n",
+                                  "--only edit");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("[edit]: clip 1: it drops no sample"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("[edit]: clip 2"), std::string::npos) << outcome.err;
+}
+
 TEST(Edit, says_what_no_photograph_sees_and_where_to_stand) {
   const auto summary = summary_of(mini_result());
   const auto& coverage = summary["coverage"];
