@@ -17,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kLeaveOneOut = "leave-one-out/";  // what such views' names begin with
+constexpr std::string_view kPair = "-pair";             // what a view's comparison adds to its name
 
 // The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's
 // centre moves with the world's scale, its image does not change.
@@ -89,8 +90,12 @@ std::vector<std::string> leave_one_out_names(const PhotographSet& photographs) {
     names.push_back(flat(std::filesystem::path(photograph.name).replace_extension().generic_string()));
     ++uses[names.back()];
   }
+  // Some differ by extension only; "a-pair" is what view "a" calls its comparison.
+  const auto is_comparison = [&](const std::string& name) {
+    return name.ends_with(kPair) && uses.count(name.substr(0, name.size() - kPair.size()));
+  };
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (uses[names[i]] > 1) names[i] = flat(photographs.cameras[i].name);  // they differ by extension only
+    if (uses.at(names[i]) > 1 || is_comparison(names[i])) names[i] = flat(photographs.cameras[i].name);
   return names;
 }
 
