@@ -8,6 +8,7 @@
 #include "geometry/face_frame.hpp"
 #include "io/obj.hpp"
 #include "io/output.hpp"
+#include "io/picture.hpp"
 #include "io/ply.hpp"
 #include "io/read_scan.hpp"
 #include "program.hpp"
@@ -56,7 +57,14 @@ TEST(Edit, removes_faces_and_cuts_holes_and_the_same_file_makes_the_same_model) 
   ASSERT_EQ(model.faces.size(), 5u);
   EXPECT_EQ(model.faces[1].name, "face-2");
   EXPECT_NEAR(face_area_m2(model, model.faces[1]), 4 * 2.5 - 1, 1e-6);
-  EXPECT_TRUE(fs::exists(scratch / "out/model/edited.png"));
+  // The hole is outlined where the model is as it became, to the right.
+  const auto picture = io::read_photograph(scratch / "out/model/edited.png", 1608, 1208);
+  std::array<int, 2> outlined{};
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      if (picture.at(x, y)[0] == 200 && picture.at(x, y)[1] == 0) ++outlined[2 * x > picture.width];
+  EXPECT_EQ(outlined[0], 0);
+  EXPECT_GT(outlined[1], 100);
   EXPECT_FALSE(fs::exists(scratch / "out/views"));  // --only edit
   const auto edit = summary_of(scratch / "out")["edit"];
   EXPECT_EQ(edit["removed_faces"], nlohmann::json::array({"face-1"}));
