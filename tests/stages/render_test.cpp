@@ -461,6 +461,20 @@ TEST(Render, plain_views_colour_scans_apart_and_camera_markers_can_be_shown) {
   EXPECT_EQ(std::count(without.id.begin(), without.id.end(), 0x40000000u), 0);
 }
 
+TEST(Render, camera_markers_hide_little_of_what_a_view_shows) {
+  RenderScene scene = room().scene;
+  scene.photographs = {look_at({3, 1.2, 1.5}, {3, 5, 1.5}, Vec3::UnitZ(), 65, 64, 48)};
+  scene.photographs[0].name = "before-us";
+  scene.photograph_pixels = {Image8(64, 48, 3, std::uint8_t{128})};
+  ViewRequest request = view({3, 0.6, 1.5}, {3, 5, 1.5}, 160, 120);  // 60 cm behind it
+  request.texture = false;
+  request.cameras = true;
+  const RenderedView image = render(scene, request);
+  const auto hidden = std::count(image.id.begin(), image.id.end(), 0x40000000u);
+  EXPECT_GT(hidden, 20);
+  EXPECT_LT(hidden, 160 * 120 / 50);
+}
+
 TEST(Render, wrong_requests_name_what_is_wrong) {
   const auto message = [](const auto& body) -> std::string {
     try {
