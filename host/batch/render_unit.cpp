@@ -298,11 +298,12 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
                            {"ssim", quality.ssim},
                            {"share_seen", quality.share_seen}};
     writers.push_back([&rendered, photograph, mask, gain = quality.gain, stem] {
-      io::write_png(stem + "-pair.png", side_by_side({*photograph, to_picture(rendered.colour),
-                                                      difference(*photograph, rendered.colour, gain, mask)}));
+      io::write_png(fmt::format("{}{}.png", stem, kPair),
+                    side_by_side({*photograph, to_picture(rendered.colour),
+                                  difference(*photograph, rendered.colour, gain, mask)}));
     });
   }
-  writers.push_back([&] { io::write_png(stem + ".png", to_picture(rendered.colour)); });
+  writers.push_back([&] { io::write_png(stem + ".png", to_picture(rendered)); });
   run_tasks(writers);
   return figures;
 }
@@ -320,6 +321,15 @@ Image8 to_picture(const ImageF& linear) {
     for (std::size_t i = begin; i < end; ++i) picture.pixels[i] = srgb_byte_from_linear(linear.pixels[i]);
   });
   return picture;
+}
+
+Image8 to_picture(const stages::RenderedView& view) {
+  ImageF toned = view.colour;
+  for_blocks(view.coverage.size(), 1 << 14, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (view.coverage[i] > 0) view.shoulder.apply(toned.pixels.data() + 3 * i);
+  });
+  return to_picture(toned);
 }
 
 }  // namespace hybrid::batch

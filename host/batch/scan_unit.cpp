@@ -221,9 +221,11 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
     auto point =
         scan.georeferenced ? sample_point(*scan.georeferenced, image.source[i]) : node_point(image, i);
     point.stray = product.stray[i];
-    if (colours)
+    if (colours) {
+      const auto light = colours->coverage[i] > 0 ? colours->toned(i) : std::array{1.0f, 0.0f, 0.0f};
       for (std::size_t channel = 0; channel < 3; ++channel)
-        point.rgb[channel] = srgb_byte_from_linear(colours->colour.pixels[3 * i + channel]);
+        point.rgb[channel] = srgb_byte_from_linear(static_cast<double>(light[channel]));
+    }
     return point;
   };
   io::write_ply(folder / "detail.ply", kept.size() + beside.size(), point_at, content);
