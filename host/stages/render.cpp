@@ -286,6 +286,13 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        10,
        "within this of a proxy face the sample wins, and casts no shadow on it",
        {}},
+      {"grazing_deg",
+       "deg",
+       &O::grazing_deg,
+       0,
+       60,
+       "a photograph that meets a surface at no more than this angle does not see it",
+       {}},
       {"unseen_m",
        "m",
        &O::unseen_m,
@@ -329,6 +336,10 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
       {"tile", "px", &O::tile, 16, 8192, "side of what is rendered at once; smaller needs less memory", {}},
   };
   return table;
+}
+
+float least_facing(const RenderOptions& options) {
+  return static_cast<float>(std::sin(options.grazing_deg * M_PI / 180));
 }
 
 RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o)

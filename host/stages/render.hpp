@@ -33,19 +33,22 @@ struct RenderOptions {
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
-  double unseen_m = 0;   // so far behind its outline what is scanned hides what photographs see, where no
-                         // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
-  bool equalise = true;  // gains per photograph and channel that make the photographs' overlaps agree; a
-                         // view comes at the exposure of those it shows, all else at one of them all
+  double grazing_deg = 3;  // a photograph that meets a surface at no more than this does not see it
+  double unseen_m = 0;     // so far behind its outline what is scanned hides what photographs see, where no
+                           // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
+  bool equalise = true;    // gains per photograph and channel that make the photographs' overlaps agree; a
+                           // view comes at the exposure of those it shows, all else at one of them all
   std::string tone = "auto";  // "linear": what is lighter than white is cut off; "shoulder": it is brought
                               // back (geometry/shoulder.hpp); "auto": the latter, but for views, whose own
                               // exposure is the photographs'
-  bool levels = true;         // photographs finer than the view are halved first, as often as they are
-  int photograph_mb = 4096;   // memory for photographs on the device; changes no result
-  int samples_per_axis = 1;   // primary rays per pixel = n^2; all but the colour comes from the middle one
-  int tile = 1024;            // side in pixels of what is rendered at once; changes no result
+  bool levels = true;        // photographs finer than the view are halved first, as often as they are
+  int photograph_mb = 4096;  // memory for photographs on the device; changes no result
+  int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
+  int tile = 1024;           // side in pixels of what is rendered at once; changes no result
 };
 const std::vector<OptionRow<RenderOptions>>& render_option_table();
+// The cosine between sight and normal that goes with grazing_deg.
+float least_facing(const RenderOptions& options);
 
 // A retained sample as a tiny sphere (paper 2.4), world frame.
 struct Splat {
