@@ -221,6 +221,15 @@ void set_point(Scan& scan, std::uint32_t sample, const Vec3& point) {
     scan.points[sample][static_cast<std::size_t>(k)] = static_cast<float>(point[k] - scan.origin[k]);
 }
 
+bool edits_name_other_scans(const io::SceneFile& scene, const std::vector<std::string>& ids) {
+  const auto other = [&](const auto& edit) {
+    return !edit.scan.empty() && std::find(ids.begin(), ids.end(), edit.scan) == ids.end();
+  };
+  const auto& edits = scene.edits;
+  return std::any_of(edits.clips.begin(), edits.clips.end(), other) ||
+         std::any_of(edits.depths.begin(), edits.depths.end(), other);
+}
+
 void check_edited_scans(const io::SceneFile& scene, const std::vector<std::string>& ids) {
   const auto check = [&](const std::string& id, int line, const char* what) {
     if (id.empty() || std::find(ids.begin(), ids.end(), id) != ids.end()) return;

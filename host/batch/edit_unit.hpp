@@ -18,7 +18,8 @@ namespace hybrid::batch {
 PolygonModel edit_model(const io::SceneFile& scene, const PolygonModel& model,
                         const std::vector<io::ObjFaceNames>& names, nlohmann::ordered_json& figures);
 
-// Throws ErrorKind::input when an edit names a scan that is not in `ids`.
+// Whether an edit names a scan that is not in `ids`; the other throws ErrorKind::input naming it.
+bool edits_name_other_scans(const io::SceneFile& scene, const std::vector<std::string>& ids);
 void check_edited_scans(const io::SceneFile& scene, const std::vector<std::string>& ids);
 
 // The scene's depth edits of one scan, on its range image and on the samples beside its grid, which `scan`

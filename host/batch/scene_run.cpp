@@ -78,7 +78,7 @@ class Run {
   void read_inputs() {
     run_.scene = read_scene(request_, stages_, options_);
     names_.emplace(run_.scene);
-    if (const auto ids = scan_ids(run_.scene, request_.salvage)) check_edited_scans(run_.scene, *ids);
+    check_edits();
     expect_steps();
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
@@ -108,6 +108,12 @@ class Run {
     for (const auto& [file, hash] : hashes_) files.push_back(file);
     if (run_.scene.truth) files.push_back(*run_.scene.truth);
     return files;
+  }
+
+  // Files are listed for that only where an edit names a scan that no entry's id does.
+  void check_edits() const {
+    if (!edits_name_other_scans(run_.scene, names_->taken())) return;
+    if (const auto ids = scan_ids(run_.scene, request_.salvage)) check_edited_scans(run_.scene, *ids);
   }
 
   void expect_steps() {
