@@ -115,8 +115,9 @@ void pass(File& file, stages::Decimation& decimation) {
 template <typename File>
 void pass(File& file, batch::ScanProduct& product) {
   auto& [id, input_samples, input_returns, image, segmentation, boundary, intersections, decimation, stray,
-         contour_faces, drawn, clipped, sigma_m, recorded_pose, sample_file, notes] = product;
-  if (!contour_faces.fits.empty() || !drawn.empty() || !clipped.empty() || sample_file)
+         contour_faces, drawn, clipped, extra_clipped, sigma_m, recorded_pose, sample_file, notes] = product;
+  if (!contour_faces.fits.empty() || !drawn.empty() || !clipped.empty() || !extra_clipped.empty() ||
+      sample_file)
     fail(ErrorKind::failed, "scan {}: registered or written already; a scan is kept before", id);
   pass(file, id);
   pass(file, input_samples);
@@ -165,8 +166,7 @@ void pass(File& file, Scan& scan) {
 
 template <typename File>
 void pass(File& file, batch::ScanRemains& remains) {
-  auto& [intensity, colour, crs, extra, extra_clipped, georeferenced] = remains;
-  if (!extra_clipped.empty()) fail(ErrorKind::failed, "a clipped scan; a scan is kept before");
+  auto& [intensity, colour, crs, extra, georeferenced] = remains;
   pass(file, intensity);
   pass(file, colour);
   pass(file, crs);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "batch/overview_camera.hpp"
 #include "batch/picture_marks.hpp"
@@ -26,7 +28,37 @@ Image8 stacked(const Image8& above, const Image8& below) {
   return both;
 }
 
-Image8 plain_picture(device::Queue& queue, const PolygonModel& model, const Photograph& camera) {
+constexpr Ink kCut{200, 0, 0};  // outlines of holes
+constexpr std::array<double, 3> kPaneTint{0.45, 0.75, 1};
+
+// A hole's border, where nothing hides it.
+void draw_outline(const PolygonModel& model, const std::vector<std::uint32_t>& ring, const Photograph& camera,
+                  const stages::RenderedView& view, Image8& picture) {
+  constexpr int kPieces = 32;       // of an edge, each drawn or hidden as a whole
+  constexpr double kBehind = 0.01;  // of its distance that a line may lie behind what is shown
+  const auto pixel_of = [&](const Vec3& point) -> std::optional<Vec2> {
+    const Vec3 in_camera = camera.cam_from_world * point;
+    const auto pixel = camera.camera.project(in_camera);
+    if (!pixel) return std::nullopt;
+    const auto at =
+        static_cast<std::size_t>(std::clamp(static_cast<int>(pixel->y()), 0, picture.height - 1)) *
+            static_cast<std::size_t>(picture.width) +
+        static_cast<std::size_t>(std::clamp(static_cast<int>(pixel->x()), 0, picture.width - 1));
+    return static_cast<double>(view.depth_m[at]) < (1 - kBehind) * in_camera.z() ? std::nullopt : pixel;
+  };
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec3 &a = model.vertices[ring[i]], &b = model.vertices[ring[(i + 1) % ring.size()]];
+    for (int k = 0; k < kPieces; ++k) {
+      const auto from = pixel_of(a + k * (b - a) / kPieces), to = pixel_of(a + (k + 1) * (b - a) / kPieces);
+      if (from && to) draw_line(picture, *from, *to, kCut, 2);
+    }
+  }
+}
+
+// The model lit from the camera: panes (faces that `before` has not) bluish, the outlines of holes that
+// `before` has not red.
+Image8 plain_picture(device::Queue& queue, const PolygonModel& model, const PolygonModel& before,
+                     const Photograph& camera) {
   stages::RenderScene scene;
   scene.proxy = model;
   stages::RenderOptions options;
@@ -36,7 +68,20 @@ Image8 plain_picture(device::Queue& queue, const PolygonModel& model, const Phot
   request.camera = camera;
   request.show = "proxy";
   request.texture = false;
-  return to_picture(renderer.render(request).colour);
+  auto view = renderer.render(request);
+  std::map<std::string, const Face*> old;
+  for (const Face& face : before.faces) old.emplace(face.name, &face);
+  for (std::size_t i = 0; i < view.id.size(); ++i)
+    if (view.id[i] > 0 && !old.count(model.faces[view.id[i] - 1].name))
+      for (std::size_t k = 0; k < 3; ++k) view.colour.pixels[3 * i + k] *= static_cast<float>(kPaneTint[k]);
+  Image8 picture = to_picture(view.colour);
+  for (const Face& face : model.faces) {
+    const auto same = old.find(face.name);
+    const std::size_t had = same == old.end() ? 0 : same->second->holes.size();
+    for (std::size_t h = had; h < face.holes.size(); ++h)
+      draw_outline(model, face.holes[h], camera, view, picture);
+  }
+  return picture;
 }
 
 // Grey by the angle of the surface through a node and its neighbours to the light.
@@ -102,8 +147,8 @@ Image8 edited_model_picture(device::Queue& queue, const PolygonModel& before, co
     const Photograph camera =
         overview_camera(changed.vertices.empty() ? before : changed, kWidth, kHeight, behind);
     const int top = behind ? kHeight + kGap : 0;
-    paste(plain_picture(queue, before, camera), 0, top, sheet);
-    paste(plain_picture(queue, after, camera), kWidth + kGap, top, sheet);
+    paste(plain_picture(queue, before, before, camera), 0, top, sheet);
+    paste(plain_picture(queue, after, before, camera), kWidth + kGap, top, sheet);
   }
   return sheet;
 }

@@ -71,9 +71,6 @@ stages::ClipShape shape_of(const io::SceneClip& clip) {
   if (const auto* half = std::get_if<io::SceneClip::HalfSpace>(&clip.shape))
     return stages::ClipHalfSpace{half->normal, half->offset_m};
   const auto& prism = std::get<io::SceneClip::Prism>(clip.shape);
-  if (const auto edges = self_crossing(prism.polygon))
-    fail_input("prism: expected a simple polygon, found one whose edges from vertices {} and {} meet",
-               edges->first, edges->second);
   return stages::ClipPrism{prism.polygon, prism.low, prism.high};
 }
 
@@ -113,6 +110,32 @@ void drop_clipped(const std::vector<std::uint8_t>& clipped, stages::Decimation& 
     --decimation.measured;
     decimation.fate[i] = stages::kNoSample;
   }
+}
+
+// Marks the samples beside the grid that a clip drops, as clip_nodes() does those in it.
+std::int64_t clip_extra(const ScanRemains& remains, const Pose& shape_from_scan,
+                        const stages::ClipShape& shape, bool keep_inside,
+                        std::vector<std::uint8_t>& clipped) {
+  std::int64_t dropped = 0;
+  for (std::size_t i = 0; i < clipped.size(); ++i) {
+    const auto& p = remains.extra[i].position;
+    if (clipped[i] || stages::holds(shape, shape_from_scan * Vec3(p[0], p[1], p[2])) == keep_inside) continue;
+    clipped[i] = 1;
+    ++dropped;
+  }
+  return dropped;
+}
+
+// Moves the samples beside the grid that lie towards the edit's nodes, as these were; returns which. Those
+// that would come to lie behind the scanner, as its own body would, stay.
+std::vector<std::size_t> move_extra(const io::SceneDepthEdit& edit, const RangeImage& image, Scan& scan) {
+  std::vector<Vec3> points;
+  for (const std::uint32_t source : image.extra) points.push_back(scan.point(source));
+  auto found = stages::points_in_area(image, points, edit.polygon);
+  std::erase_if(found, [&](std::size_t i) { return !(points[i].norm() + edit.by_m > 0); });
+  for (const std::size_t i : found)
+    set_point(scan, image.extra[i], points[i] * (1 + edit.by_m / points[i].norm()));
+  return found;
 }
 
 // All registered scans but their stray and clipped samples.
@@ -193,6 +216,20 @@ PolygonModel edit_model(const io::SceneFile& scene, const PolygonModel& model,
   return edited;
 }
 
+void set_point(Scan& scan, std::uint32_t sample, const Vec3& point) {
+  for (int k = 0; k < 3; ++k)
+    scan.points[sample][static_cast<std::size_t>(k)] = static_cast<float>(point[k] - scan.origin[k]);
+}
+
+bool edits_name_other_scans(const io::SceneFile& scene, const std::vector<std::string>& ids) {
+  const auto other = [&](const auto& edit) {
+    return !edit.scan.empty() && std::find(ids.begin(), ids.end(), edit.scan) == ids.end();
+  };
+  const auto& edits = scene.edits;
+  return std::any_of(edits.clips.begin(), edits.clips.end(), other) ||
+         std::any_of(edits.depths.begin(), edits.depths.end(), other);
+}
+
 void check_edited_scans(const io::SceneFile& scene, const std::vector<std::string>& ids) {
   const auto check = [&](const std::string& id, int line, const char* what) {
     if (id.empty() || std::find(ids.begin(), ids.end(), id) != ids.end()) return;
@@ -203,51 +240,60 @@ void check_edited_scans(const io::SceneFile& scene, const std::vector<std::strin
   for (const auto& depth : scene.edits.depths) check(depth.scan, depth.line, "depth");
 }
 
-void edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image) {
+std::int64_t edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image, Scan& scan) {
+  std::vector<std::uint8_t> moved(image.count(), 0), extra_moved(image.extra.size(), 0);
   for (const auto& edit : scene.edits.depths) {
     if (edit.scan != id) continue;
     with_context(place(scene, edit.line, "depth"), [&] {
-      const auto moved = stages::move_area(image, edit.polygon, edit.by_m);
-      if (std::count(moved.begin(), moved.end(), 1) == 0)
+      const auto nodes = stages::move_area(image, edit.polygon, edit.by_m);
+      const auto extra = move_extra(edit, image, scan);
+      if (extra.empty() && std::count(nodes.begin(), nodes.end(), 1) == 0)
         log::warning("scan {}: depth edit in line {}: no measured sample in its polygon", id, edit.line);
+      for (std::size_t i = 0; i < moved.size(); ++i) moved[i] |= nodes[i];
+      for (const std::size_t i : extra) extra_moved[i] = 1;
     });
+  }
+  return std::count(moved.begin(), moved.end(), 1) + std::count(extra_moved.begin(), extra_moved.end(), 1);
+}
+
+void warn_of_idle_clips(const io::SceneFile& scene, const std::vector<std::optional<std::int64_t>>& dropped) {
+  for (std::size_t i = 0; i < dropped.size(); ++i) {
+    if (dropped[i].value_or(1) > 0) continue;
+    const auto& clip = scene.edits.clips[i];
+    log::warning(
+        "{}: it drops no sample: none that other clips have left lies {} its shape; check its numbers, which "
+        "are "
+        "{}, and keep = \"{}\"",
+        place(scene, clip.line, fmt::format("clip {}", i + 1)), clip.keep_inside ? "outside" : "inside",
+        clip.in_scan_frame ? "metres in the scan's own frame" : "metres in the model's frame",
+        clip.keep_inside ? "inside" : "outside");
   }
 }
 
-Json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration, ScanProduct& product) {
-  auto& clipped = product.clipped;
+Json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration, const ScanRemains& remains,
+               ScanProduct& product, std::vector<std::optional<std::int64_t>>& dropped) {
   Json clips = Json::array();
-  for (const auto& clip : scene.edits.clips) {
+  dropped.resize(scene.edits.clips.size());
+  for (std::size_t c = 0; c < scene.edits.clips.size(); ++c) {
+    const auto& clip = scene.edits.clips[c];
     if (!clip.scan.empty() && clip.scan != product.id) continue;
     with_context(place(scene, clip.line, "clip"), [&] {
-      clipped.resize(product.image.count(), 0);
+      product.clipped.resize(product.image.count(), 0);
+      product.extra_clipped.resize(remains.extra.size(), 0);
       const Pose shape_from_scan = clip.in_scan_frame ? Pose{} : registration.world_from_scan();
-      const auto dropped =
-          stages::clip_nodes(product.image, shape_from_scan, shape_of(clip), clip.keep_inside, clipped);
-      clips.push_back({{"line", clip.line}, {"samples", dropped}});
+      const auto shape = shape_of(clip);
+      const std::int64_t samples =
+          stages::clip_nodes(product.image, shape_from_scan, shape, clip.keep_inside, product.clipped) +
+          clip_extra(remains, shape_from_scan, shape, clip.keep_inside, product.extra_clipped);
+      clips.push_back({{"line", clip.line}, {"samples", samples}});
+      dropped[c] = dropped[c].value_or(0) + samples;
     });
   }
   if (clips.empty()) return {};
-  give_back_contours(clipped, product);
-  drop_clipped(clipped, product.decimation);
+  give_back_contours(product.clipped, product);
+  drop_clipped(product.clipped, product.decimation);
+  product.decimation.measured -= std::count(product.extra_clipped.begin(), product.extra_clipped.end(), 1);
   return clips;
-}
-
-std::vector<std::uint8_t> clip_extra(const io::SceneFile& scene, const ScanRegistration& registration,
-                                     const std::string& id, const ScanRemains& remains) {
-  std::vector<std::uint8_t> clipped(remains.extra.size(), 0);
-  for (const auto& clip : scene.edits.clips) {
-    if (!clip.scan.empty() && clip.scan != id) continue;
-    const auto shape = shape_of(clip);
-    for (std::size_t i = 0; i < clipped.size(); ++i) {
-      const auto& p = remains.extra[i].position;
-      const Vec3 own(p[0], p[1], p[2]);
-      const Vec3 point = clip.in_scan_frame ? own : registration.world_from_scan() * own;
-      if (std::visit([&](const auto& s) { return s.holds(point); }, shape) != clip.keep_inside)
-        clipped[i] = 1;
-    }
-  }
-  return clipped;
 }
 
 stages::Openings openings_of_scans(const PolygonModel& model, const std::vector<ScanProduct>& products,

@@ -18,21 +18,24 @@ namespace hybrid::batch {
 PolygonModel edit_model(const io::SceneFile& scene, const PolygonModel& model,
                         const std::vector<io::ObjFaceNames>& names, nlohmann::ordered_json& figures);
 
-// Throws ErrorKind::input when an edit names a scan that is not in `ids`.
+// Whether an edit names a scan that is not in `ids`; the other throws ErrorKind::input naming it.
+bool edits_name_other_scans(const io::SceneFile& scene, const std::vector<std::string>& ids);
 void check_edited_scans(const io::SceneFile& scene, const std::vector<std::string>& ids);
 
-// The scene's depth edits of one scan, on its range image.
-void edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image);
+// The scene's depth edits of one scan, on its range image and on the samples beside its grid, which `scan`
+// holds. Returns how many measured samples they moved.
+std::int64_t edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image, Scan& scan);
+void set_point(Scan& scan, std::uint32_t sample, const Vec3& point);
 
-// Drops what the scene's clips say from a registered scan: the samples take no part in detail.ply, views and
-// openings any more; contour polygons of superclusters that lose samples give their other samples back.
-// Returns figures; null when no clip concerns the scan.
+// Drops what the scene's clips say from a registered scan and from its samples beside the grid: they take no
+// part in detail.ply, views, exported points and openings any more; contour polygons of superclusters that
+// lose samples give their other samples back. Returns figures; null when no clip concerns the scan. `dropped`
+// has per clip how many samples it took from all scans so far, nothing where it concerned none.
 nlohmann::ordered_json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration,
-                                 ScanProduct& product);
-
-// The same of the samples beside the grid: 1 per sample that the clips drop.
-std::vector<std::uint8_t> clip_extra(const io::SceneFile& scene, const ScanRegistration& registration,
-                                     const std::string& id, const ScanRemains& remains);
+                                 const ScanRemains& remains, ScanProduct& product,
+                                 std::vector<std::optional<std::int64_t>>& dropped);
+// Names the clips that dropped nothing.
+void warn_of_idle_clips(const io::SceneFile& scene, const std::vector<std::optional<std::int64_t>>& dropped);
 
 // Evidence of openings from all registered scans.
 stages::Openings openings_of_scans(const PolygonModel& model, const std::vector<ScanProduct>& products,

@@ -29,21 +29,21 @@ class Collector {
           remains_.georeferenced ? remains_.georeferenced->point(image.source[i]) : image.point(i);
       add(point, image.intensity.empty() ? 0 : image.intensity[i],
           image.rgb.empty() ? nullptr : &image.rgb[i],
-          colours_ && colours_->coverage[i] > 0 ? &colours_->colour.pixels[3 * i] : nullptr,
+          colours_ && colours_->coverage[i] > 0 ? std::optional(colours_->toned(i)) : std::nullopt,
           product_.drawn[i] == stages::kDrawn);
     }
-    // Samples that no grid node took: data too, but nothing tells what hides them from a photograph.
-    for (const io::PlyPoint& point : remains_.extra)
+    // Nothing tells what hides samples beside the grid from a photograph.
+    for (const io::PlyPoint& point : kept_extra(product_, remains_))
       add({point.position[0], point.position[1], point.position[2]}, point.intensity,
-          remains_.colour ? &point.rgb : nullptr, nullptr, false);
+          remains_.colour ? &point.rgb : nullptr, std::nullopt, false);
   }
 
  private:
-  void add(const Vec3& point, float intensity, const std::array<std::uint8_t, 3>* own, const float* light,
-           bool drawn) {
+  void add(const Vec3& point, float intensity, const std::array<std::uint8_t, 3>* own,
+           const std::optional<std::array<float, 3>>& light, bool drawn) {
     std::array<std::uint8_t, 3> rgb{255, 0, 0};
     if (light)
-      for (std::size_t k = 0; k < 3; ++k) rgb[k] = srgb_byte_from_linear(static_cast<double>(light[k]));
+      for (std::size_t k = 0; k < 3; ++k) rgb[k] = srgb_byte_from_linear(static_cast<double>((*light)[k]));
     else if (own)
       rgb = *own;
     else if (colours_)

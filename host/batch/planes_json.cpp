@@ -109,6 +109,7 @@ Json scan_figures(const ScanProduct& product) {
         fate.size(), [&](std::size_t i) { return fate[i] > stages::kDiscarded && product.stray[i] == kind; });
   };
   const auto extra = static_cast<std::int64_t>(image.extra.size());
+  const auto& clipped = product.extra_clipped;
   Json figures = {
       {"id", product.id},
       {"input_samples", product.input_samples},
@@ -139,7 +140,7 @@ Json scan_figures(const ScanProduct& product) {
           {"outliers", fated(stages::kOutlier)},
           {"undersampled_squares", fated(stages::kUndersampledSquare)},
           {"unexplained", fated(stages::kUnexplained)},
-          {"extra", extra}}},
+          {"extra", extra - std::count(clipped.begin(), clipped.end(), 1)}}},
         {"stray",
          {{"between_surfaces", strays(stages::kBetweenSurfaces)},
           {"isolated", strays(stages::kIsolated)},

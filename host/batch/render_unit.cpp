@@ -17,6 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kLeaveOneOut = "leave-one-out/";  // what such views' names begin with
+constexpr std::string_view kPair = "-pair";             // what a view's comparison adds to its name
 
 // The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's
 // centre moves with the world's scale, its image does not change.
@@ -89,8 +90,12 @@ std::vector<std::string> leave_one_out_names(const PhotographSet& photographs) {
     names.push_back(flat(std::filesystem::path(photograph.name).replace_extension().generic_string()));
     ++uses[names.back()];
   }
+  // Some differ by extension only; "a-pair" is what view "a" calls its comparison.
+  const auto is_comparison = [&](const std::string& name) {
+    return name.ends_with(kPair) && uses.count(name.substr(0, name.size() - kPair.size()));
+  };
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (uses[names[i]] > 1) names[i] = flat(photographs.cameras[i].name);  // they differ by extension only
+    if (uses.at(names[i]) > 1 || is_comparison(names[i])) names[i] = flat(photographs.cameras[i].name);
   return names;
 }
 
@@ -293,11 +298,12 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
                            {"ssim", quality.ssim},
                            {"share_seen", quality.share_seen}};
     writers.push_back([&rendered, photograph, mask, gain = quality.gain, stem] {
-      io::write_png(stem + "-pair.png", side_by_side({*photograph, to_picture(rendered.colour),
-                                                      difference(*photograph, rendered.colour, gain, mask)}));
+      io::write_png(fmt::format("{}{}.png", stem, kPair),
+                    side_by_side({*photograph, to_picture(rendered.colour),
+                                  difference(*photograph, rendered.colour, gain, mask)}));
     });
   }
-  writers.push_back([&] { io::write_png(stem + ".png", to_picture(rendered.colour)); });
+  writers.push_back([&] { io::write_png(stem + ".png", to_picture(rendered)); });
   run_tasks(writers);
   return figures;
 }
@@ -315,6 +321,15 @@ Image8 to_picture(const ImageF& linear) {
     for (std::size_t i = begin; i < end; ++i) picture.pixels[i] = srgb_byte_from_linear(linear.pixels[i]);
   });
   return picture;
+}
+
+Image8 to_picture(const stages::RenderedView& view) {
+  ImageF toned = view.colour;
+  for_blocks(view.coverage.size(), 1 << 14, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (view.coverage[i] > 0) view.shoulder.apply(toned.pixels.data() + 3 * i);
+  });
+  return to_picture(toned);
 }
 
 }  // namespace hybrid::batch

@@ -63,5 +63,7 @@ nlohmann::ordered_json equalisation_figures(const stages::Renderer& renderer,
 
 // Linear RGB to an 8-bit sRGB picture.
 Image8 to_picture(const ImageF& linear);
+// The same of a view, with its shoulder.
+Image8 to_picture(const stages::RenderedView& view);
 
 }  // namespace hybrid::batch

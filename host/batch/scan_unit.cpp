@@ -141,6 +141,14 @@ void find_planes(device::Queue& queue, const StageOptions& options, Progress& pr
 
 }  // namespace
 
+std::vector<io::PlyPoint> kept_extra(const ScanProduct& product, const ScanRemains& scan) {
+  if (product.extra_clipped.empty()) return scan.extra;
+  std::vector<io::PlyPoint> kept;
+  for (std::size_t i = 0; i < scan.extra.size(); ++i)
+    if (!product.extra_clipped[i]) kept.push_back(scan.extra[i]);
+  return kept;
+}
+
 ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan scan,
                            const StageOptions& options, Progress& progress, const EditImage& edit) {
   ProcessedScan processed{describe(id, scan, scan.points.size(), count_returns(scan)), {}};
@@ -202,9 +210,7 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
   std::vector<std::uint32_t> kept;
   for (std::size_t i = 0; i < image.count(); ++i)
     if (product.decimation.fate[i] > stages::kDiscarded) kept.push_back(static_cast<std::uint32_t>(i));
-  std::vector<io::PlyPoint> beside;  // samples that no grid node took are data too
-  for (std::size_t i = 0; i < scan.extra.size(); ++i)
-    if (scan.extra_clipped.empty() || !scan.extra_clipped[i]) beside.push_back(scan.extra[i]);
+  const auto beside = kept_extra(product, scan);
   const auto point_at = [&](std::size_t k) {
     if (k >= kept.size()) {  // without a colour from photographs
       io::PlyPoint extra = beside[k - kept.size()];
@@ -215,9 +221,11 @@ void write_detail(const std::filesystem::path& folder, const ScanProduct& produc
     auto point =
         scan.georeferenced ? sample_point(*scan.georeferenced, image.source[i]) : node_point(image, i);
     point.stray = product.stray[i];
-    if (colours)
+    if (colours) {
+      const auto light = colours->coverage[i] > 0 ? colours->toned(i) : std::array{1.0f, 0.0f, 0.0f};
       for (std::size_t channel = 0; channel < 3; ++channel)
-        point.rgb[channel] = srgb_byte_from_linear(colours->colour.pixels[3 * i + channel]);
+        point.rgb[channel] = srgb_byte_from_linear(static_cast<double>(light[channel]));
+    }
     return point;
   };
   io::write_ply(folder / "detail.ply", kept.size() + beside.size(), point_at, content);

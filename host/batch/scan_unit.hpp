@@ -33,6 +33,7 @@ struct ScanProduct {
   stages::ContourFaces contour_faces;             // after registration: what no proxy face explains
   std::vector<std::uint8_t> drawn;                // per node: stages::Drawn; after registration
   std::vector<std::uint8_t> clipped{};            // per node, 1: dropped by [edit] clip; or empty
+  std::vector<std::uint8_t> extra_clipped{};      // the same per extra sample of the image
   double sigma_m = 0;                             // range noise used
   std::optional<Pose> recorded_pose;              // as the file gave it
   std::optional<io::SampleFileSize> sample_file;  // lossless = true
@@ -44,10 +45,12 @@ struct ScanProduct {
 struct ScanRemains {
   bool intensity = false, colour = false;
   std::string crs{};
-  std::vector<io::PlyPoint> extra{};          // the image's extra samples, in their order
-  std::vector<std::uint8_t> extra_clipped{};  // per extra sample, 1: dropped by [edit] clip; or empty
+  std::vector<io::PlyPoint> extra{};  // the image's extra samples, in their order
   std::optional<Scan> georeferenced{};
 };
+
+// Samples that no grid node took are data too: those of them that are kept.
+std::vector<io::PlyPoint> kept_extra(const ScanProduct& product, const ScanRemains& scan);
 
 // METHOD 1-4 on one scan: resample, squares, superclusters, contours, decimation; then the samples that stand
 // for no surface. The scan itself goes as soon as its range image stands, georeferenced ones excepted: half

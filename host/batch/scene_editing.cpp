@@ -30,9 +30,7 @@ void move_samples(const RangeImage& image, const RangeImage& before, Scan& scan)
   for (std::size_t i = 0; i < image.count(); ++i) {
     if (image.mask[i] != kMeasured || image.range_m[i] == before.range_m[i]) continue;
     const std::uint32_t source = image.source[i];
-    const Vec3 moved = scan.point(source) * (static_cast<double>(image.range_m[i]) / before.range_m[i]);
-    for (int k = 0; k < 3; ++k)
-      scan.points[source][static_cast<std::size_t>(k)] = static_cast<float>(moved[k] - scan.origin[k]);
+    set_point(scan, source, scan.point(source) * (static_cast<double>(image.range_m[i]) / before.range_m[i]));
   }
 }
 
@@ -52,21 +50,15 @@ void SceneEditing::edit_depths(const io::SceneFile& scene, const std::string& id
                    [&](const auto& edit) { return edit.scan == id; }))
     return;
   const RangeImage before = image;
-  batch::edit_depths(scene, id, image);
+  scans_[id]["depth_edited_samples"] = batch::edit_depths(scene, id, image, scan);
   reliefs_[id] = relief_picture(before, image);
   if (!scan.origin.isZero()) move_samples(image, before, scan);
-  std::int64_t moved = 0;
-  for (std::size_t i = 0; i < image.count(); ++i)
-    moved += image.mask[i] == kMeasured && image.range_m[i] != before.range_m[i];
-  scans_[id]["depth_edited_samples"] = moved;
 }
 
 void SceneEditing::clip(const io::SceneFile& scene, const ScanRegistration& registration,
-                        ScanProduct& product, ScanRemains& remains) {
-  const Json clips = clip_scan(scene, registration, product);
-  if (clips.is_null()) return;
-  scans_[product.id]["clips"] = clips;
-  remains.extra_clipped = clip_extra(scene, registration, product.id, remains);
+                        const ScanRemains& remains, ScanProduct& product) {
+  const Json clips = clip_scan(scene, registration, remains, product, dropped_);
+  if (!clips.is_null()) scans_[product.id]["clips"] = clips;
 }
 
 void SceneEditing::openings(const stages::OpeningOptions& options,

@@ -11,11 +11,14 @@ class SceneEditing {
   // Of the model as read.
   PolygonModel edit(const io::SceneFile& scene, const PolygonModel& model,
                     const std::vector<io::ObjFaceNames>& names);
-  // Of a scan's range image, and of its samples where they are kept beside it (georeferenced scans).
+  // Of a scan's range image, of the samples beside its grid, and of all where the scan is kept
+  // (georeferenced ones).
   void edit_depths(const io::SceneFile& scene, const std::string& id, RangeImage& image, Scan& scan);
   // Of a registered scan and of its samples beside the grid.
-  void clip(const io::SceneFile& scene, const ScanRegistration& registration, ScanProduct& product,
-            ScanRemains& remains);
+  void clip(const io::SceneFile& scene, const ScanRegistration& registration, const ScanRemains& remains,
+            ScanProduct& product);
+  // After the last of them: warns of clips that dropped nothing.
+  void finish_clips(const io::SceneFile& scene) const { warn_of_idle_clips(scene, dropped_); }
   // Looks for openings, where the options say so, and cuts them into the model; those that glass closes get
   // their panes, and samples seen through them are strays. Displacement maps of what is left of its faces.
   void openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement,
@@ -36,6 +39,7 @@ class SceneEditing {
 
   PolygonModel before_, uncut_;  // as read; as edited before openings were cut
   bool changed_ = false;
+  std::vector<std::optional<std::int64_t>> dropped_;  // per clip
   stages::OpeningOptions options_;
   stages::Openings found_;
   std::vector<stages::DisplacementMap> displacements_;

@@ -77,6 +77,7 @@ class Run {
   void read_inputs() {
     run_.scene = read_scene(request_, stages_, options_);
     names_.emplace(run_.scene);
+    check_edits();
     expect_steps();
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
@@ -106,6 +107,12 @@ class Run {
     for (const auto& [file, hash] : hashes_) files.push_back(file);
     if (run_.scene.truth) files.push_back(*run_.scene.truth);
     return files;
+  }
+
+  // Files are listed for that only where an edit names a scan that no entry's id does.
+  void check_edits() const {
+    if (!edits_name_other_scans(run_.scene, names_->taken())) return;
+    if (const auto ids = scan_ids(run_.scene, request_.salvage)) check_edited_scans(run_.scene, *ids);
   }
 
   void expect_steps() {
@@ -210,6 +217,7 @@ class Run {
     });
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
+    editing_.finish_clips(run_.scene);
     progress_.step("edit", all);
     if (run_.model)
       unit("edit", [&] {
@@ -243,7 +251,7 @@ class Run {
       write_registered(i);
     }
     if (run_.registrations[i])
-      editing_.clip(run_.scene, *run_.registrations[i], run_.products[i], remains_[i]);
+      editing_.clip(run_.scene, *run_.registrations[i], remains_[i], run_.products[i]);
     if (run_.abstentions[i]) abstain(i);
     if (wants("register")) remove_landmark_sheet(folder);
   }

@@ -48,4 +48,17 @@ std::string ScanNames::next(const io::SceneScan& entry, int index, int count) {
   return taken_.back();
 }
 
+std::optional<std::vector<std::string>> scan_ids(const io::SceneFile& scene, bool salvage) {
+  ScanNames names(scene);
+  try {
+    for (const auto& entry : scene.scans) {
+      const auto count = static_cast<int>(list_scene_scans(entry, salvage).size());
+      for (int i = 0; i < count; ++i) names.next(entry, i, count);
+    }
+  } catch (const Error&) {  // the scan's own unit tells
+    return std::nullopt;
+  }
+  return names.taken();
+}
+
 }  // namespace hybrid::batch

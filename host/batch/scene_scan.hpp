@@ -33,4 +33,7 @@ class ScanNames {
   std::vector<std::string> taken_;
 };
 
+// The ids of all scans of a scene, known before any is read; nothing where a file cannot be listed.
+std::optional<std::vector<std::string>> scan_ids(const io::SceneFile& scene, bool salvage);
+
 }  // namespace hybrid::batch

@@ -1,5 +1,6 @@
 #include "io/scene_edit.hpp"
 
+#include "geometry/ring_fault.hpp"
 #include "io/scene_table.hpp"
 
 namespace hybrid::io {
@@ -65,8 +66,13 @@ SceneClip::HalfSpace read_plane(const SceneTable& table) {
   return {normal.normalized(), v[3] / normal.norm()};
 }
 
+void check_ring(const SceneTable& table, std::string_view key, const std::vector<Vec2>& ring) {
+  if (const std::string fault = ring_fault(ring); !fault.empty()) table.fail_key(key, "{}", fault);
+}
+
 SceneClip::Prism read_prism(const SceneTable& table) {
   SceneClip::Prism prism{points2(table, "prism"), -1e9, 1e9};
+  check_ring(table, "prism", prism.polygon);
   if (table.has("z")) {
     const auto z = table.numbers("z", 2);
     if (!(z[0] < z[1])) table.fail_key("z", "expected [low, high], found {} and {}", z[0], z[1]);
@@ -103,12 +109,14 @@ SceneDepthEdit read_depth(const SceneTable& table) {
   edit.scan = table.required_text("scan");
   for (std::string_view key : {"polygon", "by_m"})
     if (!table.has(key)) table.fail_table("expected the key {}, found none", key);
-  for (const auto& p : table.points("polygon", 2, 3)) {
+  const auto polygon = points2(table, "polygon");
+  for (const Vec2& p : polygon) {
     if (p[0] != static_cast<int>(p[0]) || p[1] != static_cast<int>(p[1]) || p[0] < 0 || p[1] < 0)
       table.fail_key("polygon", "expected rows and columns of range.exr, whole numbers from 0, found {}, {}",
                      p[0], p[1]);
     edit.polygon.push_back({static_cast<int>(p[0]), static_cast<int>(p[1])});
   }
+  check_ring(table, "polygon", polygon);
   edit.by_m = *table.number("by_m");
   if (edit.by_m == 0 || std::abs(edit.by_m) > 1000)
     table.fail_key("by_m", "expected metres from -1000 to 1000 but not 0, found {}", edit.by_m);

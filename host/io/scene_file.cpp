@@ -172,6 +172,22 @@ void check_unique(const SceneTable& table, std::string_view key, const std::stri
     table.fail_key(key, "expected a name of its own, found \"{}\" again (line {})", name, first->second);
 }
 
+// A view through a photograph that it leaves out writes <name>-pair.png, too.
+void check_pairs(const std::vector<SceneView>& views, const std::unordered_map<std::string, int>& lines,
+                 const SceneFile& scene) {
+  for (const SceneView& view : views) {
+    if (view.photograph.empty() || !view.texture ||
+        std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) == view.leave_out.end())
+      continue;
+    if (const auto other = lines.find(view.name + "-pair"); other != lines.end())
+      fail_at(
+          scene.path, other->second,
+          "name: \"{}\" is what the view \"{}\" (line {}), which leaves out its own photograph, calls its "
+          "comparison with it; choose another name",
+          other->first, view.name, view.line);
+  }
+}
+
 void read_scene_table(const SceneTable& root, SceneFile& scene) {
   scene.name = scene.path.stem().string();
   const auto table = root.table("scene", {"name", "levelled", "crs", "shift", "truth"});
@@ -230,6 +246,7 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
     check_unique(table, "name", frames.front().path, names);
     scene.views.insert(scene.views.end(), frames.begin(), frames.end());
   }
+  check_pairs(scene.views, names, scene);
   if (scene.scans.empty() && !scene.model)
     fail_at(file, 1, "expected at least one [[scan]] or a [model], found neither");
   return scene;

@@ -20,7 +20,7 @@ struct Patch {
 };
 
 Patch padded(const AtlasChart& chart, const Renderer::BakedChart& baked,
-             const std::vector<std::uint8_t>& mask, int padding) {
+             const std::vector<std::uint8_t>& mask, int padding, const Shoulder& shoulder) {
   Patch patch{chart.cols + 2 * padding, chart.rows + 2 * padding, {}, {}, {}};
   const std::size_t count = static_cast<std::size_t>(patch.cols) * static_cast<std::size_t>(patch.rows);
   patch.colour.assign(3 * count, 0.0f);
@@ -37,6 +37,8 @@ Patch padded(const AtlasChart& chart, const Renderer::BakedChart& baked,
                    baked.coverage.begin() + static_cast<std::ptrdiff_t>(from) + chart.cols,
                    patch.seen.begin() + static_cast<std::ptrdiff_t>(to),
                    [](std::uint32_t photographs) { return static_cast<std::uint8_t>(photographs > 0); });
+    for (std::size_t i = to; i < to + static_cast<std::size_t>(chart.cols); ++i)
+      if (patch.seen[i]) shoulder.apply(patch.colour.data() + 3 * i);
   });
   return patch;
 }
@@ -118,7 +120,7 @@ AtlasPage bake_page(Renderer& renderer, const RenderScene& scene, const Atlas& a
     if (chart.page != page) continue;
     const auto mask = chart_mask(chart, chart.contour ? scene.contours : scene.proxy);
     const auto baked = renderer.bake(chart, mask);
-    Patch patch = padded(chart, baked, mask, atlas.padding);
+    Patch patch = padded(chart, baked, mask, atlas.padding, renderer.common_shoulder());
     run_on(patch, std::max(1, atlas.padding));
     draw_colours(chart, patch, atlas.padding, out.colour);
     draw_coverage(chart, baked, mask, out);

@@ -51,6 +51,7 @@ Renderer::ColouredRange Renderer::colour_range_image(const RangeImage& image,
   ColouredRange out;
   out.colour = ImageF(image.cols, image.rows, 3, std::numeric_limits<float>::quiet_NaN());
   out.coverage.assign(image.count(), 0);
+  out.shoulder = common_shoulder();
   const DeviceBvh& occluders = s.occluders("both");
   Pose local_from_scan = world_from_scan;
   local_from_scan.translation -= s.origin;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 #include "geometry/face_frame.hpp"
@@ -15,9 +17,14 @@ constexpr double kClearance_m = 0.3;  // around a suggested camera
 
 constexpr double kMostTexels = 1e6, kFinest_m = 0.02;
 constexpr std::size_t kMostTargets = 8192;  // unseen texels that candidates are asked of
-constexpr std::size_t kMostPlaces = 24;     // groups of unseen texels that candidates stand before
+constexpr std::size_t kMostPlaces = 48;     // groups of unseen texels that candidates stand before
 constexpr double kSlantedCosine = 0.26;     // 75 degrees
 constexpr double kLeastGain_m2 = 0.1, kLeastGainShare = 0.005;
+constexpr double kNear_m = 2;             // from which rooms are photographed whatever the scene's extent
+constexpr double kLevel = 0.9;            // cosine to the vertical of what one can stand on
+constexpr double kLeastHeight_m = 1;      // no camera lies on the ground
+constexpr double kStep_m = 0.3;           // that one climbs
+constexpr double kFaceSaturation_m2 = 1;  // of a face's area a shown, sqrt(1 + a / this) - 1 counts
 
 struct Texel {
   SurfacePoint point;
@@ -60,10 +67,12 @@ std::vector<Texel> thinned(const std::vector<Texel>& unseen) {
   return targets;
 }
 
-// Groups of one face within a cell of the given side, the largest first.
+// Groups of one face within a cell of the given side: the largest first, each one's area counting as many
+// times less as there are larger ones of its face, so that no face has them all.
 struct Place {
+  std::size_t face = 0;
   Vec3 centre = Vec3::Zero(), normal = Vec3::UnitZ();
-  double area_m2 = 0;
+  double area_m2 = 0, counts_m2 = 0;
 };
 std::vector<Place> places_of(const std::vector<Texel>& targets, double cell_m) {
   std::map<std::tuple<std::size_t, int, int, int>, Place> groups;
@@ -71,6 +80,7 @@ std::vector<Place> places_of(const std::vector<Texel>& targets, double cell_m) {
     const Vec3 cell = t.point.position / cell_m;
     Place& place = groups[{t.face, static_cast<int>(std::floor(cell.x())),
                            static_cast<int>(std::floor(cell.y())), static_cast<int>(std::floor(cell.z()))}];
+    place.face = t.face;
     place.centre += t.area_m2 * t.point.position;
     place.normal = t.point.normal;
     place.area_m2 += t.area_m2;
@@ -81,7 +91,11 @@ std::vector<Place> places_of(const std::vector<Texel>& targets, double cell_m) {
     places.push_back(place);
   }
   std::stable_sort(places.begin(), places.end(),
-                   [](const Place& a, const Place& b) { return a.area_m2 > b.area_m2; });
+                   [](const Place& p, const Place& q) { return p.area_m2 > q.area_m2; });
+  std::map<std::size_t, int> larger;
+  for (Place& place : places) place.counts_m2 = place.area_m2 / ++larger[place.face];
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& p, const Place& q) { return p.counts_m2 > q.counts_m2; });
   places.resize(std::min(places.size(), kMostPlaces));
   return places;
 }
@@ -112,20 +126,74 @@ Photograph aimed(const Photograph& like, const Vec3& eye, const Vec3& target) {
   return camera;
 }
 
-std::vector<Photograph> candidates_before(const std::vector<Place>& places, const Photograph& like,
-                                          double cell_m) {
-  std::vector<Photograph> cameras;
-  const double tilt = 35 * M_PI / 180;
-  for (const Place& place : places) {
-    const Vec3 u = place.normal.unitOrthogonal(), v = place.normal.cross(u);
-    for (const double distance_m : {1.5 * cell_m, 3 * cell_m})
-      for (int k = 0; k < 5; ++k) {
-        const Vec3 side = k == 0 ? Vec3(Vec3::Zero()) : Vec3(k < 3 ? (k == 1 ? u : -u) : (k == 3 ? v : -v));
-        const Vec3 away =
-            (k == 0 ? place.normal : std::cos(tilt) * place.normal + std::sin(tilt) * side).normalized();
-        cameras.push_back(aimed(like, place.centre + distance_m * away, place.centre));
-      }
+// What one can stand on: the model's level faces, but for those above all that a scanner or a photograph was
+// above, as roofs are.
+class Ground {
+ public:
+  explicit Ground(const RenderScene& scene) {
+    const PolygonModel& model = scene.proxy;
+    for (const Vec3& vertex : model.vertices) lowest_m_ = std::min(lowest_m_, vertex.z());
+    for (const Face& face : model.faces)
+      if (FaceFrame frame = face_frame(model, face); frame.plane.normal.z() > kLevel)
+        floors_.push_back({frame, flat_rings(frame, model, face)});
+    double walked_m = lowest_m_;
+    for (const Vec3& scanner : scene.scanners) walked_m = std::max(walked_m, below(scanner));
+    for (const Photograph& photograph : scene.photographs)
+      walked_m = std::max(walked_m, below(photograph.centre()));
+    highest_m_ = walked_m + kStep_m;
   }
+  // Height of the highest below a point; where there is none, of the model's lowest vertex.
+  double below(const Vec3& point) const {
+    double height_m = lowest_m_;
+    for (const Floor& floor : floors_) {
+      const Vec3& n = floor.frame.plane.normal;
+      const double up_m = -floor.frame.plane.distance(point) / n.z();  // along the vertical, to its plane
+      const double floor_m = point.z() + up_m;
+      if (up_m <= 0 && floor_m > height_m && floor_m < highest_m_ &&
+          on_face(floor.rings, floor.frame.flat(Vec3(point.x(), point.y(), floor_m))))
+        height_m = floor_m;
+    }
+    return height_m;
+  }
+
+ private:
+  struct Floor {
+    FaceFrame frame;
+    std::vector<Ring2> rings;
+  };
+  std::vector<Floor> floors_;
+  double lowest_m_ = std::numeric_limits<double>::infinity(),
+         highest_m_ = std::numeric_limits<double>::infinity();
+};
+
+// Directions from a place to those who look at it: from before it and to the sides; to floors and ceilings,
+// before which is above or below, from all around.
+std::vector<Vec3> ways_from(const Place& place) {
+  const bool level = std::abs(place.normal.z()) > kLevel;
+  const double tilt = (level ? 55 : 35) * M_PI / 180;
+  const Vec3 u = level ? Vec3(Vec3::UnitX()) : place.normal.unitOrthogonal(), v = place.normal.cross(u);
+  const int sides = level ? 6 : 4;
+  std::vector<Vec3> ways = {place.normal};
+  for (int k = 0; k < sides; ++k) {
+    const double turn = 2 * M_PI * k / sides;
+    const Vec3 side = std::cos(turn) * u + std::sin(turn) * v;
+    ways.push_back((std::cos(tilt) * place.normal + std::sin(tilt) * side).normalized());
+  }
+  return ways;
+}
+
+std::vector<Photograph> candidates_before(const std::vector<Place>& places, const Photograph& like,
+                                          const Ground& ground, double cell_m, double most_height_m) {
+  std::vector<Photograph> cameras;
+  for (const Place& place : places)
+    for (const double distance_m : {kNear_m, 2 * kNear_m, 1.5 * cell_m, 3 * cell_m})
+      for (const Vec3& way : ways_from(place)) {
+        Vec3 eye = place.centre + distance_m * way;
+        const double ground_m = ground.below(eye);
+        eye.z() =
+            std::clamp(eye.z(), ground_m + std::min(kLeastHeight_m, most_height_m), ground_m + most_height_m);
+        cameras.push_back(aimed(like, eye, place.centre));
+      }
   return cameras;
 }
 
@@ -140,49 +208,96 @@ std::vector<Photograph> free_ones(Renderer& renderer, const RenderScene& scene,
   return cameras;
 }
 
-std::vector<NextCamera> choose(const std::vector<Photograph>& cameras, const std::vector<Texel>& targets,
-                               const std::vector<std::vector<std::uint32_t>>& seen, int wanted) {
+// What a choice of cameras shows so far.
+class Shown {
+ public:
+  // `saturates`: of a face counts the less the more of it is shown; else all area alike.
+  Shown(const std::vector<Texel>& targets, bool saturates)
+      : targets_(targets), saturates_(saturates), shown_(targets.size(), 0) {}
+
+  struct Gain {
+    double area_m2 = 0, value = 0;
+  };
+  Gain gain(const std::vector<std::uint32_t>& seen) const {
+    Gain gain;
+    std::map<std::size_t, double> faces;
+    for (const std::uint32_t i : seen)
+      if (!shown_[i]) faces[targets_[i].face] += targets_[i].area_m2;
+    for (const auto& [face, area_m2] : faces) {
+      const auto before = face_m2_.find(face);
+      const double had_m2 = before == face_m2_.end() ? 0 : before->second;
+      gain.area_m2 += area_m2;
+      gain.value += saturates_ ? worth(had_m2 + area_m2) - worth(had_m2) : area_m2;
+    }
+    return gain;
+  }
+  void add(const std::vector<std::uint32_t>& seen) {
+    for (const std::uint32_t i : seen) {
+      if (!shown_[i]) face_m2_[targets_[i].face] += targets_[i].area_m2;
+      shown_[i] = 1;
+    }
+  }
+
+ private:
+  static double worth(double area_m2) { return std::sqrt(1 + area_m2 / kFaceSaturation_m2) - 1; }
+
+  const std::vector<Texel>& targets_;
+  bool saturates_;
+  std::vector<std::uint8_t> shown_;
+  std::map<std::size_t, double> face_m2_;
+};
+
+// Of the cameras, given by index, at most `wanted` one by one, each adding the most to those before it.
+std::vector<std::pair<std::size_t, double>> choose(const std::vector<std::size_t>& cameras,
+                                                   const std::vector<Texel>& targets,
+                                                   const std::vector<std::vector<std::uint32_t>>& seen,
+                                                   int wanted, bool saturates) {
   double total = 0;
   for (const Texel& t : targets) total += t.area_m2;
-  std::vector<double> left(targets.size());
-  for (std::size_t i = 0; i < targets.size(); ++i) left[i] = targets[i].area_m2;
-  std::vector<NextCamera> chosen;
+  const double least_m2 = std::max(kLeastGain_m2, kLeastGainShare * total);
+  Shown shown(targets, saturates);
+  std::vector<std::pair<std::size_t, double>> chosen;  // camera and the area that it adds
   while (static_cast<int>(chosen.size()) < wanted) {
-    std::size_t best = cameras.size();
-    double most = std::max(kLeastGain_m2, kLeastGainShare * total);
-    for (std::size_t c = 0; c < cameras.size(); ++c) {
-      double gain = 0;
-      for (const std::uint32_t i : seen[c]) gain += left[i];
-      if (gain > most * (1 + 1e-9)) {
-        most = gain;
-        best = c;
-      }
+    std::pair<std::size_t, double> best{0, 0};
+    double most = 0;
+    for (const std::size_t c : cameras) {
+      const auto gain = shown.gain(seen[c]);
+      if (gain.area_m2 < least_m2 || !(gain.value > most * (1 + 1e-9))) continue;
+      most = gain.value;
+      best = {c, gain.area_m2};
     }
-    if (best == cameras.size()) break;
-    const Pose world_from_cam = cameras[best].cam_from_world.inverse();
-    chosen.push_back({world_from_cam.translation, world_from_cam.rotate(Vec3::UnitZ()), most});
-    for (const std::uint32_t i : seen[best]) left[i] = 0;
+    if (most == 0) break;
+    chosen.push_back(best);
+    shown.add(seen[best.first]);
   }
   return chosen;
 }
 
 void suggest_cameras(Renderer& renderer, const RenderScene& scene, const std::vector<Texel>& unseen,
-                     int wanted, Coverage& coverage) {
+                     const CoverageOptions& options, Coverage& coverage) {
   const Photograph& like = typical_photograph(scene.photographs);
   coverage.next_camera = like.name;
   const auto targets = thinned(unseen);
   Eigen::AlignedBox3d box;
   for (const Vec3& vertex : scene.proxy.vertices) box.extend(vertex);
   const double cell_m = std::max(0.5, box.diagonal().norm() / 16);
-  const auto cameras =
-      free_ones(renderer, scene, candidates_before(places_of(targets, cell_m), like, cell_m));
+  const auto cameras = free_ones(renderer, scene,
+                                 candidates_before(places_of(targets, cell_m), like, Ground(scene), cell_m,
+                                                   options.next_camera_height_m));
   auto seen = renderer.seen_from(cameras, points_of(targets));
   for (std::size_t c = 0; c < cameras.size(); ++c)
     std::erase_if(seen[c], [&](std::uint32_t i) {
       const SurfacePoint& p = targets[i].point;
       return p.normal.dot((cameras[c].centre() - p.position).normalized()) < kSlantedCosine;
     });
-  coverage.next = choose(cameras, targets, seen, wanted);
+  std::vector<std::size_t> all(cameras.size()), spread;
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  for (const auto& [camera, area_m2] : choose(all, targets, seen, options.next_cameras, true))
+    spread.push_back(camera);
+  for (const auto& [camera, area_m2] : choose(spread, targets, seen, options.next_cameras, false)) {
+    const Pose world_from_cam = cameras[camera].cam_from_world.inverse();
+    coverage.next.push_back({world_from_cam.translation, world_from_cam.rotate(Vec3::UnitZ()), area_m2});
+  }
 }
 
 }  // namespace
@@ -193,6 +308,8 @@ const std::vector<OptionRow<CoverageOptions>>& coverage_option_table() {
       {"coverage_texel_m", "m", &O::coverage_texel_m, 0, 100,
        "what photographs see of the faces is sampled at this distance; 0: a million places"},
       {"next_cameras", "", &O::next_cameras, 0, 100, "positions suggested for more photographs"},
+      {"next_camera_height_m", "m", &O::next_camera_height_m, 0.3, 1000,
+       "how high above the ground they stand at most"},
   };
   return table;
 }
@@ -221,7 +338,7 @@ Coverage measure_coverage(Renderer& renderer, const RenderScene& scene, const Co
     coverage.unseen_m2 += face.unseen_m2;
   }
   if (options.next_cameras > 0 && !unseen.empty() && !scene.photographs.empty())
-    suggest_cameras(renderer, scene, unseen, options.next_cameras, coverage);
+    suggest_cameras(renderer, scene, unseen, options, coverage);
   return coverage;
 }
 

@@ -9,6 +9,7 @@ namespace hybrid::stages {
 struct CoverageOptions {
   double coverage_texel_m = 0;  // of what is sampled on the faces; 0: a million texels, 2 cm at the finest
   int next_cameras = 6;         // positions suggested; 0: none
+  double next_camera_height_m = 3;  // how high above the ground they stand at most
 };
 const std::vector<OptionRow<CoverageOptions>>& coverage_option_table();
 
@@ -34,9 +35,12 @@ struct Coverage {
 
 // "Red means unseen" (paper figure 6), in square metres: the front of every face is sampled in a grid and
 // asked of all photographs, with proxy and scans in the way. Then cameras like the scene's, chosen one by one
-// for the area that they add (greedy): candidates stand before the unseen places at several distances and
-// angles, in free space that a scanner or a photograph has seen (in_free_space); places that they see under
-// more than 75 degrees do not count. The same for any number of threads.
+// for what they add (greedy), a face's area counting the less the more of it the others show
+// (kFaceSaturation), so that they spread over all that is red; the list has those that add most area first.
+// Candidates stand before the unseen places at several distances and angles, no higher above the ground below
+// them than a person with a pole reaches, in free space that a scanner or a photograph has seen
+// (in_free_space); places that they see under more than 75 degrees do not count. The same for any number of
+// threads.
 Coverage measure_coverage(Renderer& renderer, const RenderScene& scene, const CoverageOptions& options);
 
 }  // namespace hybrid::stages

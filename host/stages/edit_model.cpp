@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "geometry/ring_fault.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -29,14 +30,7 @@ std::string at(const Vec2& p) {
 }
 
 void check_ring(const Ring2& ring) {
-  if (ring.size() < 3) fail_input("expected a polygon of at least 3 vertices, found {}", ring.size());
-  for (const Vec2& p : ring)
-    if (!p.allFinite()) fail_input("expected finite coordinates, found {}", at(p));
-  if (const auto edges = self_crossing(ring))
-    fail_input(
-        "expected a simple polygon, found one that meets itself: its edges from vertex {} at {} and from "
-        "vertex {} at {}; correct the order of its vertices",
-        edges->first, at(ring[edges->first]), edges->second, at(ring[edges->second]));
+  if (const std::string fault = ring_fault(ring); !fault.empty()) fail_input("{}", fault);
   constexpr double kLeast_m2 = 1e-6;
   if (std::abs(signed_area(ring)) < kLeast_m2)
     fail_input("expected a polygon of at least {} m2, found {:.1e} m2", kLeast_m2,

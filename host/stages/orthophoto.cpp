@@ -41,13 +41,14 @@ SampleLook::SampleLook(const RangeImage& image) : image_(image), lookup_(image) 
   };
   darkest_ = percentile(1);
   brightest_ = std::max(percentile(99), std::nextafter(darkest_, INFINITY));
+  shoulder_ = Shoulder((percentile(100) - darkest_) / (brightest_ - darkest_));
 }
 
 std::array<std::uint8_t, 3> SampleLook::operator()(std::size_t node, const Supercluster& plane) const {
   if (!image_.rgb.empty()) return image_.rgb[node];
   double level = 0;
   if (!image_.intensity.empty())
-    level = (image_.intensity[node] - darkest_) / (brightest_ - darkest_);
+    level = shoulder_.level((image_.intensity[node] - darkest_) / (brightest_ - darkest_));
   else if (plane.rms_m > 0)
     level = 0.5 + plane.plane.distance(image_.point(node)) / (6 * plane.rms_m);
   // Never as dark as where nothing is.

@@ -4,6 +4,7 @@
 
 #include "geometry/image.hpp"
 #include "geometry/range_image.hpp"
+#include "geometry/shoulder.hpp"
 #include "geometry/superclusters.hpp"
 #include "stages/node_lookup.hpp"
 
@@ -17,8 +18,8 @@ struct Orthophoto {
   Image8 picture;  // RGB
 };
 
-// What samples look like: their colour, else their intensity between the scan's 1st and 99th percentile, else
-// their distance to the plane, three of its rms to black or white.
+// What samples look like: their colour, else their intensity between the scan's 1st and 99th percentile, what
+// is above brought back (Shoulder), else their distance to the plane, three of its rms to black or white.
 class SampleLook {
  public:
   explicit SampleLook(const RangeImage& image);
@@ -29,6 +30,7 @@ class SampleLook {
   const RangeImage& image_;
   NodeLookup lookup_;
   float darkest_ = 0, brightest_ = 1;
+  Shoulder shoulder_;
 };
 
 // The supercluster's samples on its plane, dark grey where it has none (holes, what stands before it); a

@@ -45,11 +45,12 @@ std::vector<GridPoint> grid_points(RenderState& state, const DeviceBvh& shown, c
   return points;
 }
 
-// Length on the surface that a pixel covers, as rank_photos has it; of a photograph 0 from behind.
-double footprint_m(const GridPoint& point, const Vec3& from, double pixel_rad, bool both_sides) {
+// Length on the surface that a pixel covers, as rank_photos has it; 0 where the cosine of sight and normal is
+// no more than `least_facing`.
+double footprint_m(const GridPoint& point, const Vec3& from, double pixel_rad, double least_facing) {
   const Vec3 ray = point.position - from;
   const double facing = point.radius < 0 ? 1.0 : -point.normal.dot(ray) / ray.norm();
-  if (facing <= 0 && !both_sides) return 0;
+  if (facing <= least_facing) return 0;
   return pixel_rad * ray.norm() / std::max(std::abs(facing), kLeastCosine);
 }
 
@@ -70,6 +71,8 @@ std::vector<int> photograph_levels(RenderState& state, const DeviceBvh& shown, c
   const Vec3 eye = view.centre() - state.origin;
   const double view_rad =
       static_cast<double>(pixel_angle_rad(view.camera)) / std::max(1, state.options.samples_per_axis);
+  constexpr double kBothSides = -2;  // a view sees faces from behind, too
+  const double least = static_cast<double>(least_facing(state.options));
   parallel_for(levels.size(), [&](std::size_t p) {
     if (state.store.masked(p)) return;
     const Photograph& photograph = state.scene.photographs[p];
@@ -79,8 +82,8 @@ std::vector<int> photograph_levels(RenderState& state, const DeviceBvh& shown, c
     for (const GridPoint& point : points) {
       if (!photograph.camera.project(photograph.cam_from_world * Vec3(point.position + state.origin)))
         continue;
-      const double its = footprint_m(point, centre, pixel_rad, false);
-      if (its > 0) ratios.push_back(footprint_m(point, eye, view_rad, true) / its);
+      const double its = footprint_m(point, centre, pixel_rad, least);
+      if (its > 0) ratios.push_back(footprint_m(point, eye, view_rad, kBothSides) / its);
     }
     levels[p] = level_of(ratios);
   });

@@ -147,6 +147,15 @@ std::vector<std::size_t> used_photographs(const RenderScene& scene,
   return used;
 }
 
+// What a photograph's white comes to at most.
+double whitest(const std::vector<std::array<double, 3>>& gains, const std::vector<std::size_t>& used,
+               const std::array<double, 3>& exposure) {
+  double white = 1;
+  for (const std::size_t i : used)
+    for (std::size_t k = 0; k < 3; ++k) white = std::max(white, exposure[k] * gains[i][k]);
+  return white;
+}
+
 // Everything the tiles of one view share.
 struct ViewPass {
   ViewPass(RenderState& state, const ViewRequest& view, std::size_t capacity)
@@ -277,6 +286,13 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        10,
        "within this of a proxy face the sample wins, and casts no shadow on it",
        {}},
+      {"grazing_deg",
+       "deg",
+       &O::grazing_deg,
+       0,
+       60,
+       "a photograph that meets a surface at no more than this angle does not see it",
+       {}},
       {"unseen_m",
        "m",
        &O::unseen_m,
@@ -293,6 +309,14 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        "multiply each photograph's channels so that photographs agree where they overlap; a view has the "
        "exposure of those it shows",
        {}},
+      {"tone",
+       "",
+       &O::tone,
+       0,
+       0,
+       "light above white is cut off, or brought back along a curve that leaves the darker half as it is; "
+       "auto: the latter where all photographs have one exposure (atlas, colours of points), not in views",
+       {"auto", "linear", "shoulder"}},
       {"levels",
        "",
        &O::levels,
@@ -312,6 +336,10 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
       {"tile", "px", &O::tile, 16, 8192, "side of what is rendered at once; smaller needs less memory", {}},
   };
   return table;
+}
+
+float least_facing(const RenderOptions& options) {
+  return static_cast<float>(std::sin(options.grazing_deg * M_PI / 180));
 }
 
 RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o)
@@ -345,6 +373,11 @@ const std::vector<std::array<double, 3>>& Renderer::gains() const {
   return state_->gains;
 }
 
+Shoulder Renderer::common_shoulder() const {
+  if (state_->options.tone == "linear") return Shoulder();
+  return Shoulder(whitest(state_->gains, used_photographs(state_->scene, {}), {1, 1, 1}));
+}
+
 const RenderOptions& Renderer::options() const {
   return state_->options;
 }
@@ -360,6 +393,8 @@ RenderedView Renderer::render(const ViewRequest& request) {
   RenderedView view = empty_view(camera);
   if (request.texture && state_->options.equalise)
     view.exposure = pass.exposure = view_exposure(*state_, request, pass.used);
+  if (request.texture && state_->options.tone == "shoulder")
+    view.shoulder = Shoulder(whitest(state_->gains, pass.used, view.exposure));
   const int n = state_->options.samples_per_axis;
   for (const Tile& tile : make_tiles(camera.height, camera.width, side))
     for (int sample = 0; sample < n * n; ++sample) {

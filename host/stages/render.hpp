@@ -12,6 +12,7 @@
 #include "geometry/image.hpp"
 #include "geometry/polygon_model.hpp"
 #include "geometry/range_image.hpp"
+#include "geometry/shoulder.hpp"
 #include "geometry/superclusters.hpp"
 #include "stages/atlas.hpp"
 #include "stages/curtains.hpp"
@@ -32,16 +33,22 @@ struct RenderOptions {
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
-  double unseen_m = 0;       // so far behind its outline what is scanned hides what photographs see, where no
-                             // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
-  bool equalise = true;      // gains per photograph and channel that make the photographs' overlaps agree; a
-                             // view comes at the exposure of those it shows, all else at one of them all
+  double grazing_deg = 3;  // a photograph that meets a surface at no more than this does not see it
+  double unseen_m = 0;     // so far behind its outline what is scanned hides what photographs see, where no
+                           // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
+  bool equalise = true;    // gains per photograph and channel that make the photographs' overlaps agree; a
+                           // view comes at the exposure of those it shows, all else at one of them all
+  std::string tone = "auto";  // "linear": what is lighter than white is cut off; "shoulder": it is brought
+                              // back (geometry/shoulder.hpp); "auto": the latter, but for views, whose own
+                              // exposure is the photographs'
   bool levels = true;        // photographs finer than the view are halved first, as often as they are
   int photograph_mb = 4096;  // memory for photographs on the device; changes no result
   int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
   int tile = 1024;           // side in pixels of what is rendered at once; changes no result
 };
 const std::vector<OptionRow<RenderOptions>>& render_option_table();
+// The cosine between sight and normal that goes with grazing_deg.
+float least_facing(const RenderOptions& options);
 
 // A retained sample as a tiny sphere (paper 2.4), world frame.
 struct Splat {
@@ -92,6 +99,7 @@ struct RenderedView {
   std::vector<std::int32_t> best;       // index of the heaviest photograph, -1 none
   std::array<double, 3> exposure{1, 1, 1};  // what the photographs' light was multiplied with besides their
                                             // gains (view_exposure); through it, views have one exposure
+  Shoulder shoulder;  // what a picture of it does with light above white, where coverage is not 0
 };
 
 // A place on a proxy face.
@@ -109,6 +117,8 @@ class Renderer {
   const RenderOptions& options() const;
   // What the photographs' linear light is multiplied with, per channel; all 1 without `equalise`.
   const std::vector<std::array<double, 3>>& gains() const;
+  // What pictures at the one exposure of all photographs do with light above white.
+  Shoulder common_shoulder() const;
   // METHOD 10. Kernels: ray_cast, blend_photos, blur_photo. Throws ErrorKind::input: a leave_out that names
   // no photograph, an unknown `show`, a camera without pixels.
   RenderedView render(const ViewRequest& request);
@@ -117,6 +127,14 @@ class Renderer {
   struct ColouredRange {
     ImageF colour;                        // cols x rows, linear RGB; red where unseen
     std::vector<std::uint32_t> coverage;  // photographs that see the sample
+    Shoulder shoulder;                    // common_shoulder()
+    // Of a node that is seen, for pictures and files of bytes.
+    std::array<float, 3> toned(std::size_t node) const {
+      std::array<float, 3> rgb{};
+      std::copy_n(colour.pixels.begin() + static_cast<std::ptrdiff_t>(3 * node), 3, rgb.begin());
+      shoulder.apply(rgb.data());
+      return rgb;
+    }
   };
   ColouredRange colour_range_image(const RangeImage& image, const PlaneSegmentation& segmentation,
                                    const Pose& world_from_scan, int tile = 1024);

@@ -1,6 +1,7 @@
 #include "stages/render_geometry.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -74,6 +75,27 @@ std::uint32_t lens_of(const Camera& camera) {
   return rational ? CAMERA_RATIONAL : CAMERA_POLYNOMIAL;
 }
 
+// A camera marker's length at most, as a share of the median distance of photographs to the next one and of
+// its distance to the eye.
+constexpr double kMarkerOfSpacing = 0.5, kMarkerOfDistance = 0.08;
+
+// Median over the photographs of the distance to the nearest other one; infinite for one alone. Those at one
+// place count as one.
+double camera_spacing_m(const std::vector<Photograph>& photographs) {
+  std::vector<double> nearest;
+  for (const Photograph& photograph : photographs) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Photograph& other : photographs)
+      if (const double d = (photograph.centre() - other.centre()).norm(); d > 1e-3)
+        least = std::min(least, d);
+    if (std::isfinite(least)) nearest.push_back(least);
+  }
+  if (nearest.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return *middle;
+}
+
 }  // namespace
 
 Eigen::AlignedBox3d scene_box(const RenderScene& scene) {
@@ -145,12 +167,15 @@ DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, c
 }
 
 DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, const Vec3& origin,
-                              const Vec3& eye, double size_m) {
+                              const Vec3& eye, double most_m) {
   std::vector<TriangleRecord> triangles;
+  const double usual_m = std::min(most_m, kMarkerOfSpacing * camera_spacing_m(scene.photographs));
   for (std::size_t i = 0; i < scene.photographs.size(); ++i) {
     const Photograph& photograph = scene.photographs[i];
     const Vec3 apex = photograph.centre() - origin;
-    if ((photograph.centre() - eye).norm() < 2 * size_m) continue;
+    const double distance_m = (photograph.centre() - eye).norm();
+    if (distance_m <= usual_m) continue;
+    const double size_m = std::min(usual_m, kMarkerOfDistance * distance_m);
     const Camera& c = photograph.camera;
     const Pose world_from_cam = photograph.cam_from_world.inverse();
     const std::uint32_t id = kMarkerId | static_cast<std::uint32_t>(i);

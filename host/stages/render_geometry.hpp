@@ -42,10 +42,11 @@ float pixel_angle_rad(const Camera& camera);
 DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
                                const Vec3& origin, bool curtains = false);
 
-// Pyramids at the photographs' centres, opening along their views, `size_m` long; none for photographs nearer
-// than 2 size_m to `eye`, which would look out of their own marker.
+// Pyramids at the photographs' centres, opening along their views; `most_m` long, less where photographs
+// stand close to each other and near `eye`, so that they hide little of what it looks at; none for
+// photographs so near to it that it would look out of their marker.
 DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, const Vec3& origin,
-                              const Vec3& eye, double size_m);
+                              const Vec3& eye, double most_m);
 
 // What the rays of one tile hit, on the device; for the layout see kernels/ray_cast.cl.
 struct SurfaceTile {

@@ -41,7 +41,7 @@ typedef struct BlendPhotosParams {
   float tolerance_m;       // between samples and faces, shadow hits this near to the surface do not count
   float face_tolerance_m;  // the same among faces, which are exact: rounding only
   HYBRID_UINT root;        // child code of the tree's root
-  float pad;
+  float least_facing;      // at the cosine (between sight and normal) of no more than this it sees nothing
 } BlendPhotosParams;
 LAYOUT_CHECK(BlendPhotosParams, sizeof(CameraRecord) + 80);
 

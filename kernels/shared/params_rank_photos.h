@@ -16,7 +16,8 @@ typedef struct RankPhotosParams {
   HYBRID_UINT root;
   float resolution_cost;     // rad, per time that its pixel covers more surface than the view's
   float field_of_view_cost;  // rad, at its border
-  float pad[2];
+  float least_facing;        // as in BlendPhotosParams
+  float pad;
 } RankPhotosParams;
 LAYOUT_CHECK(RankPhotosParams, sizeof(CameraRecord) + 64);
 

@@ -44,6 +44,7 @@ struct RankPhotosCase {
       params.tolerance_m = blend.tolerance_m;
       params.face_tolerance_m = blend.face_tolerance_m;
       params.root = bvh.root;
+      params.least_facing = blend.least_facing;
       params.resolution_cost = input.resolution_cost;
       params.field_of_view_cost = input.field_of_view_cost;
       queue.launch(kName, queue.kernel(kName, {{"VW", width}}),

@@ -8,6 +8,7 @@
 #include "geometry/face_frame.hpp"
 #include "io/obj.hpp"
 #include "io/output.hpp"
+#include "io/picture.hpp"
 #include "io/ply.hpp"
 #include "io/read_scan.hpp"
 #include "program.hpp"
@@ -28,6 +29,21 @@ Outcome run_edited(const Scratch& scratch, const std::string& edits, const std::
              (scratch / "out").string());
 }
 
+// The mini scene's scan with a second return behind and one before every 9th point: its grid has room for
+// one.
+void add_colliding_samples(const Scratch& scratch) {
+  fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  const Scan scan = io::read_scan(scratch / "scene/s.ply", 0);
+  std::vector<io::PlyPoint> points;
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+    for (const double factor : {1.0, 1.25, 0.75}) {
+      if (factor != 1 && i % 9) continue;
+      const Vec3 point = factor * scan.point(i);
+      points.push_back({{point.x(), point.y(), point.z()}});
+    }
+  io::write_ply(scratch / "scene/s.ply", points, {});
+}
+
 }  // namespace
 
 TEST(Edit, removes_faces_and_cuts_holes_and_the_same_file_makes_the_same_model) {
@@ -41,7 +57,14 @@ TEST(Edit, removes_faces_and_cuts_holes_and_the_same_file_makes_the_same_model) 
   ASSERT_EQ(model.faces.size(), 5u);
   EXPECT_EQ(model.faces[1].name, "face-2");
   EXPECT_NEAR(face_area_m2(model, model.faces[1]), 4 * 2.5 - 1, 1e-6);
-  EXPECT_TRUE(fs::exists(scratch / "out/model/edited.png"));
+  // The hole is outlined where the model is as it became, to the right.
+  const auto picture = io::read_photograph(scratch / "out/model/edited.png", 1608, 1208);
+  std::array<int, 2> outlined{};
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      if (picture.at(x, y)[0] == 200 && picture.at(x, y)[1] == 0) ++outlined[2 * x > picture.width];
+  EXPECT_EQ(outlined[0], 0);
+  EXPECT_GT(outlined[1], 100);
   EXPECT_FALSE(fs::exists(scratch / "out/views"));  // --only edit
   const auto edit = summary_of(scratch / "out")["edit"];
   EXPECT_EQ(edit["removed_faces"], nlohmann::json::array({"face-1"}));
@@ -72,6 +95,34 @@ TEST(Edit, clips_drop_samples_from_what_is_kept_but_not_from_the_range_image) {
   EXPECT_GT(summary_of(scratch / "out")["edit"]["scans"]["s"]["clips"][0]["samples"].get<int>(), 1000);
 }
 
+TEST(Edit, clipped_samples_beside_the_grid_are_in_no_export_either) {
+  const Scratch scratch;
+  add_colliding_samples(scratch);
+  const std::string half = "[[edit.clip]]\nplane = [-1, 0, 0, -2]\n",
+                    options = "--only planes,register,export";
+  const std::string clouds = " --set 'export.formats=ply colmap'";
+  const auto clipped = run_edited(scratch, half, options + clouds);
+  ASSERT_EQ(clipped.exit_code, 0) << clipped.err;
+  const auto cloud = io::read_scan(scratch / "out/export/points.ply", 0);
+  EXPECT_GT(cloud.points.size(), 0u);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) EXPECT_LT(cloud.point(i).x(), 2.001);
+  const auto scan = summary_of(scratch / "out")["scans"][0];
+  const int extra = scan["extra_samples"], kept = scan["decimation"]["kept"]["extra"];
+  EXPECT_GT(extra, 1000);
+  EXPECT_LT(kept, extra - 300);
+  EXPECT_GT(kept, 300);
+  EXPECT_EQ(io::read_scan(scratch / "out/scans/s/extra.ply", 0).points.size(),
+            static_cast<std::size_t>(extra));
+  std::int64_t counted = scan["decimation"]["discarded"];
+  for (const auto& count : scan["decimation"]["kept"]) counted += count.get<int>();
+  EXPECT_EQ(scan["decimation"]["measured"], counted);
+  // Nothing is left: nothing is exported.
+  const std::string all = "[[edit.clip]]\nbox = [-100, -100, -100, 100, 100, 100]\n";
+  ASSERT_EQ(run_edited(scratch, all, options + clouds).exit_code, 0);
+  EXPECT_EQ(summary_of(scratch / "out")["export"]["points"]["count"], 0);
+  EXPECT_FALSE(fs::exists(scratch / "out/export/points.ply"));
+}
+
 TEST(Edit, a_depth_edit_moves_its_area_of_the_range_image) {
   const Scratch scratch;
   ASSERT_EQ(run_edited(scratch, "", "--only planes").exit_code, 0);
@@ -91,6 +142,39 @@ TEST(Edit, a_depth_edit_moves_its_area_of_the_range_image) {
   }
   EXPECT_EQ(changed, 21 * 21);
   EXPECT_TRUE(fs::exists(scratch / "out/scans/s/depth-edits.png"));
+}
+
+TEST(Edit, a_depth_edit_moves_the_samples_beside_the_grid_too) {
+  const Scratch scratch;
+  add_colliding_samples(scratch);
+  ASSERT_EQ(run_edited(scratch, "", "--only planes").exit_code, 0);
+  const auto before = io::read_scan(scratch / "out/scans/s/extra.ply", 0);
+  const auto moved = run_edited(
+      scratch,
+      "[[edit.depth]]\nscan = \"s\"\npolygon = [[20, 30], [20, 50], [40, 50], [40, 30]]\nby_m = 0.07\n",
+      "--only planes,edit");
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  const auto after = io::read_scan(scratch / "out/scans/s/extra.ply", 0);
+  ASSERT_EQ(after.points.size(), before.points.size());
+  int changed = 0;
+  for (std::size_t i = 0; i < after.points.size(); ++i) {
+    const double by = after.point(i).norm() - before.point(i).norm();
+    EXPECT_TRUE(std::abs(by) < 1e-6 || std::abs(by - 0.07) < 1e-5) << by;
+    changed += by > 0.01;
+  }
+  EXPECT_NEAR(changed, 2 * 21 * 21 / 9.0, 10);
+  EXPECT_EQ(summary_of(scratch / "out")["edit"]["scans"]["s"]["depth_edited_samples"], 21 * 21 + changed);
+}
+
+TEST(Edit, a_clip_that_drops_nothing_is_named) {
+  const Scratch scratch;
+  const auto outcome = run_edited(scratch,
+                                  "[[edit.clip]]\nbox = [100, 100, 100, 101, 101, 101]\n"
+                                  "[[edit.clip]]\nplane = [-1, 0, 0, -2]\n",
+                                  "--only edit");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("[edit]: clip 1: it drops no sample"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("[edit]: clip 2"), std::string::npos) << outcome.err;
 }
 
 TEST(Edit, says_what_no_photograph_sees_and_where_to_stand) {

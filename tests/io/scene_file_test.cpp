@@ -220,6 +220,21 @@ TEST(scene_file, names_are_usable_as_folders_and_unique) {
       {"[[view]]\nname = \"a/b\"\nphotograph = \"a\"\n", "2", "usable as a folder"},
       {"[[view]]\nname = \"v\"\nphotograph = \"a\"\n[[view]]\nname = \"v\"\nphotograph = \"b\"\n", "5",
        "found \"v\" again (line 2)"},
+      {"[[view]]\nname = \"v-pair\"\nphotograph = \"b\"\n"
+       "[[view]]\nname = \"v\"\nphotograph = \"a\"\nleave_out = [\"a\"]\n",
+       "2", "\"v-pair\" is what the view \"v\" (line 4)"},
+  });
+}
+
+TEST(scene_file, polygons_of_clips_and_depth_edits_are_simple) {
+  const std::string clip = kScan + "[[edit.clip]]\nprism = ",
+                    depth = kScan + "[[edit.depth]]\nscan = \"a\"\n";
+  expect_errors({
+      {clip + "[[0, 0], [2, 2], [2, 0], [0, 2]]\n", "4", "meets itself: its edges from vertex 0 at (0, 0)"},
+      {clip + "[[0, 0], [1, 1], [2, 2]]\n", "4", "all 3 vertices on one line"},
+      {depth + "by_m = 1\npolygon = [[0, 0], [9, 9], [0, 9], [9, 0]]\n", "6", "meets itself"},
+      {depth + "by_m = 1\npolygon = [[0, 0], [9, 9], [9, 9], [9, 0]]\n", "6", "again as vertex 2"},
+      {depth + "by_m = 1\npolygon = [[0, 0], [9.5, 9], [9, 0]]\n", "6", "found 9.5, 9"},
   });
 }
 

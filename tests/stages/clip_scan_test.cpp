@@ -76,9 +76,20 @@ TEST(MoveArea, moves_along_the_rays_and_nothing_else) {
 
 TEST(MoveArea, wrong_areas_are_errors) {
   RangeImage image = ball();
-  EXPECT_THROW(move_area(image, {{0, 0}, {0, 16}, {3, 3}}, 0.1), Error);         // outside
-  EXPECT_THROW(move_area(image, {{0, 0}, {4, 4}, {0, 4}, {4, 0}}, 0.1), Error);  // meets itself
-  EXPECT_THROW(move_area(image, {{0, 6}, {0, 9}, {4, 9}}, -2), Error);           // to the scanner
+  EXPECT_THROW(move_area(image, {{0, 0}, {0, 16}, {3, 3}}, 0.1), Error);  // outside
+  EXPECT_THROW(move_area(image, {{0, 6}, {0, 9}, {4, 9}}, -2), Error);    // to the scanner
+}
+
+TEST(MoveArea, points_beside_the_grid_belong_to_the_node_they_lie_towards) {
+  RangeImage image = ball();
+  for (int row = 0; row < 9; ++row) image.elevation_rad[static_cast<std::size_t>(row)] = (4 - row) * 0.3;
+  for (int col = 0; col < 16; ++col) image.azimuth_rad[static_cast<std::size_t>(col)] = col * M_PI / 8;
+  image.wraps = true;
+  std::vector<Vec3> points;
+  for (const std::size_t node : {image.index(1, 6), image.index(2, 5), image.index(3, 9), image.index(4, 8)})
+    points.push_back(1.5 * image.point(node) + Vec3(0.01, 0, 0.01));
+  EXPECT_EQ(points_in_area(image, points, {{2, 5}, {2, 8}, {4, 8}, {4, 5}}),
+            (std::vector<std::size_t>{1, 3}));
 }
 
 }  // namespace hybrid::stages

@@ -71,7 +71,12 @@ TEST(EditModel, a_door_may_stand_on_the_edge) {
 TEST(EditModel, wrong_holes_are_errors_that_say_why) {
   EXPECT_TRUE(says(error_of_hole({{1, 1}, {2, 2}}), "at least 3 vertices"));
   EXPECT_TRUE(says(error_of_hole({{1, 1}, {2, 2}, {1, 2}, {2, 1}}), "meets itself"));
-  EXPECT_TRUE(says(error_of_hole({{1, 1}, {2, 1}, {2, 1}, {1, 2}}), "meets itself"));
+  EXPECT_TRUE(says(error_of_hole({{1, 1}, {2, 1}, {2, 1}, {1, 2}}),
+                   "found vertex 1 at (2, 1) again as vertex 2; remove one of them"));
+  EXPECT_TRUE(says(error_of_hole({{1, 1}, {2, 1}, {2, 2}, {1, 1}}), "the polygon closes by itself"));
+  EXPECT_TRUE(says(error_of_hole({{1, 1}, {2, 1.1}, {3, 1.2}}), "all 3 vertices on one line"));
+  EXPECT_TRUE(says(error_of_hole({{1, 1}, {3, 1}, {2, 1}, {2, 2}}),
+                   "runs back over the one before it, at vertex 1 at (3, 1); remove that vertex"));
   EXPECT_TRUE(says(error_of_hole(box(3, 1, 4.5, 2)), "vertex 1 at (4.500, 1.000) lies outside face wall"));
   EXPECT_TRUE(says(error_of_hole(box(5, 1, 6, 2)), "lies outside face wall"));
   EXPECT_TRUE(says(error_of_hole(box(1.5, 1.5, 3, 2.5), {box(1, 1, 2, 2)}), "overlaps hole 1"));

@@ -7,6 +7,7 @@
 #include "cases/room_scene.hpp"
 #include "core/parallel.hpp"
 #include "device.hpp"
+#include "stages/bake_atlas.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -143,6 +144,55 @@ TEST(ViewExposure, only_scales_what_photographs_show) {
   EXPECT_GT(markers, 100u);
   request.texture = false;
   EXPECT_EQ(renderer.render(request).exposure, plain.exposure);
+}
+
+TEST(Tone, one_exposure_of_all_photographs_burns_nothing_out) {
+  // One wall is three times as bright, which photographs 2 and 3, with a third of the others' exposure, show.
+  RoomScene room = RoomScene::make(5, 320, 240);
+  constexpr std::uint32_t kBright = 4;  // its id
+  for (std::size_t p = 0; p < room.scene.photographs.size(); ++p) {
+    const Photograph& photograph = room.scene.photographs[p];
+    ImageF light = room.true_view(photograph);
+    for (int y = 0; y < light.height; ++y)
+      for (int x = 0; x < light.width; ++x) {
+        const Vec3 ray =
+            photograph.cam_from_world.rotation.conjugate() * photograph.camera.ray(Vec2(x + 0.5, y + 0.5));
+        const float factor = (p == 2 || p == 3 ? 0.33f : 1.0f) *
+                             (room.hit(photograph.centre(), ray).first == kBright ? 3.0f : 1.0f);
+        for (int k = 0; k < 3; ++k) light.at(x, y)[k] *= factor;
+      }
+    room.scene.photograph_pixels[p] = RoomScene::encode(light);
+  }
+  // Of all that the photographs show, the share of texels with a channel at 255.
+  const auto burnt = [&](const std::string& tone) {
+    Renderer renderer(queue(), room.scene, {.tone = tone});
+    stages::AtlasOptions options;
+    options.texel_m = 0.04;
+    const auto atlas = stages::plan_atlas(renderer, room.scene, options);
+    const auto page = stages::bake_page(renderer, room.scene, atlas, 0);
+    std::size_t at_white = 0;
+    for (std::size_t i = 0; i < page.colour.pixels.size(); i += 3) {
+      if (page.coverage.pixels[i] == 0 || page.coverage.pixels[i] != page.coverage.pixels[i + 1]) continue;
+      at_white += *std::max_element(page.colour.pixels.begin() + static_cast<std::ptrdiff_t>(i),
+                                    page.colour.pixels.begin() + static_cast<std::ptrdiff_t>(i + 3)) == 255;
+    }
+    EXPECT_GT(page.seen, 10000u);
+    return static_cast<double>(at_white) / static_cast<double>(page.seen);
+  };
+  EXPECT_GT(burnt("linear"), 0.03);
+  EXPECT_LT(burnt("auto"), 0.01);
+}
+
+TEST(Tone, of_views_is_a_choice) {
+  const RoomScene room = unevenly_exposed();
+  ViewRequest request = view_of(room.scene, 0);
+  const auto of = [&](const std::string& tone) {
+    return Renderer(queue(), room.scene, {.tone = tone}).render(request);
+  };
+  const auto automatic = of("auto"), toned = of("shoulder");
+  EXPECT_EQ(automatic.shoulder.level(1.5), 1.5);
+  EXPECT_LT(toned.shoulder.level(1.5), 1.5);
+  EXPECT_EQ(automatic.colour.pixels, toned.colour.pixels);  // light is light: pictures alone change
 }
 
 TEST(ViewExposure, of_photographs_left_out_does_not_count) {
