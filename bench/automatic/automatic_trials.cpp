@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
 #include "batch/scene_scan.hpp"
 #include "cases/trial_room.hpp"
