@@ -122,12 +122,18 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
       assess(queue_, *model_, options_, products_[scan], one.start, one);
   }
   log::info("scan {}: aligned to scan {}", products_[scan].id, one.carried_by);
+  if (!one.refusal.empty()) {
+    one.warnings.push_back(fmt::format("{}; it is aligned to scan {} instead", one.refusal, one.carried_by));
+    log::warning("scan {}: {}", products_[scan].id, one.warnings.back());
+    one.refusal.clear();
+  }
   registrations[scan] = std::move(one);
   abstentions[scan].reset();
   return true;
 }
 
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
+  if (model_ != nullptr && options_.automatic == "never") return;  // a pose by planes alone is not wanted
   // One that was carried may carry others.
   for (bool again = true; again;) {
     again = false;

@@ -11,6 +11,7 @@
 #include "core/parallel_blocks.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
+#include "stages/landmark_check.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -32,6 +33,12 @@ Vec3 picked_point(const io::SceneLandmark& landmark, const RangeImage& image) {
   return image.point(i);
 }
 
+std::string place_of(const io::SceneLandmark& landmark) {
+  if (landmark.pixel) return fmt::format("pixel [{}, {}]", (*landmark.pixel)[0], (*landmark.pixel)[1]);
+  const Vec3& p = *landmark.scan;
+  return fmt::format("scan [{:.3f}, {:.3f}, {:.3f}]", p.x(), p.y(), p.z());
+}
+
 Vec3 model_point(const io::SceneLandmark& landmark, const PolygonModel& model) {
   if (landmark.model) return *landmark.model;
   const int vertex = *landmark.vertex;
@@ -41,18 +48,18 @@ Vec3 model_point(const io::SceneLandmark& landmark, const PolygonModel& model) {
   return model.vertices[static_cast<std::size_t>(vertex)];
 }
 
-stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& model,
-                              const ScanProduct& product, const StageOptions& options) {
+stages::CheckedLandmarks check_start(const io::SceneScan& entry, const PolygonModel& model,
+                                     const ScanProduct& product, const StageOptions& options) {
   std::vector<stages::LandmarkPair> pairs;
   for (std::size_t i = 0; i < entry.landmarks.size(); ++i) {
     const auto& landmark = entry.landmarks[i];
     const std::string name = fmt::format("landmark {} (line {})", i + 1, landmark.line);
     pairs.push_back(with_context(name, [&] {
       return stages::LandmarkPair{name, picked_point(landmark, product.image), model_point(landmark, model),
-                                  landmark.snap};
+                                  landmark.snap, place_of(landmark)};
     }));
   }
-  return stages::fit_landmarks(model, pairs, options.landmarks);
+  return stages::check_landmarks(model, pairs, options.landmarks);
 }
 
 // A supercluster within 30 degrees of vertical is a wall from this area on; below it stands furniture.
@@ -133,6 +140,50 @@ Json share_json(const WallShare& share) {
   return {{"samples", share.samples}, {"within_5cm", share.within_5cm}, {"within_10cm", share.within_10cm}};
 }
 
+Json landmark_json(const stages::LandmarkFit& fit) {
+  Json json = {
+      {"rms_m", fit.rms_m}, {"residual_m", fit.residual_m}, {"leave_one_out_m", fit.leave_one_out_m}};
+  if (fit.left_out) json["left_out"] = *fit.left_out + 1;  // as messages count them
+  return json;
+}
+
+// What pose.json and summary.json say alike of a scan without a pose.
+Json abstained_json(const ScanRegistration& registration) {
+  Json json = {{"how", registration.how}, {"status", "abstained"}};
+  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
+  if (registration.automatic) json.update(automatic_json(*registration.automatic));
+  json["reason"] = reason_of(registration);
+  return json;
+}
+
+// From the planes alone; whether that is accepted.
+bool found_automatically(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
+                         ScanRegistration& result) {
+  result.automatic = stages::align_automatically(queue, result.evidence, model, options.alignment);
+  if (!result.automatic->accepted) return false;
+  result.how = "automatic";
+  result.start = result.automatic->world_from_scan;
+  return true;
+}
+
+// Landmarks that do not belong together leave the start to the planes alone, where these may try.
+void start_from_landmarks(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
+                          const StageOptions& options, const ScanProduct& product, ScanRegistration& result) {
+  if (result.automatic) log::info("scan {}: landmarks decide: {}", product.id, result.automatic->reason);
+  result.how = "landmarks";
+  auto checked = check_start(entry, model.polygons(), product, options);
+  result.landmarks = std::move(checked.fit);
+  result.start = result.landmarks->world_from_scan;
+  if (!checked.warning.empty()) result.warnings.push_back(checked.warning);
+  if (checked.refusal.empty()) return;
+  if (options.automatic == "missing" && found_automatically(queue, model, options, result)) {
+    result.warnings.push_back(checked.refusal + "; the scan is placed by its planes alone");
+    return;
+  }
+  result.refusal = std::move(checked.refusal);
+  result.abstained = true;
+}
+
 // From the scene's pose, landmarks or the planes alone, in METHOD's order of trust.
 void find_start(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                 const StageOptions& options, const ScanProduct& product, ScanRegistration& result) {
@@ -144,20 +195,16 @@ void find_start(device::Queue& queue, const io::SceneScan& entry, const stages::
     return;
   }
   if (options.automatic == "first" || (options.automatic == "missing" && !has_landmarks)) {
+    if (found_automatically(queue, model, options, result)) return;
     result.how = "automatic";
-    result.automatic = stages::align_automatically(queue, result.evidence, model, options.alignment);
     result.start = result.automatic->world_from_scan;
-    if (result.automatic->accepted) return;
     result.abstained = !has_landmarks;
     if (result.abstained) return;
-    log::info("scan {}: landmarks decide: {}", product.id, result.automatic->reason);
   }
   if (!has_landmarks)
     fail_input(
         "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
-  result.how = "landmarks";
-  result.landmarks = fit_start(entry, model.polygons(), product, options);
-  result.start = result.landmarks->world_from_scan;
+  start_from_landmarks(queue, entry, model, options, product, result);
 }
 
 // Offsets go with the plane step and its robust weights: the paper's ICP, asked for, stays the paper's.
@@ -191,6 +238,12 @@ stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOpti
 
 }  // namespace
 
+std::string reason_of(const ScanRegistration& abstained) {
+  const std::string own = abstained.automatic ? abstained.automatic->reason : "";
+  if (abstained.refusal.empty()) return own;
+  return abstained.refusal + (own.empty() ? "" : "; the automatic alignment abstains, too: " + own);
+}
+
 void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                      const ScanProduct& product, ScanRegistration& result) {
   const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
@@ -217,6 +270,7 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
   result.evidence = stages::gather_evidence(product.image, product.segmentation, options.alignment.rays,
                                             options.alignment.seed);
   find_start(queue, entry, model, options, product, result);
+  for (const auto& warning : result.warnings) log::warning("{}: {}", unit, warning);
   if (result.abstained) return result;
   progress.step("ICP", unit);
   result.icp.world_from_scan = result.start;
@@ -268,11 +322,9 @@ void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& 
 
 Json pose_json(const ScanProduct& product, const ScanRegistration& registration) {
   if (registration.abstained) {
-    Json json = {{"scan", product.id},
-                 {"world_from_scan", nullptr},
-                 {"how", registration.how},
-                 {"status", "abstained"}};
-    json.update(automatic_json(*registration.automatic));
+    Json json = {{"scan", product.id}, {"world_from_scan", nullptr}};
+    json.update(abstained_json(registration));
+    if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
     if (registration.neighbour) json["neighbour"] = automatic_json(*registration.neighbour);
     return json;
   }
@@ -297,11 +349,8 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
     json["covariance"] = icp.covariance;
     json["degenerate"] = icp.degenerate;
   }
-  if (registration.landmarks) {
-    json["landmarks"] = {{"rms_m", registration.landmarks->rms_m},
-                         {"residual_m", registration.landmarks->residual_m},
-                         {"leave_one_out_m", registration.landmarks->leave_one_out_m}};
-  }
+  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
+  if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
   if (registration.faces)
     json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
@@ -311,8 +360,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
 
 Json registration_figures(const ScanRegistration& registration) {
   if (registration.abstained) {
-    Json json = {{"how", registration.how}, {"status", "abstained"}};
-    json.update(automatic_json(*registration.automatic));
+    Json json = abstained_json(registration);
     if (!registration.neighbour_reason.empty()) json["neighbours"] = registration.neighbour_reason;
     return json;
   }
@@ -326,6 +374,7 @@ Json registration_figures(const ScanRegistration& registration) {
     json["wall_after_icp"] = share_json(registration.wall_after);
   }
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
+  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.landmarks) json["landmark_rms_m"] = registration.landmarks->rms_m;
   if (!registration.fixed && registration.faces) {
     json["icp_rms_m"] = registration.icp.rms_m;

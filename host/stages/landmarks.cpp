@@ -98,10 +98,7 @@ void leave_one_out(const Points& from, const Points& to, bool free_scale, Landma
     if (spread(others_from).width >= kMinWidth && spread(others_to).width >= kMinWidth) {
       const Pose pose = horn(others_from, others_to, {}, free_scale);
       miss = (pose * from[left] - to[left]).norm();
-      double sum = 0;
-      for (std::size_t i = 0; i < others_from.size(); ++i)
-        sum += (pose * others_from[i] - others_to[i]).squaredNorm();
-      rms = std::sqrt(sum / static_cast<double>(others_from.size()));
+      rms = rms_of(pose, others_from, others_to);
     }
     fit.leave_one_out_m.push_back(miss);
     fit.rms_without_m.push_back(rms);
@@ -149,29 +146,42 @@ Pose horn(const Points& from, const Points& to, const std::vector<double>& weigh
   return pose;
 }
 
+double rms_of(const Pose& pose, const Points& from, const Points& to) {
+  double sum = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) sum += (pose * from[i] - to[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(from.size()));
+}
+
+std::vector<LandmarkPair> snap_landmarks(const PolygonModel& model, const std::vector<LandmarkPair>& pairs,
+                                         double tolerance_m) {
+  check_finite(pairs);
+  std::vector<LandmarkPair> points = pairs;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    points[i].point_in_model = snapped(model, pairs, i, tolerance_m);
+    points[i].snap = false;
+  }
+  return points;
+}
+
 LandmarkFit fit_landmarks(const PolygonModel& model, const std::vector<LandmarkPair>& pairs,
                           const LandmarkOptions& options) {
   if (pairs.size() < 3)
     fail_input(
         "landmarks: expected at least 3 pairs (4 are better), found {}; add some, or register without any",
         pairs.size());
-  check_finite(pairs);
   Points from, to;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    from.push_back(pairs[i].point_in_scan);
-    to.push_back(snapped(model, pairs, i, options.snap_tolerance_m));
+  for (const LandmarkPair& pair : snap_landmarks(model, pairs, options.snap_tolerance_m)) {
+    from.push_back(pair.point_in_scan);
+    to.push_back(pair.point_in_model);
   }
   check_spread(pairs, from, "scan");
   check_spread(pairs, to, "model");
 
   LandmarkFit fit;
   fit.world_from_scan = horn(from, to, {}, options.free_scale);
-  double sum = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
+  for (std::size_t i = 0; i < from.size(); ++i)
     fit.residual_m.push_back((fit.world_from_scan * from[i] - to[i]).norm());
-    sum += fit.residual_m.back() * fit.residual_m.back();
-  }
-  fit.rms_m = std::sqrt(sum / static_cast<double>(from.size()));
+  fit.rms_m = rms_of(fit.world_from_scan, from, to);
   if (from.size() > 3) leave_one_out(from, to, options.free_scale, fit);
   return fit;
 }
