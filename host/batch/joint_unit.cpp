@@ -126,6 +126,7 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
     one.warnings.push_back(fmt::format("{}; it is aligned to scan {} instead", one.refusal, one.carried_by));
     log::warning("scan {}: {}", products_[scan].id, one.warnings.back());
     one.refusal.clear();
+    one.planar_area.reset();
   }
   registrations[scan] = std::move(one);
   abstentions[scan].reset();

@@ -11,7 +11,9 @@
 #include "core/parallel_blocks.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
+#include "stages/automatic_checks.hpp"
 #include "stages/landmark_check.hpp"
+#include "stages/pose_evidence.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -153,6 +155,11 @@ Json abstained_json(const ScanRegistration& registration) {
   if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.automatic) json.update(automatic_json(*registration.automatic));
   json["reason"] = reason_of(registration);
+  if (registration.planar_area)
+    json["refused"] = {{"world_from_scan", row_major(registration.world_from_scan())},
+                       {"rms_m", registration.icp.rms_m},
+                       {"overlap", registration.icp.overlap},
+                       {"planar_area", planar_area_json(*registration.planar_area)}};
   return json;
 }
 
@@ -228,6 +235,35 @@ void check_overlap(const PolygonModel& model, const ScanRegistration& result) {
       box.diagonal().norm(), result.evidence.reach_m);
 }
 
+std::string refused_in_words(const ScanRegistration& result, const std::string& contradiction,
+                             const std::string& diagnosis) {
+  const stages::SightShares& area = *result.planar_area;
+  return fmt::format(
+      "the scan's planes contradict the pose that ICP found from {}: {}; its rms is {:.4g} m, and of the "
+      "planar area {:.0f} % lie on faces, {:.0f} % in front of them, {:.0f} % are seen through them, {:.0f} "
+      "% "
+      "behind them, {:.0f} % without a face; {}. {}; fixed = true keeps a given pose as it is",
+      result.landmarks ? "the landmarks" : "the given pose", contradiction, result.icp.rms_m,
+      100 * area.supported, 100 * area.in_front, 100 * area.through, 100 * area.behind, 100 * area.nothing,
+      diagnosis.empty() ? "it may be the model of another place" : diagnosis,
+      result.landmarks ? "Check which corners were picked, or give a pose"
+                       : "Check the pose (world_from_scan, row by row, metres), or give 3 or more landmarks");
+}
+
+// Takes a pose back that was not found by the planes' evidence and that this contradicts.
+void judge(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
+           ScanRegistration& result) {
+  if (result.how == "automatic") return;
+  const auto evidence =
+      stages::judge_pose(queue, result.evidence, model, result.icp, options.icp, options.alignment);
+  result.planar_area = evidence.shares;
+  if (evidence.contradiction.empty()) return;
+  const auto diagnosis = stages::diagnose_pose(queue, result.evidence, model, result.world_from_scan().scale,
+                                               evidence.shares.supported, options.alignment);
+  result.refusal = refused_in_words(result, evidence.contradiction, diagnosis);
+  result.abstained = true;
+}
+
 stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOptions& options,
                                 const ScanProduct& product, const ScanRegistration& registration) {
   auto faces = stages::measure_face_offsets(product.segmentation, registration.evidence, model,
@@ -280,6 +316,8 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
   }
   refine_to_model(queue, model, options, product, result);
   check_overlap(model.polygons(), result);
+  judge(queue, model, options, result);
+  if (result.abstained) return result;
   if (!result.icp.converged)
     log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
   return result;
@@ -349,6 +387,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
     json["covariance"] = icp.covariance;
     json["degenerate"] = icp.degenerate;
   }
+  if (registration.planar_area) json["planar_area"] = planar_area_json(*registration.planar_area);
   if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);

@@ -15,11 +15,6 @@ namespace {
 
 constexpr std::size_t kNamedRivals = 8;
 
-MarginRule rule_of(const AutomaticOptions& options) {
-  return {options.least_gap, options.least_consistency, options.least_without_largest, options.least_firm,
-          options.least_single};
-}
-
 // Poses this near are one hypothesis, of which the best is looked at: ICP decides between them.
 constexpr double kNear_m = 0.3;
 
@@ -37,7 +32,7 @@ std::vector<RivalPose> rivals_of(const ScanEvidence& scan, const Search& search,
     rival.world_from_scan = search.finalists[k].fit.world_from_scan;
     rival.words = motion_in_words(best.fit.world_from_scan, rival.world_from_scan);
     rival.comparison = compare(scan.rays, best.lines, search.finalists[k].lines);
-    rival.strength = strength(rival.comparison, rule_of(options));
+    rival.strength = strength(rival.comparison, margin_rule(options));
     rivals.push_back(std::move(rival));
   }
   std::stable_sort(rivals.begin(), rivals.end(),
@@ -150,6 +145,11 @@ const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
       {"automatic_hold", "", &O::least_hold, 0, 1, "least resistance along any direction, share", {}},
   };
   return table;
+}
+
+MarginRule margin_rule(const AutomaticOptions& options) {
+  return {options.least_gap, options.least_consistency, options.least_without_largest, options.least_firm,
+          options.least_single};
 }
 
 AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence& scan,

@@ -11,7 +11,6 @@ namespace {
 // Sine of the angle that normals must at least span in every direction.
 constexpr double kSpan = 0.1;
 constexpr double kNothing = 10;  // so many times as much off the faces as on them: nothing to speak of is on
-constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
 // Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances and kMostTurned_rad:
 // corners off by a centimetre turn a wall of some metres by less, another room's oblique walls are seldom as
@@ -70,14 +69,18 @@ std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const
   if (options.free_scale)
     return "automatic alignment with a free scale is not offered: three planes fix a rigid pose only; give "
            "the model's unit and scale = \"fixed\", or 3 or more landmarks";
-  const double model_m = model.box.diagonal().norm(), scan_m = 2 * scan.reach_m;
-  if (model_m > kSizeRatio * scan_m)
+  return odd_size(scan, model, 1, kSizeRatio);
+}
+
+std::string odd_size(const ScanEvidence& scan, const ModelShapes& model, double scale, double ratio) {
+  const double model_m = model.box.diagonal().norm(), scan_m = 2 * scale * scan.reach_m;
+  if (model_m > ratio * scan_m)
     return fmt::format(
         "the model is {:.0f} m across, the scan's planes {:.1f} m: is the model in millimetres? Then say "
         "unit "
         "= \"mm\" in [model]",
         model_m, scan_m);
-  if (scan_m > kSizeRatio * model_m)
+  if (scan_m > ratio * model_m)
     return fmt::format(
         "the model is {:.3f} m across, the scan's planes {:.1f} m: is the scan in millimetres, or [model] "
         "unit wrong?",

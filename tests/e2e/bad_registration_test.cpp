@@ -32,7 +32,6 @@ class BadRegistration : public ::testing::Test {
     return nlohmann::json::parse(io::read_text(scratch_ / "out/scans/s/pose.json"));
   }
   fs::path sheet() const { return scratch_ / "out/scans/s/sheet"; }
-  fs::path scene() const { return scratch_ / "scene"; }
 
  private:
   Scratch scratch_;
@@ -76,6 +75,15 @@ TEST_F(BadRegistration, a_bad_landmark_is_named_and_left_out) {
   EXPECT_EQ(pose()["landmarks"]["left_out"], 3);
   EXPECT_EQ(pose()["warnings"].size(), 1u);
   EXPECT_NEAR(pose()["world_from_scan"][3], kScanner_m.x(), 1e-3);
+}
+
+TEST_F(BadRegistration, a_given_pose_that_is_a_quarter_off_is_contradicted) {
+  expect_failure(register_from("pose = [0, -1, 0, 1.6, 1, 0, 0, 1.3, 0, 0, 1, 1.2, 0, 0, 0, 1]"), 3,
+                 {"scan s: the scan's planes contradict the pose that ICP found from the given pose",
+                  "in front of them", "another pose", "Check the pose", "fixed = true"});
+  EXPECT_EQ(pose()["status"], "abstained");
+  EXPECT_TRUE(pose()["refused"]["rms_m"].is_number());
+  EXPECT_TRUE(fs::exists(sheet() / "landmarks.toml"));
 }
 
 }  // namespace hybrid::e2e
