@@ -145,6 +145,33 @@ void describe(IcpPairs& pairs, const PlanarSamples& samples, const IcpOptions& o
                                       options.free_scale);
 }
 
+Registration iterate(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
+                     const Pose& start, const IcpOptions& options) {
+  IcpPairs pairs(queue, samples, model, start, options);
+  const bool plane = options.step == "plane";
+  Cutoff cutoff(options);
+  Registration result;
+  result.world_from_scan = start;
+  bool returned = false;
+  while (!result.converged && result.iterations < options.max_iterations) {
+    pairs.find(result.world_from_scan);
+    if (!cutoff.update(plane ? pairs.heights() : pairs.distances(), pairs.areas())) {
+      if (result.iterations == 0) fail_without_pairs(options);
+      break;
+    }
+    const bool still = plane ? plane_step(pairs, cutoff, options.free_scale, result)
+                             : point_step(pairs, cutoff, options, result);
+    result.converged = still && cutoff.settled();
+    if (result.converged && plane && !returned) {
+      result.converged = kept_start(pairs, cutoff, start, result);
+      returned = true;
+    }
+    ++result.iterations;
+  }
+  describe(pairs, samples, options, cutoff, result);
+  return result;
+}
+
 }  // namespace
 
 const std::vector<OptionRow<IcpOptions>>& icp_option_table() {
@@ -168,28 +195,14 @@ const std::vector<OptionRow<IcpOptions>>& icp_option_table() {
 Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
                                const Pose& start, const IcpOptions& options) {
   check(samples, start, options);
-  IcpPairs pairs(queue, samples, model, start, options);
-  const bool plane = options.step == "plane";
-  Cutoff cutoff(options);
-  Registration result;
-  result.world_from_scan = start;
-  bool returned = false;
-  while (!result.converged && result.iterations < options.max_iterations) {
-    pairs.find(result.world_from_scan);
-    if (!cutoff.update(plane ? pairs.heights() : pairs.distances(), pairs.areas())) {
-      if (result.iterations == 0) fail_without_pairs(options);
-      break;
-    }
-    const bool still = plane ? plane_step(pairs, cutoff, options.free_scale, result)
-                             : point_step(pairs, cutoff, options, result);
-    result.converged = still && cutoff.settled();
-    if (result.converged && plane && !returned) {
-      result.converged = kept_start(pairs, cutoff, start, result);
-      returned = true;
-    }
-    ++result.iterations;
-  }
-  describe(pairs, samples, options, cutoff, result);
+  Registration result = iterate(queue, samples, model, start, options);
+  const auto& open = result.degenerate;
+  if (std::find(open.begin(), open.end(), kFreeToScale) == open.end()) return result;
+  // What goes with the scale, a place, went astray with it: once more with the start's.
+  IcpOptions rigid = options;
+  rigid.free_scale = false;
+  result = iterate(queue, samples, model, start, rigid);
+  result.degenerate.emplace_back(kFreeToScale);
   return result;
 }
 
