@@ -1,5 +1,7 @@
 #include "batch/registration_unit.hpp"
 
+#include <fmt/ranges.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -163,6 +165,11 @@ Json abstained_json(const ScanRegistration& registration) {
   return json;
 }
 
+void warn(const ScanProduct& product, const std::string& warning, ScanRegistration& registration) {
+  log::warning("scan {}: {}", product.id, warning);
+  registration.warnings.push_back(warning);
+}
+
 // From the planes alone; whether that is accepted.
 bool found_automatically(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                          ScanRegistration& result) {
@@ -181,10 +188,10 @@ void start_from_landmarks(device::Queue& queue, const io::SceneScan& entry, cons
   auto checked = check_start(entry, model.polygons(), product, options);
   result.landmarks = std::move(checked.fit);
   result.start = result.landmarks->world_from_scan;
-  if (!checked.warning.empty()) result.warnings.push_back(checked.warning);
+  if (!checked.warning.empty()) warn(product, checked.warning, result);
   if (checked.refusal.empty()) return;
   if (options.automatic == "missing" && found_automatically(queue, model, options, result)) {
-    result.warnings.push_back(checked.refusal + "; the scan is placed by its planes alone");
+    warn(product, checked.refusal + "; the scan is placed by its planes alone", result);
     return;
   }
   result.refusal = std::move(checked.refusal);
@@ -264,6 +271,17 @@ void judge(device::Queue& queue, const stages::ProxyModel& model, const StageOpt
   result.abstained = true;
 }
 
+// Of a pose that ICP did not end at: what is said of it, but for ICP's own course.
+void describe_pose(device::Queue& queue, const stages::PlanarSamples& samples,
+                   const stages::ProxyModel& model, const StageOptions& options, const Pose& pose,
+                   stages::Registration& icp) {
+  const bool converged = icp.converged;
+  const int iterations = icp.iterations;
+  icp = stages::assess_pose(queue, samples, model, pose, options.icp);
+  icp.converged = converged;
+  icp.iterations = iterations;
+}
+
 stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOptions& options,
                                 const ScanProduct& product, const ScanRegistration& registration) {
   auto faces = stages::measure_face_offsets(product.segmentation, registration.evidence, model,
@@ -292,9 +310,7 @@ void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, cons
   result.faces = faces_under(model, options, product, result);
   if (!may_solve_faces(options) || result.faces->agree || result.faces->faces.empty()) return;
   result.solved_with_faces = true;
-  const int iterations = result.icp.iterations;
-  result.icp = stages::assess_pose(queue, samples, model, start, options.icp);
-  result.icp.iterations = iterations;
+  describe_pose(queue, samples, model, options, start, result.icp);
   result.faces = faces_under(model, options, product, result);
 }
 
@@ -306,7 +322,6 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
   result.evidence = stages::gather_evidence(product.image, product.segmentation, options.alignment.rays,
                                             options.alignment.seed);
   find_start(queue, entry, model, options, product, result);
-  for (const auto& warning : result.warnings) log::warning("{}: {}", unit, warning);
   if (result.abstained) return result;
   progress.step("ICP", unit);
   result.icp.world_from_scan = result.start;
@@ -319,7 +334,11 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
   judge(queue, model, options, result);
   if (result.abstained) return result;
   if (!result.icp.converged)
-    log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
+    warn(product,
+         fmt::format(
+             "ICP did not converge in {} iterations: raise max_iterations in [register], or start nearer",
+             result.icp.iterations),
+         result);
   return result;
 }
 
@@ -327,9 +346,7 @@ void assess(device::Queue& queue, const stages::ProxyModel& model, const StageOp
             const ScanProduct& product, const Pose& pose, ScanRegistration& registration) {
   const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
                                                      options.icp.max_samples, options.icp.seed);
-  const int iterations = registration.icp.iterations;
-  registration.icp = stages::assess_pose(queue, samples, model, pose, options.icp);
-  registration.icp.iterations = iterations;
+  describe_pose(queue, samples, model, options, pose, registration.icp);
   registration.faces = faces_under(model, options, product, registration);
 }
 
@@ -346,6 +363,14 @@ void finish_registration(device::Queue& queue, const stages::ProxyModel& model, 
   });
   result.residuals = residual_histogram(product, result.signed_distance_m);
   give_back_unexplained(result, options, product);
+  if (!result.fixed && !result.icp.degenerate.empty())
+    warn(product,
+         fmt::format(
+             "the model leaves the pose undetermined: it is {}; there it is as its start has it, or as "
+             "other scans hold it: give landmarks or a pose that is exact there, or add faces to the "
+             "model",
+             fmt::join(result.icp.degenerate, ", ")),
+         result);
 }
 
 void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& product,

@@ -25,6 +25,7 @@ class BadRegistration : public ::testing::Test {
     std::string text = mini_scene_text();
     text.replace(text.find(kPose), kPose.size(), start);
     io::write_text(scratch_ / "scene/scene.toml", text);
+    if (!proxy_.empty()) io::write_text(scratch_ / "scene/proxy.obj", proxy_);
     return run(fmt::format("hybrid register {} --quiet --out {} {}", (scratch_ / "scene/scene.toml").string(),
                            (scratch_ / "out").string(), options));
   }
@@ -32,6 +33,8 @@ class BadRegistration : public ::testing::Test {
     return nlohmann::json::parse(io::read_text(scratch_ / "out/scans/s/pose.json"));
   }
   fs::path sheet() const { return scratch_ / "out/scans/s/sheet"; }
+
+  std::string proxy_{};  // instead of the mini scene's
 
  private:
   Scratch scratch_;
@@ -84,6 +87,26 @@ TEST_F(BadRegistration, a_given_pose_that_is_a_quarter_off_is_contradicted) {
   EXPECT_EQ(pose()["status"], "abstained");
   EXPECT_TRUE(pose()["refused"]["rms_m"].is_number());
   EXPECT_TRUE(fs::exists(sheet() / "landmarks.toml"));
+}
+
+TEST_F(BadRegistration, what_the_model_leaves_open_is_said) {
+  // The floor alone, and a start that is off.
+  proxy_ = "v 0 0 0.012\nv 4 0 0\nv 4 3 0\nv 0 3 0.012\nf 1 2 3 4\n";
+  const auto outcome = register_from(kPose);
+  expect_failure(outcome, 0, {"scan s: the model leaves the pose undetermined: it is free to slide along"});
+  EXPECT_NE(outcome.out.find("warning: the model leaves the pose undetermined"), std::string::npos);
+  EXPECT_EQ(pose()["warnings"].size(), 1u);
+}
+
+TEST_F(BadRegistration, icp_did_not_converge_though_faces_are_solved_with_the_pose) {
+  // Walls off by 12 mm outwards.
+  for (int corner = 0; corner < 8; ++corner)
+    proxy_ += fmt::format("v {} {} {}\n", corner & 1 ? 4.012 : -0.012, corner & 2 ? 3.012 : -0.02,
+                          corner & 4 ? 2.53 : 0);
+  proxy_ += "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
+  expect_failure(register_from(kPose, "--set register.max_iterations=1"), 0, {"ICP did not converge in 1"});
+  EXPECT_EQ(pose()["faces"]["solved_with_the_pose"], true);
+  EXPECT_EQ(pose()["converged"], false);
 }
 
 }  // namespace hybrid::e2e
