@@ -12,6 +12,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kFewestSamples = 10;  // some tens suffice, a few hold no pose
 constexpr double kOverlapM = 0.05;
 constexpr double kSettledAngleRad = 1e-6, kSettledDistanceM = 5e-6;
 
@@ -21,6 +22,11 @@ void check(const PlanarSamples& samples, const Pose& start, const IcpOptions& op
         "registration: the scan has no planar samples; it needs superclusters (lower min_squares or check "
         "the "
         "units of the scan)");
+  if (options.max_samples > 0 && samples.points.size() < kFewestSamples)
+    fail_input(
+        "registration: expected at least {} planar samples to hold a pose, found {} of max_samples = {} in "
+        "[register]; raise it (0 = all)",
+        kFewestSamples, samples.points.size(), options.max_samples);
   if (!start.translation.allFinite() || !start.rotation.coeffs().allFinite() || !std::isfinite(start.scale) ||
       start.scale <= 0)
     fail_input("registration: the start pose is not finite or its scale not positive");

@@ -18,7 +18,12 @@ std::string name_of(const std::vector<LandmarkPair>& pairs, std::size_t i) {
   return pairs[i].name.empty() ? fmt::format("landmark {}", i + 1) : pairs[i].name;
 }
 
+// No coordinate system on Earth goes farther, in millimetres either.
+constexpr double kFarthest_m = 1e12;
+
 std::string text(const Vec3& p) {
+  if (!(p.cwiseAbs().maxCoeff() <= kFarthest_m))
+    return fmt::format("({:g}, {:g}, {:g})", p.x(), p.y(), p.z());
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z());
 }
 
@@ -28,6 +33,11 @@ void check_finite(const std::vector<LandmarkPair>& pairs) {
       fail_input(
           "{}: expected finite coordinates, found scan {} and model {}; a pixel without a return has none",
           name_of(pairs, i), text(pairs[i].point_in_scan), text(pairs[i].point_in_model));
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (std::max(pairs[i].point_in_scan.cwiseAbs().maxCoeff(),
+                 pairs[i].point_in_model.cwiseAbs().maxCoeff()) > kFarthest_m)
+      fail_input("{}: expected coordinates of at most {:g} m, found scan {} and model {}; correct them",
+                 name_of(pairs, i), kFarthest_m, text(pairs[i].point_in_scan), text(pairs[i].point_in_model));
 }
 
 Vec3 snapped(const PolygonModel& model, const std::vector<LandmarkPair>& pairs, std::size_t i,
