@@ -73,6 +73,13 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
     one.icp.world_from_scan = one.start;
     one.icp.converged = true;
     one.abstained = i > 0 && !given;
+    if (!entries[i].landmarks.empty()) {
+      one.warnings.push_back(fmt::format(
+          "its {} landmarks (line {} on) place nothing: they are corners of a model, and the scene has no "
+          "[model]; name one, or give a pose",
+          entries[i].landmarks.size(), entries[i].landmarks[0].line));
+      log::warning("scan {}: {}", products_[i].id, one.warnings.back());
+    }
     if (one.abstained) one.automatic = stages::AutomaticAlignment{};
     auto& list = one.abstained ? abstentions : registrations;
     list[i] = std::move(one);

@@ -17,7 +17,8 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
       scan["decimation"]["measured"].get<std::int64_t>(), scan["superclusters"].get<std::int64_t>(),
       100 * scan["decimation"]["discarded_share"].get<double>());
   if (scan.contains("registration") && scan["registration"]["status"] == "abstained")
-    text += "  no pose: see sheet/ in the scan's folder\n";
+    text += scan["registration"]["how"] == "neighbour" ? "  no pose: no other scan places it\n"
+                                                       : "  no pose: see sheet/ in the scan's folder\n";
   else if (scan.contains("registration")) {
     const auto& pose = scan["registration"];
     if (pose.contains("icp_rms_m"))

@@ -165,7 +165,7 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.guesses = search.guesses;
   if (search.finalists.empty()) {
     result.reason = diagnose_model(queue, scan, model.polygons(), 0, options);
-    if (result.reason.empty()) result.reason = nothing_fits();
+    if (result.reason.empty()) result.reason = nothing_fits(options);
     return result;
   }
   const Pose first = search.finalists[0].fit.world_from_scan;

@@ -19,7 +19,7 @@ std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const
 // remedy; "" where they differ less than `ratio` times.
 std::string odd_size(const ScanEvidence& scan, const ModelShapes& model, double scale, double ratio);
 
-std::string nothing_fits();
+std::string nothing_fits(const AutomaticOptions& options);
 
 // What is wrong with the model as a whole when the best pose has only `supported` of the planar area on
 // faces:

@@ -24,6 +24,7 @@ class BadRegistration : public ::testing::Test {
     fs::copy(mini_scene(), scratch_ / "scene", fs::copy_options::recursive);
     std::string text = mini_scene_text();
     text.replace(text.find(kPose), kPose.size(), start);
+    if (!model_) text = text.substr(0, text.find("[model]"));
     io::write_text(scratch_ / "scene/scene.toml", text);
     if (!proxy_.empty()) io::write_text(scratch_ / "scene/proxy.obj", proxy_);
     return run(fmt::format("hybrid register {} --quiet --out {} {}", (scratch_ / "scene/scene.toml").string(),
@@ -35,6 +36,7 @@ class BadRegistration : public ::testing::Test {
   fs::path sheet() const { return scratch_ / "out/scans/s/sheet"; }
 
   std::string proxy_{};  // instead of the mini scene's
+  bool model_ = true;    // and photographs and views
 
  private:
   Scratch scratch_;
@@ -107,6 +109,22 @@ TEST_F(BadRegistration, icp_did_not_converge_though_faces_are_solved_with_the_po
   expect_failure(register_from(kPose, "--set register.max_iterations=1"), 0, {"ICP did not converge in 1"});
   EXPECT_EQ(pose()["faces"]["solved_with_the_pose"], true);
   EXPECT_EQ(pose()["converged"], false);
+}
+
+TEST_F(BadRegistration, landmarks_without_a_model_place_nothing_and_say_so) {
+  model_ = false;
+  const auto outcome =
+      register_from(landmarks({0, 7, 1}, {0, 7, 1}) + "\n[[scan]]\nid = \"t\"\nfile = \"s.ply\"");
+  expect_failure(outcome, 3,
+                 {"scan s: its 3 landmarks (line 10 on) place nothing", "the scene has no [model]",
+                  "scan t: no pose: against scan s"});
+  EXPECT_EQ(outcome.err.find("landmark sheet"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.out.find("sheet/"), std::string::npos) << outcome.out;
+}
+
+TEST_F(BadRegistration, a_few_samples_are_no_fault_of_the_model) {
+  expect_failure(register_from(kPose, "--set register.max_samples=1"), 3,
+                 {"scan s: registration: expected at least 10 planar samples", "max_samples", "0 = all"});
 }
 
 }  // namespace hybrid::e2e
