@@ -4,6 +4,14 @@ namespace hybrid::batch {
 
 using Json = nlohmann::ordered_json;
 
+Json planar_area_json(const stages::SightShares& shares) {
+  return {{"on_faces", shares.supported},
+          {"in_front_of_faces", shares.in_front},
+          {"seen_through_faces", shares.through},
+          {"behind_faces", shares.behind},
+          {"without_face", shares.nothing}};
+}
+
 Json automatic_json(const stages::AutomaticAlignment& alignment) {
   Json json;
   json["accepted"] = alignment.accepted;
@@ -11,11 +19,7 @@ Json automatic_json(const stages::AutomaticAlignment& alignment) {
   if (!alignment.has_pose) return json;
   if (!alignment.accepted) json["best_world_from_scan"] = row_major(alignment.world_from_scan);
   json["margin"] = alignment.margin;
-  json["planar_area"] = {{"on_faces", alignment.shares.supported},
-                         {"in_front_of_faces", alignment.shares.in_front},
-                         {"seen_through_faces", alignment.shares.through},
-                         {"behind_faces", alignment.shares.behind},
-                         {"without_face", alignment.shares.nothing}};
+  json["planar_area"] = planar_area_json(alignment.shares);
   json["doubt"] = alignment.doubt;
   json["planes"] = alignment.planes;
   json["farthest_plane_m"] = alignment.farthest_m;

@@ -73,6 +73,13 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
     one.icp.world_from_scan = one.start;
     one.icp.converged = true;
     one.abstained = i > 0 && !given;
+    if (!entries[i].landmarks.empty()) {
+      one.warnings.push_back(fmt::format(
+          "its {} landmarks (line {} on) place nothing: they are corners of a model, and the scene has no "
+          "[model]; name one, or give a pose",
+          entries[i].landmarks.size(), entries[i].landmarks[0].line));
+      log::warning("scan {}: {}", products_[i].id, one.warnings.back());
+    }
     if (one.abstained) one.automatic = stages::AutomaticAlignment{};
     auto& list = one.abstained ? abstentions : registrations;
     list[i] = std::move(one);
@@ -122,12 +129,19 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
       assess(queue_, *model_, options_, products_[scan], one.start, one);
   }
   log::info("scan {}: aligned to scan {}", products_[scan].id, one.carried_by);
+  if (!one.refusal.empty()) {
+    one.warnings.push_back(fmt::format("{}; it is aligned to scan {} instead", one.refusal, one.carried_by));
+    log::warning("scan {}: {}", products_[scan].id, one.warnings.back());
+    one.refusal.clear();
+    one.planar_area.reset();
+  }
   registrations[scan] = std::move(one);
   abstentions[scan].reset();
   return true;
 }
 
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
+  if (model_ != nullptr && options_.automatic == "never") return;  // a pose by planes alone is not wanted
   // One that was carried may carry others.
   for (bool again = true; again;) {
     again = false;

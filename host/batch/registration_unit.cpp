@@ -1,5 +1,7 @@
 #include "batch/registration_unit.hpp"
 
+#include <fmt/ranges.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +13,9 @@
 #include "core/parallel_blocks.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
+#include "stages/automatic_checks.hpp"
+#include "stages/landmark_check.hpp"
+#include "stages/pose_evidence.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -32,6 +37,12 @@ Vec3 picked_point(const io::SceneLandmark& landmark, const RangeImage& image) {
   return image.point(i);
 }
 
+std::string place_of(const io::SceneLandmark& landmark) {
+  if (landmark.pixel) return fmt::format("pixel [{}, {}]", (*landmark.pixel)[0], (*landmark.pixel)[1]);
+  const Vec3& p = *landmark.scan;
+  return fmt::format("scan [{:.3f}, {:.3f}, {:.3f}]", p.x(), p.y(), p.z());
+}
+
 Vec3 model_point(const io::SceneLandmark& landmark, const PolygonModel& model) {
   if (landmark.model) return *landmark.model;
   const int vertex = *landmark.vertex;
@@ -41,18 +52,18 @@ Vec3 model_point(const io::SceneLandmark& landmark, const PolygonModel& model) {
   return model.vertices[static_cast<std::size_t>(vertex)];
 }
 
-stages::LandmarkFit fit_start(const io::SceneScan& entry, const PolygonModel& model,
-                              const ScanProduct& product, const StageOptions& options) {
+stages::CheckedLandmarks check_start(const io::SceneScan& entry, const PolygonModel& model,
+                                     const ScanProduct& product, const StageOptions& options) {
   std::vector<stages::LandmarkPair> pairs;
   for (std::size_t i = 0; i < entry.landmarks.size(); ++i) {
     const auto& landmark = entry.landmarks[i];
     const std::string name = fmt::format("landmark {} (line {})", i + 1, landmark.line);
     pairs.push_back(with_context(name, [&] {
       return stages::LandmarkPair{name, picked_point(landmark, product.image), model_point(landmark, model),
-                                  landmark.snap};
+                                  landmark.snap, place_of(landmark)};
     }));
   }
-  return stages::fit_landmarks(model, pairs, options.landmarks);
+  return stages::check_landmarks(model, pairs, options.landmarks);
 }
 
 // A supercluster within 30 degrees of vertical is a wall from this area on; below it stands furniture.
@@ -133,6 +144,60 @@ Json share_json(const WallShare& share) {
   return {{"samples", share.samples}, {"within_5cm", share.within_5cm}, {"within_10cm", share.within_10cm}};
 }
 
+Json landmark_json(const stages::LandmarkFit& fit) {
+  Json json = {
+      {"rms_m", fit.rms_m}, {"residual_m", fit.residual_m}, {"leave_one_out_m", fit.leave_one_out_m}};
+  if (fit.left_out) json["left_out"] = *fit.left_out + 1;  // as messages count them
+  return json;
+}
+
+// What pose.json and summary.json say alike of a scan without a pose.
+Json abstained_json(const ScanRegistration& registration) {
+  Json json = {{"how", registration.how}, {"status", "abstained"}};
+  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
+  if (registration.automatic) json.update(automatic_json(*registration.automatic));
+  json["reason"] = reason_of(registration);
+  if (registration.planar_area)
+    json["refused"] = {{"world_from_scan", row_major(registration.world_from_scan())},
+                       {"rms_m", registration.icp.rms_m},
+                       {"overlap", registration.icp.overlap},
+                       {"planar_area", planar_area_json(*registration.planar_area)}};
+  return json;
+}
+
+void warn(const ScanProduct& product, const std::string& warning, ScanRegistration& registration) {
+  log::warning("scan {}: {}", product.id, warning);
+  registration.warnings.push_back(warning);
+}
+
+// From the planes alone; whether that is accepted.
+bool found_automatically(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
+                         ScanRegistration& result) {
+  result.automatic = stages::align_automatically(queue, result.evidence, model, options.alignment);
+  if (!result.automatic->accepted) return false;
+  result.how = "automatic";
+  result.start = result.automatic->world_from_scan;
+  return true;
+}
+
+// Landmarks that do not belong together leave the start to the planes alone, where these may try.
+void start_from_landmarks(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
+                          const StageOptions& options, const ScanProduct& product, ScanRegistration& result) {
+  if (result.automatic) log::info("scan {}: landmarks decide: {}", product.id, result.automatic->reason);
+  result.how = "landmarks";
+  auto checked = check_start(entry, model.polygons(), product, options);
+  result.landmarks = std::move(checked.fit);
+  result.start = result.landmarks->world_from_scan;
+  if (!checked.warning.empty()) warn(product, checked.warning, result);
+  if (checked.refusal.empty()) return;
+  if (options.automatic == "missing" && found_automatically(queue, model, options, result)) {
+    warn(product, checked.refusal + "; the scan is placed by its planes alone", result);
+    return;
+  }
+  result.refusal = std::move(checked.refusal);
+  result.abstained = true;
+}
+
 // From the scene's pose, landmarks or the planes alone, in METHOD's order of trust.
 void find_start(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                 const StageOptions& options, const ScanProduct& product, ScanRegistration& result) {
@@ -144,20 +209,16 @@ void find_start(device::Queue& queue, const io::SceneScan& entry, const stages::
     return;
   }
   if (options.automatic == "first" || (options.automatic == "missing" && !has_landmarks)) {
+    if (found_automatically(queue, model, options, result)) return;
     result.how = "automatic";
-    result.automatic = stages::align_automatically(queue, result.evidence, model, options.alignment);
     result.start = result.automatic->world_from_scan;
-    if (result.automatic->accepted) return;
     result.abstained = !has_landmarks;
     if (result.abstained) return;
-    log::info("scan {}: landmarks decide: {}", product.id, result.automatic->reason);
   }
   if (!has_landmarks)
     fail_input(
         "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
-  result.how = "landmarks";
-  result.landmarks = fit_start(entry, model.polygons(), product, options);
-  result.start = result.landmarks->world_from_scan;
+  start_from_landmarks(queue, entry, model, options, product, result);
 }
 
 // Offsets go with the plane step and its robust weights: the paper's ICP, asked for, stays the paper's.
@@ -181,6 +242,46 @@ void check_overlap(const PolygonModel& model, const ScanRegistration& result) {
       box.diagonal().norm(), result.evidence.reach_m);
 }
 
+std::string refused_in_words(const ScanRegistration& result, const std::string& contradiction,
+                             const std::string& diagnosis) {
+  const stages::SightShares& area = *result.planar_area;
+  return fmt::format(
+      "the scan's planes contradict the pose that ICP found from {}: {}; its rms is {:.4g} m, and of the "
+      "planar area {:.0f} % lie on faces, {:.0f} % in front of them, {:.0f} % are seen through them, {:.0f} "
+      "% "
+      "behind them, {:.0f} % without a face; {}. {}; fixed = true keeps a given pose as it is",
+      result.landmarks ? "the landmarks" : "the given pose", contradiction, result.icp.rms_m,
+      100 * area.supported, 100 * area.in_front, 100 * area.through, 100 * area.behind, 100 * area.nothing,
+      diagnosis.empty() ? "it may be the model of another place" : diagnosis,
+      result.landmarks ? "Check which corners were picked, or give a pose"
+                       : "Check the pose (world_from_scan, row by row, metres), or give 3 or more landmarks");
+}
+
+// Takes a pose back that was not found by the planes' evidence and that this contradicts.
+void judge(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
+           ScanRegistration& result) {
+  if (result.how == "automatic") return;
+  const auto evidence =
+      stages::judge_pose(queue, result.evidence, model, result.icp, options.icp, options.alignment);
+  result.planar_area = evidence.shares;
+  if (evidence.contradiction.empty()) return;
+  const auto diagnosis = stages::diagnose_pose(queue, result.evidence, model, result.world_from_scan().scale,
+                                               evidence.shares.supported, options.alignment);
+  result.refusal = refused_in_words(result, evidence.contradiction, diagnosis);
+  result.abstained = true;
+}
+
+// Of a pose that ICP did not end at: what is said of it, but for ICP's own course.
+void describe_pose(device::Queue& queue, const stages::PlanarSamples& samples,
+                   const stages::ProxyModel& model, const StageOptions& options, const Pose& pose,
+                   stages::Registration& icp) {
+  const bool converged = icp.converged;
+  const int iterations = icp.iterations;
+  icp = stages::assess_pose(queue, samples, model, pose, options.icp);
+  icp.converged = converged;
+  icp.iterations = iterations;
+}
+
 stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOptions& options,
                                 const ScanProduct& product, const ScanRegistration& registration) {
   auto faces = stages::measure_face_offsets(product.segmentation, registration.evidence, model,
@@ -190,6 +291,12 @@ stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOpti
 }
 
 }  // namespace
+
+std::string reason_of(const ScanRegistration& abstained) {
+  const std::string own = abstained.automatic ? abstained.automatic->reason : "";
+  if (abstained.refusal.empty()) return own;
+  return abstained.refusal + (own.empty() ? "" : "; the automatic alignment abstains, too: " + own);
+}
 
 void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                      const ScanProduct& product, ScanRegistration& result) {
@@ -203,9 +310,7 @@ void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, cons
   result.faces = faces_under(model, options, product, result);
   if (!may_solve_faces(options) || result.faces->agree || result.faces->faces.empty()) return;
   result.solved_with_faces = true;
-  const int iterations = result.icp.iterations;
-  result.icp = stages::assess_pose(queue, samples, model, start, options.icp);
-  result.icp.iterations = iterations;
+  describe_pose(queue, samples, model, options, start, result.icp);
   result.faces = faces_under(model, options, product, result);
 }
 
@@ -226,8 +331,14 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
   }
   refine_to_model(queue, model, options, product, result);
   check_overlap(model.polygons(), result);
+  judge(queue, model, options, result);
+  if (result.abstained) return result;
   if (!result.icp.converged)
-    log::warning("{}: ICP did not converge in {} iterations; see pose.json", unit, result.icp.iterations);
+    warn(product,
+         fmt::format(
+             "ICP did not converge in {} iterations: raise max_iterations in [register], or start nearer",
+             result.icp.iterations),
+         result);
   return result;
 }
 
@@ -235,9 +346,7 @@ void assess(device::Queue& queue, const stages::ProxyModel& model, const StageOp
             const ScanProduct& product, const Pose& pose, ScanRegistration& registration) {
   const auto samples = stages::choose_planar_samples(product.image, product.segmentation,
                                                      options.icp.max_samples, options.icp.seed);
-  const int iterations = registration.icp.iterations;
-  registration.icp = stages::assess_pose(queue, samples, model, pose, options.icp);
-  registration.icp.iterations = iterations;
+  describe_pose(queue, samples, model, options, pose, registration.icp);
   registration.faces = faces_under(model, options, product, registration);
 }
 
@@ -254,6 +363,14 @@ void finish_registration(device::Queue& queue, const stages::ProxyModel& model, 
   });
   result.residuals = residual_histogram(product, result.signed_distance_m);
   give_back_unexplained(result, options, product);
+  if (!result.fixed && !result.icp.degenerate.empty())
+    warn(product,
+         fmt::format(
+             "the model leaves the pose undetermined: it is {}; there it is as its start has it, or as "
+             "other scans hold it: give landmarks or a pose that is exact there, or add faces to the "
+             "model",
+             fmt::join(result.icp.degenerate, ", ")),
+         result);
 }
 
 void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& product,
@@ -268,11 +385,9 @@ void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& 
 
 Json pose_json(const ScanProduct& product, const ScanRegistration& registration) {
   if (registration.abstained) {
-    Json json = {{"scan", product.id},
-                 {"world_from_scan", nullptr},
-                 {"how", registration.how},
-                 {"status", "abstained"}};
-    json.update(automatic_json(*registration.automatic));
+    Json json = {{"scan", product.id}, {"world_from_scan", nullptr}};
+    json.update(abstained_json(registration));
+    if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
     if (registration.neighbour) json["neighbour"] = automatic_json(*registration.neighbour);
     return json;
   }
@@ -297,11 +412,9 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
     json["covariance"] = icp.covariance;
     json["degenerate"] = icp.degenerate;
   }
-  if (registration.landmarks) {
-    json["landmarks"] = {{"rms_m", registration.landmarks->rms_m},
-                         {"residual_m", registration.landmarks->residual_m},
-                         {"leave_one_out_m", registration.landmarks->leave_one_out_m}};
-  }
+  if (registration.planar_area) json["planar_area"] = planar_area_json(*registration.planar_area);
+  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
+  if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
   if (registration.faces)
     json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
@@ -311,8 +424,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
 
 Json registration_figures(const ScanRegistration& registration) {
   if (registration.abstained) {
-    Json json = {{"how", registration.how}, {"status", "abstained"}};
-    json.update(automatic_json(*registration.automatic));
+    Json json = abstained_json(registration);
     if (!registration.neighbour_reason.empty()) json["neighbours"] = registration.neighbour_reason;
     return json;
   }
@@ -326,6 +438,7 @@ Json registration_figures(const ScanRegistration& registration) {
     json["wall_after_icp"] = share_json(registration.wall_after);
   }
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
+  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.landmarks) json["landmark_rms_m"] = registration.landmarks->rms_m;
   if (!registration.fixed && registration.faces) {
     json["icp_rms_m"] = registration.icp.rms_m;

@@ -25,11 +25,15 @@ struct ScanRegistration {
   // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "frame" (the first, without a model)
   std::string how;
   bool fixed = false;
-  bool abstained = false;  // the automatic alignment did, and there are no landmarks: there is no pose
-  Pose start;              // from landmarks, the automatic alignment or the scene file
+  bool abstained = false;             // there is no pose: the automatic alignment abstained, or `refusal`
+  std::string refusal;                // why the landmarks, or the pose that ICP found, place nothing
+  std::vector<std::string> warnings;  // what a person should look at: pose.json, summary.json, report
+  Pose start;                         // from landmarks, the automatic alignment or the scene file
   std::optional<stages::LandmarkFit> landmarks;
   std::optional<stages::AutomaticAlignment> automatic;
   stages::Registration icp;  // world_from_scan: the result
+  // Of a pose that ICP found from the scene's pose or landmarks, and that was judged: under it.
+  std::optional<stages::SightShares> planar_area;
   // Planes and lines of sight, for what follows: face offsets, neighbours, joint refinement.
   stages::ScanEvidence evidence;
   std::optional<stages::FaceOffsets> faces;  // nothing without a model
@@ -50,11 +54,16 @@ struct ScanRegistration {
 
 // METHOD 5 to 7: landmarks, the scene's pose or the automatic alignment give the start; tile ICP, then ICP on
 // the planar samples the result, or, where the proxy's faces are off, pose and face offsets together; a pose
-// with fixed = true is final. A scan whose automatic alignment abstains and that has no landmarks is returned
-// as such. Throws ErrorKind::input when neither landmarks nor a pose are given and [register] automatic =
-// "never".
+// with fixed = true is final. Landmarks that do not belong together place nothing: then the planes alone do,
+// where [register] automatic lets them. A scan whose automatic alignment abstains and that has no landmarks,
+// or such ones, is returned without a pose, and so is one whose planes contradict what ICP found from
+// landmarks or the scene's pose (stages/pose_evidence.hpp). Throws ErrorKind::input when neither landmarks
+// nor a pose are given and [register] automatic = "never".
 ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                            const StageOptions& options, const ScanProduct& product, Progress& progress);
+
+// Of a scan that abstained: why it has no pose, as pose.json and summary.json say.
+std::string reason_of(const ScanRegistration& abstained);
 
 // From result.start, as find_pose does: icp, faces, solved_with_faces, held_by_model.
 void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,

@@ -281,16 +281,17 @@ class Run {
 
   // The scan takes no part in views; the sheet asks a person. The run's exit code tells.
   [[noreturn]] void abstain(std::size_t i) {
-    const auto& alignment = *run_.abstentions[i]->automatic;
-    const auto& neighbours = run_.abstentions[i]->neighbour_reason;
+    const ScanRegistration& scan = *run_.abstentions[i];
+    const auto& neighbours = scan.neighbour_reason;
     if (!run_.model)
       fail_input("no pose: {}; give a pose in the scene file, or a [model]",
                  neighbours.empty() ? "there is no other scan to align to" : neighbours);
     if (wants("register"))
       write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,
-                           alignment);
-    fail_input("no landmarks and no pose, and the automatic alignment abstains: {}{}", alignment.reason,
-               neighbours.empty() ? "" : "; " + neighbours);
+                           scan.automatic.value_or(stages::AutomaticAlignment{}));
+    fail_input("{}{}{}",
+               scan.refusal.empty() ? "no landmarks and no pose, and the automatic alignment abstains: " : "",
+               reason_of(scan), neighbours.empty() ? "" : "; " + neighbours);
   }
 
   void write_scans() {

@@ -153,8 +153,8 @@ std::string abstained_table(const Json& archive) {
       }
   }
   return table.empty() ? ""
-                       : "<h2 id=\"abstained\">Scans without a pose</h2>\n<p>The automatic alignment "
-                         "abstains; each scene's page shows the landmark sheet to fill in.</p>\n" +
+                       : "<h2 id=\"abstained\">Scans without a pose</h2>\n<p>Why stands "
+                         "beside each; its scene's page shows the landmark sheet to fill in.</p>\n" +
                              table.html();
 }
 

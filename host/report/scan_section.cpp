@@ -122,11 +122,11 @@ std::string face_table(const Json& scan) {
 }
 
 std::string notes_section(const Json& scan) {
-  if (!scan.contains("notes") || scan["notes"].empty()) return "";
-  std::string html = "<ul class=\"warn\">\n";
-  for (const auto& note : scan["notes"])
-    html += fmt::format("<li>{}</li>\n", escape(note.get<std::string>()));
-  return html + "</ul>\n";
+  std::string html;
+  for (const char* list : {"/notes", "/registration/warnings"})
+    if (const Json::json_pointer at(list); scan.contains(at))
+      for (const auto& note : scan[at]) html += fmt::format("<li>{}</li>\n", escape(note.get<std::string>()));
+  return html.empty() ? "" : "<ul class=\"warn\">\n" + html + "</ul>\n";
 }
 
 }  // namespace
@@ -178,8 +178,10 @@ std::string abstained_section(Previews& previews, const Json& scan) {
   const fs::path& out = previews.out();
   const std::string id = scan["id"].get<std::string>(), folder = "scans/" + id + "/sheet/";
   const auto& registration = scan["registration"];
-  std::string html = fmt::format("<h3>Scan {}</h3>\n<p>The automatic alignment abstains: {}.</p>\n",
-                                 escape(id), escape(registration.value("reason", "no reason given")));
+  std::string html = fmt::format(
+      "<h3>Scan {}</h3>\n<p>{}{}.</p>\n", escape(id),
+      registration.value("how", "") == "automatic" ? "The automatic alignment abstains: " : "No pose: ",
+      escape(registration.value("reason", "no reason given")));
   if (registration.contains("rivals") && !registration["rivals"].empty()) {
     html += "<p>Against the best pose it could be:</p>\n<ul>\n";
     for (const auto& rival : registration["rivals"])

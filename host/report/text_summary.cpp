@@ -3,13 +3,22 @@
 namespace hybrid::report {
 namespace {
 
+std::string warning_lines(const nlohmann::ordered_json& registration) {
+  std::string text;
+  if (registration.contains("warnings"))
+    for (const auto& warning : registration["warnings"])
+      text += fmt::format("  warning: {}\n", warning.get<std::string>());
+  return text;
+}
+
 std::string scan_lines(const nlohmann::ordered_json& scan) {
   std::string text = fmt::format(
       "scan {}: {} measured samples, {} superclusters, {:.1f} % discarded\n", scan["id"].get<std::string>(),
       scan["decimation"]["measured"].get<std::int64_t>(), scan["superclusters"].get<std::int64_t>(),
       100 * scan["decimation"]["discarded_share"].get<double>());
   if (scan.contains("registration") && scan["registration"]["status"] == "abstained")
-    text += "  no pose: the automatic alignment abstains; see sheet/ in the scan's folder\n";
+    text += scan["registration"]["how"] == "neighbour" ? "  no pose: no other scan places it\n"
+                                                       : "  no pose: see sheet/ in the scan's folder\n";
   else if (scan.contains("registration")) {
     const auto& pose = scan["registration"];
     if (pose.contains("icp_rms_m"))
@@ -30,6 +39,7 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
       text += fmt::format("  the proxy's faces are off by {:.1f} mm (1 sigma): solved with the pose\n",
                           1000 * pose["faces"]["disagreement_m"].get<double>());
   }
+  if (scan.contains("registration")) text += warning_lines(scan["registration"]);
   if (scan.contains("truth")) {
     const auto& truth = scan["truth"];
     text += fmt::format(

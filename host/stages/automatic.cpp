@@ -15,11 +15,6 @@ namespace {
 
 constexpr std::size_t kNamedRivals = 8;
 
-MarginRule rule_of(const AutomaticOptions& options) {
-  return {options.least_gap, options.least_consistency, options.least_without_largest, options.least_firm,
-          options.least_single};
-}
-
 // Poses this near are one hypothesis, of which the best is looked at: ICP decides between them.
 constexpr double kNear_m = 0.3;
 
@@ -37,7 +32,7 @@ std::vector<RivalPose> rivals_of(const ScanEvidence& scan, const Search& search,
     rival.world_from_scan = search.finalists[k].fit.world_from_scan;
     rival.words = motion_in_words(best.fit.world_from_scan, rival.world_from_scan);
     rival.comparison = compare(scan.rays, best.lines, search.finalists[k].lines);
-    rival.strength = strength(rival.comparison, rule_of(options));
+    rival.strength = strength(rival.comparison, margin_rule(options));
     rivals.push_back(std::move(rival));
   }
   std::stable_sort(rivals.begin(), rivals.end(),
@@ -152,6 +147,11 @@ const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
   return table;
 }
 
+MarginRule margin_rule(const AutomaticOptions& options) {
+  return {options.least_gap, options.least_consistency, options.least_without_largest, options.least_firm,
+          options.least_single};
+}
+
 AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence& scan,
                                        const ProxyModel& model, const AutomaticOptions& options) {
   AutomaticAlignment result;
@@ -165,7 +165,7 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.guesses = search.guesses;
   if (search.finalists.empty()) {
     result.reason = diagnose_model(queue, scan, model.polygons(), 0, options);
-    if (result.reason.empty()) result.reason = nothing_fits();
+    if (result.reason.empty()) result.reason = nothing_fits(options);
     return result;
   }
   const Pose first = search.finalists[0].fit.world_from_scan;

@@ -40,6 +40,8 @@ struct AutomaticOptions {
 };
 const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table();
 
+MarginRule margin_rule(const AutomaticOptions& options);
+
 // A pose that the scan could nearly as well have.
 struct RivalPose {
   Pose world_from_scan;

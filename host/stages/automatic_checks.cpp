@@ -11,7 +11,6 @@ namespace {
 // Sine of the angle that normals must at least span in every direction.
 constexpr double kSpan = 0.1;
 constexpr double kNothing = 10;  // so many times as much off the faces as on them: nothing to speak of is on
-constexpr double kSizeRatio = 30;  // a model this many times larger than the scan is in other units
 
 // Planes beyond the least. Up to kFew they must fit better, within kBetter tolerances and kMostTurned_rad:
 // corners off by a centimetre turn a wall of some metres by less, another room's oblique walls are seldom as
@@ -21,7 +20,15 @@ constexpr double kMostTurned_rad = 0.5 * std::numbers::pi / 180;
 // The better all fit the more doubt there may be: as shares of their limits no more than this in sum.
 constexpr double kTogether = 2, kTogetherOfFew = 1.2;
 
-constexpr const char* kGiveLandmarks = "; give 3 or more landmarks (the landmark sheet helps) or a pose";
+// Landmarks are corners of a model: between scans there are none, and who asks says what to do.
+const char* remedy(const AutomaticOptions& options) {
+  return options.of_scan ? "; give a pose"
+                         : "; give 3 or more landmarks (the landmark sheet helps) or a pose";
+}
+
+const char* other_side(const AutomaticOptions& options) {
+  return options.of_scan ? "other scan" : "model";
+}
 
 // Least singular direction of unit normals: near 0 when they all lie in one plane, as those of a corridor
 // without ends do.
@@ -40,44 +47,49 @@ bool all_parallel(const std::vector<T>& planes) {
 }
 
 template <typename T>
-std::string lacking(const std::vector<T>& planes, const char* whose) {
+std::string lacking(const std::vector<T>& planes, const char* whose, const char* what_to_do) {
   if (planes.size() < 3)
     return fmt::format("automatic alignment needs at least 3 planes, the {} has {}{}", whose, planes.size(),
-                       kGiveLandmarks);
+                       what_to_do);
   if (all_parallel(planes))
     return fmt::format(
         "automatic alignment needs planes in three directions, those of the {} are all parallel{}", whose,
-        kGiveLandmarks);
+        what_to_do);
   if (span_of(planes) < kSpan)
     return fmt::format(
         "automatic alignment needs planes in three directions, those of the {} leave one open: it could "
         "slide "
         "along them{}",
-        whose, kGiveLandmarks);
+        whose, what_to_do);
   return "";
 }
 
 }  // namespace
 
 std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const AutomaticOptions& options) {
-  if (std::string words = lacking(scan.planes, "scan"); !words.empty()) return words;
+  if (std::string words = lacking(scan.planes, "scan", remedy(options)); !words.empty()) return words;
   if (!model.has_large_faces())
     return fmt::format(
         "automatic alignment needs a model of large faces: this one is a mesh of {}, of which the largest {} "
         "are {:.0f} % of the area{}",
-        model.all_faces, model.faces.size(), 100 * model.kept_area_m2 / model.area_m2, kGiveLandmarks);
-  if (std::string words = lacking(model.planes, "model"); !words.empty()) return words;
+        model.all_faces, model.faces.size(), 100 * model.kept_area_m2 / model.area_m2, remedy(options));
+  if (std::string words = lacking(model.planes, other_side(options), remedy(options)); !words.empty())
+    return words;
   if (options.free_scale)
     return "automatic alignment with a free scale is not offered: three planes fix a rigid pose only; give "
            "the model's unit and scale = \"fixed\", or 3 or more landmarks";
-  const double model_m = model.box.diagonal().norm(), scan_m = 2 * scan.reach_m;
-  if (model_m > kSizeRatio * scan_m)
+  return odd_size(scan, model, 1, kSizeRatio);
+}
+
+std::string odd_size(const ScanEvidence& scan, const ModelShapes& model, double scale, double ratio) {
+  const double model_m = model.box.diagonal().norm(), scan_m = 2 * scale * scan.reach_m;
+  if (model_m > ratio * scan_m)
     return fmt::format(
         "the model is {:.0f} m across, the scan's planes {:.1f} m: is the model in millimetres? Then say "
         "unit "
         "= \"mm\" in [model]",
         model_m, scan_m);
-  if (scan_m > kSizeRatio * model_m)
+  if (scan_m > ratio * model_m)
     return fmt::format(
         "the model is {:.3f} m across, the scan's planes {:.1f} m: is the scan in millimetres, or [model] "
         "unit wrong?",
@@ -85,10 +97,9 @@ std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const
   return "";
 }
 
-std::string nothing_fits() {
-  return fmt::format(
-      "no pose lays the scan's planes on the model's faces; is it the model of another place{}",
-      std::string("?") + kGiveLandmarks);
+std::string nothing_fits(const AutomaticOptions& options) {
+  return fmt::format("no pose lays the scan's planes on those of the {}; is it of another place?{}",
+                     other_side(options), remedy(options));
 }
 
 std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const AutomaticOptions& options) {
@@ -99,19 +110,19 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "under the best pose only {:.0f} % of the scan's planar area lie on faces, at least {:.0f} % should; "
         "is "
         "it the model of another place?{}",
-        100 * shares.supported, 100 * options.least_support, kGiveLandmarks);
+        100 * shares.supported, 100 * options.least_support, remedy(options));
   if (shares.through > options.most_through)
     return fmt::format(
         "under the best pose {:.0f} % of the scan's planar area would be seen through faces, at most {:.0f} "
         "% "
         "may; is it the model of another place?{}",
-        100 * shares.through, 100 * options.most_through, kGiveLandmarks);
+        100 * shares.through, 100 * options.most_through, remedy(options));
   if (best.planes < options.least_planes)
     return fmt::format(
         "under the best pose planes of the model hold the scan that count {}, at least {} should (one with "
         "3 % of the planar area counts 1, with 1 % a half): another place with such a corner would fit as "
         "well{}",
-        best.planes, options.least_planes, kGiveLandmarks);
+        best.planes, options.least_planes, remedy(options));
   const double beyond = best.planes - options.least_planes;
   const bool few = beyond < kFew;
   const double most_off_m = (few ? kBetter : 1) * options.tolerance_m;
@@ -120,19 +131,19 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "under the best pose planes of the model hold the scan that count {}, and one of them lies {:.0f} mm "
         "off, at most {:.0f} may where they are no more: is it the model of another place of nearly the same "
         "size?{}",
-        best.planes, 1000 * best.farthest_m, 1000 * most_off_m, kGiveLandmarks);
+        best.planes, 1000 * best.farthest_m, 1000 * most_off_m, remedy(options));
   if (few && best.farthest_rad > kMostTurned_rad)
     return fmt::format(
         "under the best pose planes of the model hold the scan that count {}, and one of them is turned by "
         "{:.2f} degrees, at most {:.2f} may where they are no more: is it the model of another place?{}",
         best.planes, best.farthest_rad * 180 / std::numbers::pi, kMostTurned_rad * 180 / std::numbers::pi,
-        kGiveLandmarks);
+        remedy(options));
   if (best.doubt > options.most_doubt && best.doubt > kNothing)
     return fmt::format(
         "under the best pose hardly any planar area that faces along some direction lies on the model's "
         "faces: "
         "the scan shows too little of the model to hold it there, or the model lacks walls{}",
-        kGiveLandmarks);
+        remedy(options));
   const double off = std::min(best.farthest_m / options.tolerance_m, 1.0);
   const double most_doubt = ((few ? kTogetherOfFew : kTogether) - off) * options.most_doubt;
   if (best.doubt > most_doubt)
@@ -141,13 +152,13 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
         "direction; at most {:.0f} % may where planes that count {} hold the scan and one of them lies "
         "{:.0f} "
         "mm off: is it the model of another place, or one that lacks walls?{}",
-        100 * best.doubt, 100 * most_doubt, best.planes, 1000 * best.farthest_m, kGiveLandmarks);
+        100 * best.doubt, 100 * most_doubt, best.planes, 1000 * best.farthest_m, remedy(options));
   if (fit.least_share < options.least_hold)
     return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
-                       fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), kGiveLandmarks);
+                       fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), remedy(options));
   if (!rivals.empty() && rivals[0].strength < 1)
     return fmt::format("another pose explains the scan nearly as well: {}{}", rivals[0].words,
-                       kGiveLandmarks);
+                       remedy(options));
   return "";
 }
 

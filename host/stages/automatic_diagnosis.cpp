@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "stages/automatic_checks.hpp"
 #include "stages/automatic_search.hpp"
@@ -23,10 +24,10 @@ PolygonModel mirrored(const PolygonModel& model) {
   return other;
 }
 
-double best_support(device::Queue& queue, const ScanEvidence& scan, const PolygonModel& model,
+double best_support(device::Queue& queue, const ScanEvidence& scan, const ProxyModel& model,
                     const AutomaticOptions& options) {
   SightCaster caster(queue, model);
-  const Search search = search_poses(caster, scan, measure_model(model), 1, options);
+  const Search search = search_poses(caster, scan, model.shapes(), 1, options);
   return search.finalists.empty() ? 0 : search.finalists[0].shares.supported;
 }
 
@@ -48,6 +49,21 @@ std::string diagnose_model(device::Queue& queue, const ScanEvidence& scan, const
         "{:.0f} %; negate one axis of its vertices",
         100 * share, 100 * supported);
   return "";
+}
+
+std::string diagnose_pose(device::Queue& queue, const ScanEvidence& scan, const ProxyModel& model,
+                          double scale, double supported, const AutomaticOptions& options) {
+  if (std::string words = odd_size(scan, model.shapes(), scale, kSizeRatio); !words.empty()) return words;
+  if (std::abs(scale - 1) > kRounded || !unsuitable(scan, model.shapes(), options).empty()) return "";
+  const double best = best_support(queue, scan, model, options);
+  if (std::string words = diagnose_model(queue, scan, model.polygons(), std::max(best, supported), options);
+      !words.empty())
+    return words;
+  if (best < std::max(supported + kMuchMore, kMost)) return "";
+  return fmt::format(
+      "another pose would lay {:.0f} % of the planar area on faces: the start is wrong, or the model is of "
+      "another place",
+      100 * best);
 }
 
 }  // namespace hybrid::stages

@@ -12,6 +12,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kFewestSamples = 10;  // some tens suffice, a few hold no pose
 constexpr double kOverlapM = 0.05;
 constexpr double kSettledAngleRad = 1e-6, kSettledDistanceM = 5e-6;
 
@@ -21,6 +22,11 @@ void check(const PlanarSamples& samples, const Pose& start, const IcpOptions& op
         "registration: the scan has no planar samples; it needs superclusters (lower min_squares or check "
         "the "
         "units of the scan)");
+  if (options.max_samples > 0 && samples.points.size() < kFewestSamples)
+    fail_input(
+        "registration: expected at least {} planar samples to hold a pose, found {} of max_samples = {} in "
+        "[register]; raise it (0 = all)",
+        kFewestSamples, samples.points.size(), options.max_samples);
   if (!start.translation.allFinite() || !start.rotation.coeffs().allFinite() || !std::isfinite(start.scale) ||
       start.scale <= 0)
     fail_input("registration: the start pose is not finite or its scale not positive");
@@ -145,6 +151,33 @@ void describe(IcpPairs& pairs, const PlanarSamples& samples, const IcpOptions& o
                                       options.free_scale);
 }
 
+Registration iterate(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
+                     const Pose& start, const IcpOptions& options) {
+  IcpPairs pairs(queue, samples, model, start, options);
+  const bool plane = options.step == "plane";
+  Cutoff cutoff(options);
+  Registration result;
+  result.world_from_scan = start;
+  bool returned = false;
+  while (!result.converged && result.iterations < options.max_iterations) {
+    pairs.find(result.world_from_scan);
+    if (!cutoff.update(plane ? pairs.heights() : pairs.distances(), pairs.areas())) {
+      if (result.iterations == 0) fail_without_pairs(options);
+      break;
+    }
+    const bool still = plane ? plane_step(pairs, cutoff, options.free_scale, result)
+                             : point_step(pairs, cutoff, options, result);
+    result.converged = still && cutoff.settled();
+    if (result.converged && plane && !returned) {
+      result.converged = kept_start(pairs, cutoff, start, result);
+      returned = true;
+    }
+    ++result.iterations;
+  }
+  describe(pairs, samples, options, cutoff, result);
+  return result;
+}
+
 }  // namespace
 
 const std::vector<OptionRow<IcpOptions>>& icp_option_table() {
@@ -168,28 +201,14 @@ const std::vector<OptionRow<IcpOptions>>& icp_option_table() {
 Registration register_to_model(device::Queue& queue, const PlanarSamples& samples, const ProxyModel& model,
                                const Pose& start, const IcpOptions& options) {
   check(samples, start, options);
-  IcpPairs pairs(queue, samples, model, start, options);
-  const bool plane = options.step == "plane";
-  Cutoff cutoff(options);
-  Registration result;
-  result.world_from_scan = start;
-  bool returned = false;
-  while (!result.converged && result.iterations < options.max_iterations) {
-    pairs.find(result.world_from_scan);
-    if (!cutoff.update(plane ? pairs.heights() : pairs.distances(), pairs.areas())) {
-      if (result.iterations == 0) fail_without_pairs(options);
-      break;
-    }
-    const bool still = plane ? plane_step(pairs, cutoff, options.free_scale, result)
-                             : point_step(pairs, cutoff, options, result);
-    result.converged = still && cutoff.settled();
-    if (result.converged && plane && !returned) {
-      result.converged = kept_start(pairs, cutoff, start, result);
-      returned = true;
-    }
-    ++result.iterations;
-  }
-  describe(pairs, samples, options, cutoff, result);
+  Registration result = iterate(queue, samples, model, start, options);
+  const auto& open = result.degenerate;
+  if (std::find(open.begin(), open.end(), kFreeToScale) == open.end()) return result;
+  // What goes with the scale, a place, went astray with it: once more with the start's.
+  IcpOptions rigid = options;
+  rigid.free_scale = false;
+  result = iterate(queue, samples, model, start, rigid);
+  result.degenerate.emplace_back(kFreeToScale);
   return result;
 }
 

@@ -55,7 +55,8 @@ struct Registration {
   // a whole: no residual shows it, and it is not in here.
   std::array<double, 36> covariance{};
   // Directions not determined, in words: "free to slide along (1.00, 0.00, 0.00)", "free to turn about ...",
-  // "free to scale". The plane step leaves the start pose as it is along them.
+  // "free to scale". The plane step leaves the start pose as it is along them; a
+  // scale that is open is the start's, and the covariance is that of a pose of this scale.
   std::vector<std::string> degenerate;
   std::vector<double> rms_history_m;  // rms_m before each step, and of the result
 };

@@ -139,7 +139,7 @@ std::vector<std::string> degenerate_directions(const PlaneSums& sums, double rad
     const MatrixX coupling = h.topRightCorner(6, 1);
     const double rest =
         h(6, 6) - (coupling.transpose() * inverse_of(h.topLeftCorner(6, 6), 0) * coupling)(0, 0);
-    if (rest < kDeterminedShare) words.emplace_back("free to scale");
+    if (rest < kDeterminedShare) words.emplace_back(kFreeToScale);
   }
   return words;
 }

@@ -35,6 +35,9 @@ double least_share(const PlaneSums& sums, double radius_m);
 // The pose of Horn's closed form on the pairs; with free_scale s = sum r'.R l' / sum |l'|^2 (METHOD 6).
 Pose horn_pose(const PointSums& sums, double scale, bool free_scale);
 
+// Of Registration::degenerate.
+inline constexpr const char* kFreeToScale = "free to scale";
+
 // Directions the pairs leave open, in words (icp.hpp).
 std::vector<std::string> degenerate_directions(const PlaneSums& sums, double radius_m, bool free_scale);
 

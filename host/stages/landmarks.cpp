@@ -18,7 +18,12 @@ std::string name_of(const std::vector<LandmarkPair>& pairs, std::size_t i) {
   return pairs[i].name.empty() ? fmt::format("landmark {}", i + 1) : pairs[i].name;
 }
 
+// No coordinate system on Earth goes farther, in millimetres either.
+constexpr double kFarthest_m = 1e12;
+
 std::string text(const Vec3& p) {
+  if (!(p.cwiseAbs().maxCoeff() <= kFarthest_m))
+    return fmt::format("({:g}, {:g}, {:g})", p.x(), p.y(), p.z());
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z());
 }
 
@@ -28,6 +33,11 @@ void check_finite(const std::vector<LandmarkPair>& pairs) {
       fail_input(
           "{}: expected finite coordinates, found scan {} and model {}; a pixel without a return has none",
           name_of(pairs, i), text(pairs[i].point_in_scan), text(pairs[i].point_in_model));
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (std::max(pairs[i].point_in_scan.cwiseAbs().maxCoeff(),
+                 pairs[i].point_in_model.cwiseAbs().maxCoeff()) > kFarthest_m)
+      fail_input("{}: expected coordinates of at most {:g} m, found scan {} and model {}; correct them",
+                 name_of(pairs, i), kFarthest_m, text(pairs[i].point_in_scan), text(pairs[i].point_in_model));
 }
 
 Vec3 snapped(const PolygonModel& model, const std::vector<LandmarkPair>& pairs, std::size_t i,
@@ -98,10 +108,7 @@ void leave_one_out(const Points& from, const Points& to, bool free_scale, Landma
     if (spread(others_from).width >= kMinWidth && spread(others_to).width >= kMinWidth) {
       const Pose pose = horn(others_from, others_to, {}, free_scale);
       miss = (pose * from[left] - to[left]).norm();
-      double sum = 0;
-      for (std::size_t i = 0; i < others_from.size(); ++i)
-        sum += (pose * others_from[i] - others_to[i]).squaredNorm();
-      rms = std::sqrt(sum / static_cast<double>(others_from.size()));
+      rms = rms_of(pose, others_from, others_to);
     }
     fit.leave_one_out_m.push_back(miss);
     fit.rms_without_m.push_back(rms);
@@ -149,29 +156,42 @@ Pose horn(const Points& from, const Points& to, const std::vector<double>& weigh
   return pose;
 }
 
+double rms_of(const Pose& pose, const Points& from, const Points& to) {
+  double sum = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) sum += (pose * from[i] - to[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(from.size()));
+}
+
+std::vector<LandmarkPair> snap_landmarks(const PolygonModel& model, const std::vector<LandmarkPair>& pairs,
+                                         double tolerance_m) {
+  check_finite(pairs);
+  std::vector<LandmarkPair> points = pairs;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    points[i].point_in_model = snapped(model, pairs, i, tolerance_m);
+    points[i].snap = false;
+  }
+  return points;
+}
+
 LandmarkFit fit_landmarks(const PolygonModel& model, const std::vector<LandmarkPair>& pairs,
                           const LandmarkOptions& options) {
   if (pairs.size() < 3)
     fail_input(
         "landmarks: expected at least 3 pairs (4 are better), found {}; add some, or register without any",
         pairs.size());
-  check_finite(pairs);
   Points from, to;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    from.push_back(pairs[i].point_in_scan);
-    to.push_back(snapped(model, pairs, i, options.snap_tolerance_m));
+  for (const LandmarkPair& pair : snap_landmarks(model, pairs, options.snap_tolerance_m)) {
+    from.push_back(pair.point_in_scan);
+    to.push_back(pair.point_in_model);
   }
   check_spread(pairs, from, "scan");
   check_spread(pairs, to, "model");
 
   LandmarkFit fit;
   fit.world_from_scan = horn(from, to, {}, options.free_scale);
-  double sum = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
+  for (std::size_t i = 0; i < from.size(); ++i)
     fit.residual_m.push_back((fit.world_from_scan * from[i] - to[i]).norm());
-    sum += fit.residual_m.back() * fit.residual_m.back();
-  }
-  fit.rms_m = std::sqrt(sum / static_cast<double>(from.size()));
+  fit.rms_m = rms_of(fit.world_from_scan, from, to);
   if (from.size() > 3) leave_one_out(from, to, options.free_scale, fit);
   return fit;
 }

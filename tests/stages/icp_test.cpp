@@ -241,6 +241,14 @@ TEST(Icp, a_corner_leaves_the_scale_open) {
   const auto found = register_to_model(queue(), samples_of(scan), scan.proxy, scan.world_from_scan, options);
   EXPECT_EQ(found.degenerate, std::vector<std::string>{"free to scale"});
   EXPECT_NEAR(found.world_from_scan.scale, 1, 1e-3);
+
+  // From a start that is off the scale stays the start's all the same.
+  Pose start = disturbed(scan.world_from_scan, 0.05, 2, 4);
+  start.scale = 1.01;
+  const auto moved = register_to_model(queue(), samples_of(scan), scan.proxy, start, options);
+  EXPECT_EQ(moved.degenerate, std::vector<std::string>{"free to scale"});
+  EXPECT_EQ(moved.world_from_scan.scale, 1.01);
+  EXPECT_TRUE(moved.converged);
 }
 
 TEST(Icp, the_papers_step_is_horn_on_the_closest_points) {

@@ -204,6 +204,8 @@ TEST(Landmarks, refuses_what_cannot_be_fitted_and_says_which) {
   auto infinite = picks(pose, {0, 1, 2, 7});
   infinite[1].point_in_scan.x() = std::numeric_limits<double>::quiet_NaN();
   expect_refused(infinite, {"landmark 2: expected finite coordinates"});
+  infinite[1].point_in_scan.x() = 1e300;
+  expect_refused(infinite, {"landmark 2: expected coordinates of at most 1e+12 m", "found scan (1e+300, "});
 }
 
 }  // namespace hybrid::stages
