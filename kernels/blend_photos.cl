@@ -1,10 +1,11 @@
 // Adds one photograph to the colours of surface points: view-dependent projection of photographs (METHOD 10;
 // weights of Facade: Debevec, Taylor, Malik 1996; two frequency bands, the paper's reference 13; more of
 // them: Burt and Adelson 1983, whose transitions are as wide as the band is coarse: here by a power of the
-// weights). A photograph sees point X when X projects inside it, the surface faces it by more than least_facing
-// and the ray from its centre to X meets nothing before X (lib/photo_packet.h). Its weight is feather / (angle + one pixel), the
-// angle between the rays from X to the eye and to the photograph's centre. The host launches this once per
-// photograph, in index order, so their number has no limit; resolve_blend makes the colours.
+// weights). A photograph sees point X when X projects inside it, the surface faces it by more than
+// least_facing and the ray from its centre to X meets nothing before X (lib/photo_packet.h). Its weight is
+// feather / (angle + one pixel), the angle between the rays from X to the eye and to the photograph's centre.
+// The host launches this once per photograph, in index order, so their number has no limit; resolve_blend
+// makes the colours.
 //
 // Mapping: one work-item per packet of VW points, as in ray_cast.cl.
 //
