@@ -24,10 +24,6 @@ std::uint8_t to_byte(double value) {
   return static_cast<std::uint8_t>(value > 0 ? std::min(value + 0.5, 255.0) : 0.0);  // NaN: 0
 }
 
-bool are_bytes(double red, double green, double blue) {
-  return std::min({red, green, blue}) >= 0 && std::max({red, green, blue}) <= 255;
-}
-
 }  // namespace
 
 ColourKind colour_kind(ScalarType type) {
@@ -113,7 +109,6 @@ void ScanBuilder::start_part() {
 
 void ScanBuilder::Tally::add(const Tally& later) {
   not_finite += later.not_finite;
-  no_bytes += later.no_bytes;
   if (absurd == 0) {
     first_absurd = later.first_absurd;
     absurd_value = later.absurd_value;
@@ -162,12 +157,10 @@ void ScanBuilder::put(std::size_t at, const ScanSample& sample, Tally& tally) {
   if (options_.exact) scan_.exact[at] = {sample.x, sample.y, sample.z};
   if (options_.intensity) scan_.intensity[at] = static_cast<float>(sample.intensity);
   const auto& [red, green, blue] = sample.rgb;
-  if (options_.colour == ColourKind::byte) {
+  if (options_.colour == ColourKind::byte)
     scan_.rgb[at] = {to_byte(red), to_byte(green), to_byte(blue)};
-    tally.no_bytes += !are_bytes(red, green, blue);
-  } else if (options_.colour > ColourKind::byte) {
+  else if (options_.colour > ColourKind::byte)
     colours_[at] = {static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)};
-  }
 }
 
 std::array<float, 3> ScanBuilder::relative(const Point& point) const {
@@ -188,12 +181,10 @@ void ScanBuilder::choose_origin() {
 }
 
 void ScanBuilder::add_colour(double red, double green, double blue) {
-  if (options_.colour == ColourKind::byte) {
+  if (options_.colour == ColourKind::byte)
     scan_.rgb.push_back({to_byte(red), to_byte(green), to_byte(blue)});
-    tally_.no_bytes += !are_bytes(red, green, blue);
-  } else {
+  else
     colours_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
-  }
 }
 
 void ScanBuilder::scale_colours() {
@@ -229,9 +220,6 @@ Scan ScanBuilder::finish() {
   if (tally_.not_finite > 0)
     add_note(fmt::format("{} of {} points are not finite: taken as no-returns", tally_.not_finite,
                          before_ + scan_.points.size()));
-  if (tally_.no_bytes > 0)
-    add_note(fmt::format("{} of {} colours have values below 0 or above 255: taken as 0 and 255",
-                         tally_.no_bytes, before_ + scan_.points.size()));
   if (before_ + scan_.points.size() == 0) add_note("no points");
   if (!scan_.origin.isZero())
     add_note(fmt::format("coordinates are large: kept relative to ({}, {}, {})", scan_.origin.x(),

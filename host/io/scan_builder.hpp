@@ -76,7 +76,7 @@ class ScanBuilder {
   using Point = std::array<double, 3>;
   // Samples that are no coordinates.
   struct Tally {
-    std::uint64_t not_finite = 0, absurd = 0, first_absurd = 0, no_bytes = 0;  // no_bytes: colours
+    std::uint64_t not_finite = 0, absurd = 0, first_absurd = 0;
     double absurd_value = 0;
     void add(const Tally& later);
   };

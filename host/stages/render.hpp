@@ -33,7 +33,7 @@ struct RenderOptions {
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
-  double grazing_deg = 3;  // a photograph that meets a surface at no more than this does not see it
+  double grazing_deg = 2;  // a photograph that meets a surface at no more than this does not see it
   double unseen_m = 0;     // so far behind its outline what is scanned hides what photographs see, where no
                            // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
   bool equalise = true;    // gains per photograph and channel that make the photographs' overlaps agree; a

@@ -101,7 +101,7 @@ TEST(ExrScan, NoReturnAtAllIsSaid) {
   io::write_range_exr(folder.path("range.exr"), image, {});
   const Scan scan = io::read_exr_scan(folder.path("range.exr"));
   expect_input_error([&] { stages::arrange_grid(scan); },
-                     {"scan range", "expected returns, found none", "4 x 5"});
+                     {"expected returns, found none in a grid of 4 x 5", "leave it out"});
 }
 
 TEST(ExrScan, SamplesBesideTheGridMayBeMissingButNotOthers) {
