@@ -41,10 +41,10 @@ struct RenderOptions {
   std::string tone = "auto";  // "linear": what is lighter than white is cut off; "shoulder": it is brought
                               // back (geometry/shoulder.hpp); "auto": the latter, but for views, whose own
                               // exposure is the photographs'
-  bool levels = true;        // photographs finer than the view are halved first, as often as they are
-  int photograph_mb = 4096;  // memory for photographs on the device; changes no result
-  int samples_per_axis = 1;  // primary rays per pixel = n^2; all but the colour comes from the middle one
-  int tile = 1024;           // side in pixels of what is rendered at once; changes no result
+  bool levels = true;         // photographs finer than the view are halved first, as often as they are
+  int photograph_mb = 4096;   // memory for photographs on the device; changes no result
+  int samples_per_axis = 1;   // primary rays per pixel = n^2; all but the colour comes from the middle one
+  int tile = 1024;            // side in pixels of what is rendered at once; changes no result
 };
 const std::vector<OptionRow<RenderOptions>>& render_option_table();
 // The cosine between sight and normal that goes with grazing_deg.
