@@ -228,7 +228,7 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
 stages::ViewRequest view_request(const io::SceneView& view, const PhotographSet& photographs) {
   stages::ViewRequest request;
   if (view.photograph.empty()) {
-    request.camera = look_at(view.eye, view.target, view.up, view.fov_deg, view.size[0], view.size[1]);
+    request.camera = io::camera_of(view);
   } else {
     const int index = photograph_index(photographs, view.photograph);
     if (index < 0) fail_input("photograph '{}': no camera of that name in the camera model", view.photograph);

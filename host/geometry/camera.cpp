@@ -195,19 +195,21 @@ Vec3 Camera::ray(const Vec2& pixel) const {
   return Vec3(p.x(), p.y(), 1).normalized();
 }
 
-Photograph look_at(const Vec3& eye, const Vec3& target, const Vec3& up, double fov_deg, int width,
-                   int height) {
+namespace {
+
+// At `eye`: z towards `target`, or, where the camera stays upright, as far as that is level; y away from
+// `up`.
+Photograph placed(const Vec3& eye, const Vec3& target, const Vec3& up, bool upright, int width, int height) {
   if (!eye.allFinite() || !target.allFinite() || !up.allFinite())
     fail_input("view: eye, target and up: expected finite numbers");
-  if (!(fov_deg > 0 && fov_deg < 170))
-    fail_input("view: fov_deg: expected more than 0, below 170, found {}", fov_deg);
   if (width < 1 || height < 1)
     fail_input("view: size: expected at least 1 x 1, found {} x {}", width, height);
-  const Vec3 forward = (target - eye).normalized();
   if ((target - eye).norm() < 1e-9) fail_input("view: eye and target coincide; move one of them");
+  Vec3 forward = (target - eye).normalized();
   const Vec3 right = forward.cross(up);
   if (right.norm() < 1e-6 * up.norm() || up.norm() == 0)
     fail_input("view: up is parallel to the direction from eye to target; choose another up");
+  if (upright) forward = up.cross(right).normalized();
   Mat3 cam_from_world;
   cam_from_world.row(0) = right.normalized();
   cam_from_world.row(1) = forward.cross(right.normalized());
@@ -215,11 +217,30 @@ Photograph look_at(const Vec3& eye, const Vec3& target, const Vec3& up, double f
   Photograph view;
   view.camera.width = width;
   view.camera.height = height;
-  view.camera.fx = view.camera.fy = 0.5 * height / std::tan(0.5 * fov_deg * std::numbers::pi / 180);
   view.camera.cx = 0.5 * width;
   view.camera.cy = 0.5 * height;
   view.cam_from_world.rotation = Eigen::Quaterniond(cam_from_world);
   view.cam_from_world.translation = -(cam_from_world * eye);
+  return view;
+}
+
+}  // namespace
+
+Photograph look_at(const Vec3& eye, const Vec3& target, const Vec3& up, double fov_deg, int width,
+                   int height) {
+  if (!(fov_deg > 0 && fov_deg < 170))
+    fail_input("view: fov_deg: expected more than 0, below 170, found {}", fov_deg);
+  Photograph view = placed(eye, target, up, false, width, height);
+  view.camera.fx = view.camera.fy = 0.5 * height / std::tan(0.5 * fov_deg * std::numbers::pi / 180);
+  return view;
+}
+
+Photograph look_around(const Vec3& eye, const Vec3& target, const Vec3& up, int width, int height) {
+  Photograph view = placed(eye, target, up, true, width, height);
+  if (width != 2 * height)
+    fail_input("view: size: expected a panorama twice as wide as high, found {} x {}", width, height);
+  view.camera.lens = Lens::spherical;
+  view.camera.fx = view.camera.fy = height / std::numbers::pi;
   return view;
 }
 

@@ -62,4 +62,8 @@ struct Photograph {
 Photograph look_at(const Vec3& eye, const Vec3& target, const Vec3& up, double fov_deg, int width,
                    int height);
 
+// A full panorama (Lens::spherical) from `eye`, twice as wide as high: `up` is its zenith, the direction to
+// `target` its middle column. Errors as look_at(), and of a size that is not 2 : 1.
+Photograph look_around(const Vec3& eye, const Vec3& target, const Vec3& up, int width, int height);
+
 }  // namespace hybrid

@@ -138,7 +138,7 @@ void read_view_camera(const fs::path& file, const SceneTable& table, SceneView& 
                      photograph ? "both" : "neither");
   if (photograph) {
     view.photograph = table.required_text("photograph");
-    for (std::string_view key : {"up", "fov_deg", "size"})
+    for (std::string_view key : {"up", "fov_deg", "size", "projection"})
       if (table.has(key)) table.fail_key(key, "belongs to eye and target; the photograph has its own camera");
     return;
   }
@@ -147,10 +147,9 @@ void read_view_camera(const fs::path& file, const SceneTable& table, SceneView& 
   view.eye = *table.point("eye");
   view.target = *table.point("target");
   view.up = table.point("up").value_or(view.up);
-  view.fov_deg = table.number("fov_deg").value_or(view.fov_deg);
+  read_view_projection(table, view);
   // Its checks of the numbers' sense, made here where the line is known.
-  with_context(fmt::format("{}:{}", file.string(), view.line),
-               [&] { look_at(view.eye, view.target, view.up, view.fov_deg, view.size[0], view.size[1]); });
+  with_context(fmt::format("{}:{}", file.string(), view.line), [&] { camera_of(view); });
 }
 
 SceneView read_view(const fs::path& file, const SceneTable& table) {
@@ -236,8 +235,9 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   if (const auto table = root.table("photographs", {"colmap", "strecha", "bundler", "nerfstudio", "e57",
                                                     "images", "world_from_photographs"}))
     scene.photographs = read_photographs(*table);
-  for (const SceneTable& table : root.tables("view", {"name", "photograph", "eye", "target", "up", "fov_deg",
-                                                      "size", "show", "texture", "cameras", "leave_out"})) {
+  for (const SceneTable& table :
+       root.tables("view", {"name", "photograph", "eye", "target", "up", "fov_deg", "projection", "size",
+                            "show", "texture", "cameras", "leave_out"})) {
     scene.views.push_back(read_view(file, table));
     check_unique(table, "name", scene.views.back().name, names);
   }
@@ -260,6 +260,24 @@ void read_view_options(const SceneTable& table, SceneView& view) {
   view.texture = table.flag("texture", view.texture);
   view.cameras = table.flag("cameras", view.cameras);
   view.leave_out = table.texts("leave_out");
+}
+
+void read_view_projection(const SceneTable& table, SceneView& view) {
+  view.panorama =
+      table.choice("projection", {"perspective", "equirectangular"}, "perspective") == "equirectangular";
+  if (!view.panorama) {
+    view.fov_deg = table.number("fov_deg").value_or(view.fov_deg);
+    return;
+  }
+  if (table.has("fov_deg"))
+    table.fail_key("fov_deg", "belongs to projection = \"perspective\"; a panorama shows all directions");
+  if (!table.has("size")) view.size = {2048, 1024};
+}
+
+Photograph camera_of(const SceneView& view) {
+  const auto [width, height] = view.size;
+  return view.panorama ? look_around(view.eye, view.target, view.up, width, height)
+                       : look_at(view.eye, view.target, view.up, view.fov_deg, width, height);
 }
 
 SceneFile read_scene_file(const fs::path& file) {

@@ -49,11 +49,15 @@ struct SceneView {
   std::string photograph;  // or eye/target/up/fov_deg/size:
   Vec3 eye = Vec3::Zero(), target = Vec3::UnitY(), up = Vec3::UnitZ();
   double fov_deg = 60;
+  bool panorama = false;  // projection = "equirectangular": of all directions, not of fov_deg
   std::array<int, 2> size{1920, 1080};
   std::string show = "both";
   bool texture = true, cameras = false;
   std::vector<std::string> leave_out;
 };
+
+// The camera of a view that has one of its own (eye, target, ...). Throws as look_at() and look_around() do.
+Photograph camera_of(const SceneView& view);
 
 // The value of an option key of [planes], [register], [edit], [render] or [export]: the stage that owns the
 // key checks it against its option table.
@@ -95,6 +99,8 @@ struct SceneFile {
 class SceneTable;
 // size, show, texture, cameras and leave_out of a view or path.
 void read_view_options(const SceneTable& table, SceneView& view);
+// projection, fov_deg, and the size of a panorama that gives none; after read_view_options().
+void read_view_projection(const SceneTable& table, SceneView& view);
 
 // Throws ErrorKind::input. Files that the scene names are not opened.
 SceneFile read_scene_file(const std::filesystem::path& file);

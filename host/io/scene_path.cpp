@@ -125,9 +125,9 @@ bool returns(const SceneTable& table, bool turns) {
 }  // namespace
 
 const SceneTable::Names& scene_path_keys() {
-  static const SceneTable::Names keys = {"name",      "frames",   "size",      "fov_deg", "up",     "show",
-                                         "texture",   "cameras",  "leave_out", "centre",  "radius", "height",
-                                         "start_deg", "turn_deg", "eyes",      "targets", "closed"};
+  static const SceneTable::Names keys = {
+      "name",   "frames", "size",   "fov_deg",   "up",       "show", "texture", "cameras", "leave_out",
+      "centre", "radius", "height", "start_deg", "turn_deg", "eyes", "targets", "closed",  "projection"};
   return keys;
 }
 
@@ -139,8 +139,8 @@ std::vector<SceneView> read_scene_path(const std::filesystem::path& file, const 
   if (common.path == "leave-one-out")
     table.fail_key("name", "\"leave-one-out\" is the folder of --leave-one-out; choose another name");
   common.up = table.point("up").value_or(common.up);
-  common.fov_deg = table.number("fov_deg").value_or(common.fov_deg);
   read_view_options(table, common);
+  read_view_projection(table, common);
   const int frames = table.index("frames").value_or(0);
   if (frames < 1 || frames > kMostFrames)
     table.fail_table("frames: expected from 1 to {}, found {}", kMostFrames, frames);
@@ -157,8 +157,7 @@ std::vector<SceneView> read_scene_path(const std::filesystem::path& file, const 
     view.name = fmt::format("{}/{:0{}}", common.path, frame, digits);
     const Stand stand = curve(frame / last);
     view.eye = stand.eye, view.target = stand.target;
-    with_context(fmt::format("{}:{}: frame {}", file.string(), view.line, frame),
-                 [&] { look_at(view.eye, view.target, view.up, view.fov_deg, view.size[0], view.size[1]); });
+    with_context(fmt::format("{}:{}: frame {}", file.string(), view.line, frame), [&] { camera_of(view); });
     views.push_back(view);
   }
   return views;

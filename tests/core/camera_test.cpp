@@ -162,6 +162,23 @@ TEST(camera, look_at_centres_the_target_and_keeps_up_up) {
   EXPECT_NEAR(std::atan(540 / view.camera.fy) * 360 / std::numbers::pi, 60, 1e-12);
 }
 
+TEST(camera, look_around_sees_all_directions_with_up_at_its_zenith) {
+  const Vec3 eye(3, -10, 1.6), target(0, 0, 3);  // looked at from below: the panorama stays level
+  const Photograph view = look_around(eye, target, {0, 0, 2}, 360, 180);
+  EXPECT_NEAR((view.centre() - eye).norm(), 0, 1e-12);
+  EXPECT_TRUE(view.camera.wraps() && view.camera.reaches_zenith() && view.camera.reaches_nadir());
+  const auto pixel = [&](const Vec3& direction) {
+    return *view.camera.project(view.cam_from_world * (eye + 7 * direction));
+  };
+  const Vec3 level = (target - eye - Vec3(0, 0, 1.4)).normalized();
+  EXPECT_NEAR((pixel(level) - Vec2(180, 90)).norm(), 0, 1e-9);
+  EXPECT_NEAR(pixel((target - eye).normalized()).x(), 180, 1e-9);
+  EXPECT_LT(pixel((target - eye).normalized()).y(), 90);
+  EXPECT_NEAR((pixel(level.cross(Vec3::UnitZ())) - Vec2(270, 90)).norm(), 0, 1e-9);
+  EXPECT_NEAR(pixel((0.001 * level + Vec3::UnitZ()).normalized()).y(), 0, 0.1);
+  EXPECT_NEAR(pixel((0.001 * level - Vec3::UnitZ()).normalized()).y(), 180, 0.1);
+}
+
 TEST(camera, look_at_errors) {
   const Vec3 eye(0, 0, 0), target(0, 1, 0), up(0, 0, 1);
   const auto refuse = [](auto&&... arguments) {

@@ -325,6 +325,13 @@ TEST(scene_file, views) {
       {view + "eye = [0,0,0]\ntarget = [0,1,0]\nfov_deg = 180\n", "1", "fov_deg"},
       {view + "eye = [0,0,0]\ntarget = [0,1,0]\nfov_deg = nan\n", "5", "finite"},
       {view + "eye = [0,0,0]\ntarget = [0,1,0]\nsize = [0, 9]\n", "5", "from 1 to 32768 pixels, found 0 x 9"},
+      {view + "photograph = \"a\"\nprojection = \"equirectangular\"\n", "4", "has its own camera"},
+      {view + "eye = [0,0,0]\ntarget = [0,1,0]\nprojection = \"fisheye\"\n", "5",
+       "expected one of perspective"},
+      {view + "eye = [0,0,0]\ntarget = [0,1,0]\nprojection = \"equirectangular\"\nfov_deg = 60\n", "6",
+       "a panorama shows all directions"},
+      {view + "eye = [0,0,0]\ntarget = [0,1,0]\nprojection = \"equirectangular\"\nsize = [100, 60]\n", "1",
+       "twice as wide as high"},
       {view + "photograph = \"a\"\nshow = \"all\"\n", "4", "expected one of proxy, scan, both"},
       {view + "photograph = \"a\"\nleave_out = [1]\n", "4", "expected an array of strings"},
   });
