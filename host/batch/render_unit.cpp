@@ -324,6 +324,7 @@ Image8 to_picture(const ImageF& linear) {
 }
 
 Image8 to_picture(const stages::RenderedView& view) {
+  if (!view.shoulder.bends()) return to_picture(view.colour);
   ImageF toned = view.colour;
   for_blocks(view.coverage.size(), 1 << 14, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)

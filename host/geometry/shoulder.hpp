@@ -13,6 +13,8 @@ class Shoulder {
   explicit Shoulder(double white = 1)
       : bends_(white > 1), bend_(bends_ ? 1 / (1 - kKnee) - 1 / (white - kKnee) : 0) {}
 
+  bool bends() const { return bends_; }
+
   double level(double light) const {
     if (!bends_ || !(light > kKnee)) return light;
     return kKnee + (light - kKnee) / (1 + bend_ * (light - kKnee));

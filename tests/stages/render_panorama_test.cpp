@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "cases/room_scene.hpp"
-#include "device.hpp"
-#include "stages/render.hpp"
+#include "stages/render_requests.hpp"
 
 namespace hybrid::testing {
 
@@ -16,8 +15,7 @@ TEST(RenderPanorama, sees_all_around) {
   stages::ViewRequest request;
   request.camera = look_around(eye, {5, 4, 2}, {0, 0, 1}, 96, 48);
   request.texture = false;
-  stages::Renderer renderer(queue(), box.scene, {});
-  const auto image = renderer.render(request);
+  const auto image = render(box.scene, request);
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 96; ++x) {
       const Vec3 ray = request.camera.cam_from_world.rotation.conjugate() *
@@ -28,10 +26,9 @@ TEST(RenderPanorama, sees_all_around) {
       EXPECT_NEAR(image.depth_m[static_cast<std::size_t>(y * 96 + x)], range, 1e-4 * range) << x << " " << y;
     }
   const RoomScene room = RoomScene::make(4, 240, 180);
-  stages::Renderer coloured(queue(), room.scene, {});
   request.camera = look_around({1, 4, 1.5}, {3, 2.5, 1}, {0, 0, 1}, 96, 48);
   request.texture = true;
-  const auto seen = coloured.render(request).coverage;
+  const auto seen = render(room.scene, request).coverage;
   EXPECT_GT(std::count_if(seen.begin(), seen.end(), [](auto photographs) { return photographs > 0; }),
             96 * 48 / 2);
 }

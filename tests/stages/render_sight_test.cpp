@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "cases/room_scene.hpp"
-#include "device.hpp"
-#include "stages/render.hpp"
+#include "stages/render_requests.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -16,16 +15,6 @@ using stages::Renderer;
 using stages::RenderOptions;
 using stages::RenderScene;
 using stages::ViewRequest;
-
-RenderedView render(const RenderScene& scene, const ViewRequest& request, const RenderOptions& options = {}) {
-  return Renderer(queue(), scene, options).render(request);
-}
-
-ViewRequest view(const Vec3& eye, const Vec3& target, int width, int height) {
-  ViewRequest request;
-  request.camera = look_at(eye, target, {0, 0, 1}, 65, width, height);
-  return request;
-}
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 
 #include "cases/room_scene.hpp"
 #include "device.hpp"
+#include "stages/render_requests.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -21,16 +22,6 @@ using stages::ViewRequest;
 const RoomScene& room() {
   static const RoomScene instance = RoomScene::make(4, 240, 180);
   return instance;
-}
-
-RenderedView render(const RenderScene& scene, const ViewRequest& request, const RenderOptions& options = {}) {
-  return Renderer(queue(), scene, options).render(request);
-}
-
-ViewRequest view(const Vec3& eye, const Vec3& target, int width = 160, int height = 120) {
-  ViewRequest request;
-  request.camera = look_at(eye, target, {0, 0, 1}, 65, width, height);
-  return request;
 }
 
 std::vector<std::uint8_t> seen_mask(const RenderedView& image) {
