@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/dry_run.hpp"
 #include "core/memory_budget.hpp"
 #include "core/option_table.hpp"
 #include "geometry/vectors.hpp"
@@ -45,8 +46,9 @@ bool shows_progress(const CommonOptions& options);
 OptionValue parse_square(const std::string& text);
 // "X,Y,Z". Throws ErrorKind::usage naming the option.
 Vec3 parse_place(const std::string& text, const std::string& option);
-// What --dry-run says, a line each: as it is, or as one JSON document.
-void print_dry_run(const CommonOptions& options, const std::string& text);
+// What --dry-run says: problems on stderr, the rest, where there is something to do, as it is; or all as one
+// JSON document.
+void print_dry_run(const CommonOptions& options, const batch::DryRun& tried);
 
 // "8G", "512M", "1.5GiB" in bytes of powers of 1024.
 std::uint64_t parse_bytes(const std::string& text, const std::string& option);

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "app/commands.hpp"
 #include "core/json_text.hpp"
@@ -48,15 +47,13 @@ bool shows_progress(const CommonOptions& options) {
   return !options.quiet && (options.log_level == "info" || options.log_level == "debug");
 }
 
-void print_dry_run(const CommonOptions& options, const std::string& text) {
-  if (!options.json) {
-    std::cout << text;
-    return;
-  }
-  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  std::cout << json_text(nlohmann::ordered_json{{"dry_run", lines}}) << "\n";
+void print_dry_run(const CommonOptions& options, const batch::DryRun& tried) {
+  for (const std::string& problem : tried.problems) log::error("{}", problem);
+  if (options.json)
+    std::cout << json_text(nlohmann::ordered_json{{"dry_run", tried.lines}, {"problems", tried.problems}})
+              << "\n";
+  else if (tried.exit_code != hybrid::exit_code(ErrorKind::input))
+    for (const std::string& line : tried.lines) std::cout << line << "\n";
 }
 
 Vec3 parse_place(const std::string& text, const std::string& option) {

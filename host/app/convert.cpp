@@ -36,7 +36,9 @@ void add_convert(CLI::App& program, int& exit_code) {
     request->out = files->back();
     request->more.assign(files->begin() + 1, files->end() - 1);
     if (common->dry_run) {
-      print_dry_run(*common, batch::describe_convert(*request));
+      const auto tried = batch::try_convert(*request);
+      print_dry_run(*common, tried);
+      exit_code = tried.exit_code;
       return;
     }
     const auto run = batch::run_convert(*request);

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "app/commands.hpp"
-#include "batch/planes_run.hpp"
+#include "batch/try_inputs.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "io/read_scan.hpp"
@@ -38,7 +38,9 @@ void add_planes(CLI::App& program, int& exit_code) {
     request->quiet = !shows_progress(*common);
     request->force = common->force;
     if (common->dry_run) {
-      print_dry_run(*common, batch::describe_planes_run(*request));
+      const auto tried = batch::try_planes(*request);
+      print_dry_run(*common, tried);
+      exit_code = tried.exit_code;
       return;
     }
     const auto budget = memory_budget(*common, request->out);

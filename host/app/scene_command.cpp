@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "batch/try_inputs.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/shell_words.hpp"
@@ -32,8 +33,9 @@ int run_scene_command(const SceneCommand& command) {
   request.quiet = !shows_progress(common);
   request.command = own_command();
   if (common.dry_run) {
-    print_dry_run(common, batch::describe_run(request) + "\n");
-    return 0;
+    const auto tried = batch::try_scene(request);
+    print_dry_run(common, tried);
+    return tried.exit_code;
   }
   const auto budget = memory_budget(common, request.out);
   device::Queue queue(common.device);

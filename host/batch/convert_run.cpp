@@ -179,22 +179,28 @@ ConvertRun run_convert(const ConvertRequest& request) {
   return Conversion(request, io::writer_for(request.out)).go();
 }
 
-std::string describe_convert(const ConvertRequest& request) {
-  std::string text;
+DryRun try_convert(const ConvertRequest& request) {
+  DryRun tried;
   if (keeps_records(request) && !damaged_description(request)) {
     for (const fs::path& file : checked_outputs(request))
-      text += fmt::format("would write {}: records as stored\n", file.string());
-    return text;
+      tried.lines.push_back(fmt::format("would write {}: records as stored", file.string()));
+    return tried;
   }
+  bool good = false;
   for (const Output& output : plan(request, io::writer_for(request.out))) {
-    text += fmt::format("would write {}:", output.file.string());
-    for (const auto& entry : output.scans)
-      text += entry.problem.empty()
-                  ? fmt::format(" {} ({} samples)", entry.name, entry.samples)
-                  : fmt::format(" not {}, which cannot be read ({})", entry.name, entry.problem);
-    text += "\n";
+    std::string line = fmt::format("would write {}:", output.file.string());
+    for (const auto& entry : output.scans) {
+      if (entry.problem.empty())
+        line += fmt::format(" {} ({} samples)", entry.name, entry.samples);
+      else
+        tried.problems.push_back(
+            fmt::format("{}: not {}: {}", output.file.string(), entry.name, entry.problem));
+      good |= entry.problem.empty();
+    }
+    tried.lines.push_back(std::move(line));
   }
-  return text;
+  if (!tried.problems.empty()) tried.exit_code = good ? 3 : exit_code(ErrorKind::input);
+  return tried;
 }
 
 std::string text_of(const ConvertRun& run) {

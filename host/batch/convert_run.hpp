@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "batch/dry_run.hpp"
+
 namespace hybrid::batch {
 
 struct ConvertRequest {
@@ -29,7 +31,7 @@ struct ConvertRun {
 ConvertRun run_convert(const ConvertRequest& request);
 
 // --dry-run: the same checks; says what would be written.
-std::string describe_convert(const ConvertRequest& request);
+DryRun try_convert(const ConvertRequest& request);
 
 std::string text_of(const ConvertRun& run);
 

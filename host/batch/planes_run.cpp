@@ -86,16 +86,6 @@ PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
   return run;
 }
 
-std::string describe_planes_run(const PlanesRequest& request) {
-  check_output_folder(request.out, "", request.force);
-  std::string text;
-  for (const auto& file : request.files) {
-    io::check_readable(file);
-    text += fmt::format("would extract the planes of {} into {}\n", file.string(), request.out.string());
-  }
-  return text;
-}
-
 std::string text_of(const PlanesRun& run) {
   std::string text = fmt::format("{:<24} {:>10} {:>11} {:>13} {:>10}\n", "scan", "measured", "grid",
                                  "superclusters", "discarded");

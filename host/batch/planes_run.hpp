@@ -28,9 +28,6 @@ struct PlanesRun {
 // is done; one scan is in memory at a time, and one that fails does not stop the others.
 PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request);
 
-// --dry-run: checks that every file can be read; says what would be done.
-std::string describe_planes_run(const PlanesRequest& request);
-
 // A table for a person.
 std::string text_of(const PlanesRun& run);
 

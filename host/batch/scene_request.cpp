@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "batch/edit_unit.hpp"
 #include "batch/output_folder.hpp"
 #include "core/error.hpp"
 
@@ -34,6 +35,11 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
   check_output_folder(request.out, scene.name, request.force);
   return scene;
+}
+
+void check_edited_scans_early(const io::SceneFile& scene, bool salvage) {
+  if (!edits_name_other_scans(scene, ScanNames(scene).taken())) return;
+  if (const auto ids = scan_ids(scene, salvage)) check_edited_scans(scene, *ids);
 }
 
 io::SceneScan in_scan_frame(io::SceneScan entry) {

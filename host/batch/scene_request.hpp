@@ -15,6 +15,10 @@ namespace hybrid::batch {
 // to `stages` those that others need.
 io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options);
 
+// Throws as check_edited_scans() where no scan of the scene is one that an edit names. Files are listed for
+// that only where no entry's id is it, and one that cannot be listed leaves it open.
+void check_edited_scans_early(const io::SceneFile& scene, bool salvage);
+
 // What the scene file says in the file's coordinates, in the scanner's frame.
 io::SceneScan in_scan_frame(io::SceneScan entry);
 

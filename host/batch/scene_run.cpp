@@ -1,7 +1,5 @@
 #include "batch/scene_run.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <future>
 #include <map>
@@ -23,7 +21,6 @@
 #include "core/log.hpp"
 #include "core/parallel.hpp"
 #include "io/output.hpp"
-#include "io/read_cameras.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -77,7 +74,7 @@ class Run {
   void read_inputs() {
     run_.scene = read_scene(request_, stages_, options_);
     names_.emplace(run_.scene);
-    check_edits();
+    check_edited_scans_early(run_.scene, request_.salvage);
     expect_steps();
     progress_.step("read", "scene " + run_.scene.name);
     if (run_.scene.model) {
@@ -107,12 +104,6 @@ class Run {
     for (const auto& [file, hash] : hashes_) files.push_back(file);
     if (run_.scene.truth) files.push_back(*run_.scene.truth);
     return files;
-  }
-
-  // Files are listed for that only where an edit names a scan that no entry's id does.
-  void check_edits() const {
-    if (!edits_name_other_scans(run_.scene, names_->taken())) return;
-    if (const auto ids = scan_ids(run_.scene, request_.salvage)) check_edited_scans(run_.scene, *ids);
   }
 
   void expect_steps() {
@@ -155,18 +146,12 @@ class Run {
 
   // An entry without an index stands for every scan of its file. One scan is in memory at a time.
   void process_file(const io::SceneScan& entry) {
-    const std::string name = entry.id.empty() ? entry.file.filename().string() : entry.id;
+    const std::string name = given_name(entry);
     std::vector<io::ScanEntry> scans;
     std::future<io::FileFingerprint> print;  // taken beside the reading, where there are threads
     unit("scan " + name, [&] {
       progress_.step("read", "scan " + name);
-      auto listed = list_scene_scans(entry, request_.salvage);
-      if (listed.size() > 1 && !entry.landmarks.empty())
-        fail_input(
-            "{}:{}: expected the landmarks of one scan, found {} scans in {}; give each scan of the file a "
-            "[[scan]] with its `index`, landmarks in the one they belong to",
-            run_.scene.path.string(), entry.line, listed.size(), entry.file.filename().string());
-      scans = std::move(listed);
+      scans = list_scans_of(run_.scene, entry, request_.salvage);
       print = std::async(thread_count() > 1 ? std::launch::async : std::launch::deferred,
                          [&] { return io::fingerprint(entry.file); });
     });
@@ -462,26 +447,6 @@ class Run {
 
 SceneRun run_scene(device::Queue& queue, const RunRequest& request, const WriteReport& write_report) {
   return Run(queue, request, write_report).go();
-}
-
-std::string describe_run(const RunRequest& request) {
-  auto stages = request.stages;
-  StageOptions options;
-  const auto scene = read_scene(request, stages, options);
-  std::string text =
-      fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}\n", scene.name, scene.scans.size(),
-                  scene.views.size(), fmt::join(stages, ", "), request.out.string());
-  const auto line = [&](const char* what, const fs::path& file) {
-    io::check_readable(file);
-    text += fmt::format("  {} {}\n", what, file.string());
-  };
-  for (const auto& scan : scene.scans) line("scan", scan.file);
-  if (scene.model) line("model", scene.model->file);
-  if (scene.photographs) {
-    const auto cameras = io::read_cameras(scene.photographs->cameras, scene.photographs->images).photographs;
-    for (const auto& file : photograph_files(*scene.photographs, cameras)) line("photograph", file);
-  }
-  return text;
 }
 
 int exit_code(const SceneRun& run) {

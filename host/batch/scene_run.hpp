@@ -70,9 +70,6 @@ using WriteReport = std::function<void(const SceneRun&)>;
 // on. A lost device, a full disk and an interrupt end the run.
 SceneRun run_scene(device::Queue& queue, const RunRequest& request, const WriteReport& write_report);
 
-// --dry-run: reads the scene file and checks that every input exists; says what would be done.
-std::string describe_run(const RunRequest& request);
-
 // 0, or 3 when some units failed, or the failures' own code when nothing succeeded.
 int exit_code(const SceneRun& run);
 

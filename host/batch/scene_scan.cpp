@@ -15,6 +15,21 @@ std::vector<io::ScanEntry> list_scene_scans(const io::SceneScan& entry, bool sal
   return listed;
 }
 
+std::vector<io::ScanEntry> list_scans_of(const io::SceneFile& scene, const io::SceneScan& entry,
+                                         bool salvage) {
+  auto listed = list_scene_scans(entry, salvage);
+  if (listed.size() > 1 && !entry.landmarks.empty())
+    fail_input(
+        "{}:{}: expected the landmarks of one scan, found {} scans in {}; give each scan of the file a "
+        "[[scan]] with its `index`, landmarks in the one they belong to",
+        scene.path.string(), entry.line, listed.size(), entry.file.filename().string());
+  return listed;
+}
+
+std::string given_name(const io::SceneScan& entry) {
+  return entry.id.empty() ? entry.file.filename().string() : entry.id;
+}
+
 Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
   Scan scan =
       entry.depth ? io::read_depth_image(entry.file, *entry.depth) : io::read_scan(entry.file, scan_entry);

@@ -11,6 +11,11 @@ namespace hybrid::batch {
 // The scans that a [[scan]] stands for: one of a depth image, else those of its file or the one of its index.
 // Throws as io::list_scans() and io::scan_at().
 std::vector<io::ScanEntry> list_scene_scans(const io::SceneScan& entry, bool salvage);
+// The same of one of the scene's, whose landmarks must be those of one scan. Throws ErrorKind::input beside.
+std::vector<io::ScanEntry> list_scans_of(const io::SceneFile& scene, const io::SceneScan& entry,
+                                         bool salvage);
+// What an entry goes by before its scans are known: its id or its file's name.
+std::string given_name(const io::SceneScan& entry);
 // One of them, its scanner placed as the scene file says; warns where that is doubtful.
 Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry);
 

@@ -30,6 +30,9 @@ Image8 read_photograph(const std::filesystem::path& file, int expected_width, in
                     });
   return image;
 }
+void check_photograph(const std::filesystem::path& file, int expected_width, int expected_height) {
+  picture_library().check_photograph(file, expected_width, expected_height);
+}
 Image8 decode_photograph(const PictureBytes& picture, const PictureBytes& mask, const std::string& name,
                          int expected_width, int expected_height) {
   return picture_library().decode_photograph(picture, mask, name, expected_width, expected_height);

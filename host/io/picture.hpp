@@ -19,6 +19,9 @@ namespace hybrid::io {
 // turn, mirror, square, any size) it is an error that says how to settle it.
 Image8 read_photograph(const std::filesystem::path& file, int expected_width, int expected_height);
 
+// Throws what read_photograph throws of the file's header: all but pixels that do not decode.
+void check_photograph(const std::filesystem::path& file, int expected_width, int expected_height);
+
 // A photograph that lies in memory, inside another file; `name` says where, for messages. As read_photograph,
 // but JPEG or PNG only, and the pixels as stored: the camera of such a file refers to them, whatever an EXIF
 // orientation says. `mask`: another picture of its size, or empty; where it is black the result has alpha 0

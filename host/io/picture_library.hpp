@@ -13,6 +13,7 @@ namespace hybrid::io {
 // takes a process a quarter of a second.
 struct PictureLibrary {
   decltype(&io::read_photograph) read_photograph;
+  decltype(&io::check_photograph) check_photograph;
   decltype(&io::decode_photograph) decode_photograph;
   decltype(&io::picture_size) picture_size;
   void (*write_jpeg)(const std::filesystem::path&, const Image8&, int quality);

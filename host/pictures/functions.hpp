@@ -5,6 +5,7 @@
 namespace hybrid::pictures {
 
 Image8 read_photograph(const std::filesystem::path& file, int expected_width, int expected_height);
+void check_photograph(const std::filesystem::path& file, int expected_width, int expected_height);
 Image8 decode_photograph(const io::PictureBytes& picture, const io::PictureBytes& mask,
                          const std::string& name, int expected_width, int expected_height);
 io::PictureSize picture_size(const std::filesystem::path& file);

@@ -177,6 +177,32 @@ Image8 rgb_of(Image8 stored, int orientation, int width, int height) {
   return result;
 }
 
+struct Opened {
+  Input input;
+  OIIO::ImageSpec spec;
+  int orientation;    // to apply
+  int width, height;  // then
+};
+
+// Nothing is allocated before the size is checked, since a damaged header may say anything.
+Opened open_photograph(const fs::path& file, int expected_width, int expected_height) {
+  Opened opened{open_picture(file), {}, 1, 0, 0};
+  opened.spec = opened.input->spec();
+  const OIIO::ImageSpec& spec = opened.spec;
+  check_size(file, spec);
+  check_pixels(file, spec);
+  if (std::string_view(opened.input->format_name()) == "openexr") check_exr_channels(file, spec);
+  opened.orientation = orientation_to_apply(file, spec, expected_width, expected_height);
+  opened.width = opened.orientation == 1 ? spec.width : spec.height;
+  opened.height = opened.orientation == 1 ? spec.height : spec.width;
+  if (expected_width != 0 && (opened.width != expected_width || opened.height != expected_height))
+    fail_input(
+        "{}: expected the camera's {} x {} pixels, found {} x {}; give the photograph the cameras were "
+        "computed from",
+        file.string(), expected_width, expected_height, spec.width, spec.height);
+  return opened;
+}
+
 // Most pixels that a byte can stand for: a grey JPEG's block of 64 takes a bit at least, and deflate packs
 // 1032 bytes of 8 pixels of one bit into one.
 constexpr std::int64_t kJpegPixelsPerByte = 512, kPngPixelsPerByte = 1032 * 8;
@@ -226,23 +252,15 @@ Image8 decode_photograph(const PictureBytes& picture, const PictureBytes& mask, 
 }
 
 Image8 read_photograph(const fs::path& file, int expected_width, int expected_height) {
-  const Input input = open_picture(file);
-  const OIIO::ImageSpec spec = input->spec();
-  check_size(file, spec);
-  check_pixels(file, spec);
-  if (std::string_view(input->format_name()) == "openexr") check_exr_channels(file, spec);
-  const int orientation = orientation_to_apply(file, spec, expected_width, expected_height);
-  const int width = orientation == 1 ? spec.width : spec.height;
-  const int height = orientation == 1 ? spec.height : spec.width;
-  if (expected_width != 0 && (width != expected_width || height != expected_height))
-    fail_input(
-        "{}: expected the camera's {} x {} pixels, found {} x {}; give the photograph the cameras were "
-        "computed from",
-        file.string(), expected_width, expected_height, spec.width, spec.height);
-  // After the check, since a damaged header may say anything.
+  const Opened photograph = open_photograph(file, expected_width, expected_height);
+  const auto& [input, spec, orientation, width, height] = photograph;
   Image8 stored = is_linear(spec) ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat))
                                   : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
   return rgb_of(std::move(stored), orientation, width, height);
+}
+
+void check_photograph(const fs::path& file, int expected_width, int expected_height) {
+  open_photograph(file, expected_width, expected_height);
 }
 
 PictureSize picture_size(const fs::path& file) {

@@ -118,6 +118,26 @@ TEST(Options, dry_run_writes_nothing_and_names_every_input) {
   EXPECT_FALSE(fs::exists(scratch / "out"));
 }
 
+// Of a scene all problems at once, each as the run would tell it.
+TEST(Options, dry_run_tells_what_would_fail) {
+  const Scratch scratch;
+  fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  io::write_text(scratch / "scene/scene.toml",
+                 replaced(mini_scene_text(), "[model]",
+                          "[[scan]]\nid = \"none\"\nfile = \"s.ply\"\nindex = 3\n[model]"));
+  const std::string command = "hybrid run " + (scratch / "scene/scene.toml").string() + " --quiet --out " +
+                              (scratch / "out").string() + " --dry-run";
+  expect_failure(run(command), 3, {"scan none", "index 3"});
+  fs::copy_file(mini_result() / "views/front.png", scratch / "scene/images/1.png",
+                fs::copy_options::overwrite_existing);
+  const auto both = run(command + " --json");
+  expect_failure(both, 4,
+                 {"scan none", "index 3", "1.png: expected the camera's 64 x 48 pixels, found 32 x 24"});
+  EXPECT_EQ(nlohmann::json::parse(both.out).at("problems").size(), 2u);
+  EXPECT_EQ(run(command + " --only planes").exit_code, 3) << "nothing is drawn of photographs";
+  EXPECT_FALSE(fs::exists(scratch / "out"));
+}
+
 TEST(Options, dry_run_with_json_is_one_document) {
   const Scratch scratch;
   const std::string scan = (mini_scene() / "s.ply").string();
