@@ -31,6 +31,19 @@ std::optional<std::string> scene_in(const fs::path& file) {
                                                                    : std::nullopt;
 }
 
+// The scene file of the run that wrote this timing.json, where it is another than `scene_file` and still
+// there: one that was moved since is the same. Many scenes have the same name, or none.
+std::optional<fs::path> other_scene_file(const fs::path& timing, const fs::path& scene_file) {
+  std::error_code code;
+  if (!fs::exists(timing, code)) return std::nullopt;
+  const auto document = Json::parse(io::read_text(timing), nullptr, false);
+  const Json inputs = document.is_object() ? document.value("inputs", Json()) : Json();
+  if (!inputs.is_array() || inputs.empty() || !inputs[0].is_string()) return std::nullopt;
+  const fs::path was = inputs[0].get<std::string>();
+  if (!fs::exists(was, code) || fs::equivalent(was, scene_file, code)) return std::nullopt;
+  return was;
+}
+
 // Below the output folder; beside them summary.json and timing.json.
 constexpr std::array kResultFolders = {"scans", "views", "model", "export", "report"};
 
@@ -66,7 +79,8 @@ std::string called(const std::string& scene) {
 
 }  // namespace
 
-void check_output_folder(const fs::path& out, const std::string& scene, bool force) {
+void check_output_folder(const fs::path& out, const std::string& scene, const fs::path& scene_file,
+                         bool force) {
   if (force) return;
   for (const char* name : {"summary.json", "timing.json"}) {
     const fs::path file = out / name;
@@ -81,8 +95,12 @@ void check_output_folder(const fs::path& out, const std::string& scene, bool for
     if (*found != scene)
       fail_input("{}: holds the results {}, not {}; choose another --out or add --force", out.string(),
                  called(*found), called(scene));
-    return;
+    break;
   }
+  if (scene_file.empty()) return;
+  if (const auto other = other_scene_file(out / "timing.json", scene_file))
+    fail_input("{}: holds the results of {}, not of {}; choose another --out or add --force", out.string(),
+               other->string(), scene_file.string());
 }
 
 OutputFolder::OutputFolder(const fs::path& out, const std::string& scene, const std::vector<fs::path>& inputs)
@@ -97,6 +115,7 @@ OutputFolder::OutputFolder(const fs::path& out, const std::string& scene, const 
   const fs::path timing = out / "timing.json";
   Json begun = {{"device", nullptr}, {"state", "begun, not ended"}};
   if (!scene.empty()) begun["scene"] = scene;
+  if (!inputs.empty()) begun["inputs"] = {fs::absolute(inputs.front()).string()};
   io::write_text(timing, json_text(begun) + "\n");
   std::error_code code;
   begun_ = fs::last_write_time(timing, code);

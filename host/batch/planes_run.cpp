@@ -38,7 +38,7 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
 }  // namespace
 
 PlanesRun run_planes(device::Queue& queue, const PlanesRequest& request) {
-  check_output_folder(request.out, "", request.force);
+  check_output_folder(request.out, "", {}, request.force);
   const OutputFolder folder(request.out, "", request.files);
   PlanesRun run;
   Progress progress(request.quiet);

@@ -33,7 +33,7 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     fail_input("--view {}: {} has no view or path of that name", request.only_view, scene.path.string());
   if (request.leave_one_out && !scene.photographs)
     fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
-  check_output_folder(request.out, scene.name, request.force);
+  check_output_folder(request.out, scene.name, request.scene_file, request.force);
   return scene;
 }
 

@@ -122,7 +122,7 @@ DryRun try_scene(const RunRequest& request) {
 }
 
 DryRun try_planes(const PlanesRequest& request) {
-  check_output_folder(request.out, "", request.force);
+  check_output_folder(request.out, "", {}, request.force);
   Trial trial;
   trial.line(fmt::format("planes of {} files, into {}", request.files.size(), request.out.string()));
   std::vector<std::string> ids;

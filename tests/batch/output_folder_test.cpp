@@ -47,6 +47,25 @@ TEST(OutputFolder, inputs_where_results_are_written_are_refused_before_anything_
       OutputFolder(out, "church", {out / "scans/west.ptx", out / "scene.toml", out / "images/a.png"}));
 }
 
+// Many scenes bear one name: a second one's file tells it from the first, which may have been moved since.
+TEST(OutputFolder, another_scene_of_the_same_name_is_another) {
+  const TemporaryFolder scratch;
+  const fs::path out = scratch.path() / "out", abbey = scratch.path() / "abbey.toml",
+                 chapel = scratch.path() / "chapel.toml";
+  for (const fs::path& file : {abbey, chapel}) io::write_text(file, "[scene]\n");
+  { const OutputFolder folder(out, "church", {abbey}); }
+  const auto check = [&](const fs::path& scene_file, bool force) {
+    return error_of(ErrorKind::input, [&] { check_output_folder(out, "church", scene_file, force); });
+  };
+  EXPECT_TRUE(
+      holds(check(chapel, false), "holds the results of " + abbey.string() + ", not of " + chapel.string()));
+  EXPECT_TRUE(holds(check(chapel, false), "choose another --out or add --force"));
+  EXPECT_NO_THROW(check_output_folder(out, "church", chapel, true));
+  EXPECT_NO_THROW(check_output_folder(out, "church", scratch.path() / "out/../abbey.toml", false));
+  fs::rename(abbey, scratch.path() / "moved.toml");
+  EXPECT_NO_THROW(check_output_folder(out, "church", scratch.path() / "moved.toml", false));
+}
+
 TEST(OutputFolder, what_an_earlier_run_left_is_named) {
   const TemporaryFolder scratch;
   const fs::path out = scratch.path() / "out";
