@@ -63,6 +63,7 @@ std::vector<std::uint8_t> find_stray_samples(device::Queue& queue, const RangeIm
     fail(ErrorKind::failed, "find_stray_samples: {} sample labels for an image of {} samples",
          sample_label.size(), image.count());
   std::vector<std::uint8_t> result(image.count(), kNotStray);
+  const auto lanes = static_cast<std::size_t>(queue.vector_width());
   for (const Tile& tile : make_tiles(image.rows, image.cols, options.tile)) {
     const device::Rect rect{static_cast<std::size_t>(tile.row), static_cast<std::size_t>(tile.col),
                             static_cast<std::size_t>(tile.rows), static_cast<std::size_t>(tile.cols)};
@@ -72,7 +73,8 @@ std::vector<std::uint8_t> find_stray_samples(device::Queue& queue, const RangeIm
     auto stray = queue.array<std::uint8_t>(rect.rows * rect.cols);
     const auto width = static_cast<std::size_t>(image.cols);
     queue.write_rect(label, sample_label.data(), width, rect);
-    queue.launch("stray_samples", queue.kernel("stray_samples"), device::grid(rect.cols, rect.rows),
+    queue.launch("stray_samples", queue.kernel("stray_samples", {{"VW", queue.vector_width()}}),
+                 device::grid((rect.cols + lanes - 1) / lanes, rect.rows),
                  stray_params(tile, sigma_m, options), x, y, z, label, stray);
     queue.read_rect(stray, result.data(), width, rect);
   }

@@ -21,6 +21,7 @@ std::vector<WindowSeed> find_window_seeds(device::Queue& queue, const RangeImage
   const auto width = static_cast<std::size_t>(image.cols);
   const auto rows = static_cast<std::size_t>(std::min(image.rows, tile_side)),
              cols = static_cast<std::size_t>(std::min(image.cols, tile_side));
+  const auto lanes = static_cast<std::size_t>(queue.vector_width());
   const std::size_t most = (rows + WINDOW_REACH - 1) * (cols + WINDOW_REACH - 1);
   auto x = queue.array<float>(most), y = queue.array<float>(most), z = queue.array<float>(most);
   auto free = queue.array<std::uint8_t>(most), shape = queue.array<std::uint8_t>(rows * cols);
@@ -43,8 +44,8 @@ std::vector<WindowSeed> find_window_seeds(device::Queue& queue, const RangeImage
     queue.write_rect(y, image.y.data(), width, rect);
     queue.write_rect(z, image.z.data(), width, rect);
     queue.write_rect(free, use.data(), width, rect);
-    queue.launch("window_planes", queue.kernel("window_planes"), device::grid(params.cols, params.rows),
-                 params, x, y, z, free, shape);
+    queue.launch("window_planes", queue.kernel("window_planes", {{"VW", queue.vector_width()}}),
+                 device::grid((params.cols + lanes - 1) / lanes, params.rows), params, x, y, z, free, shape);
     queue.read_rect(shape, shapes.data(), params.cols, {0, 0, params.rows, params.cols});
     for (std::uint32_t k = 0; k < params.rows * params.cols; ++k)
       if (shapes[k] != 0) {

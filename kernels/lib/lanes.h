@@ -72,6 +72,23 @@ static inline floatv load_lanes(global const float* values, uint first, uint cou
   return LOAD_LANES(lane);
 }
 
+// The same of bytes; lanes at or beyond `count` get 0.
+static inline intv load_bytes(global const uchar* bytes, uint first, uint count) {
+#if VW > 1
+  if (first + VW <= count) return LANES_JOIN(convert_int, VW)(LANES_JOIN(vload, VW)(0, bytes + first));
+#endif
+  int lane[VW];
+  for (uint k = 0; k < VW; ++k) lane[k] = first + k < count ? bytes[first + k] : 0;
+  return LOAD_LANES(lane);
+}
+
+// Each lane's own number.
+static inline intv lane_numbers(void) {
+  int lane[VW];
+  for (uint k = 0; k < VW; ++k) lane[k] = (int)k;
+  return LOAD_LANES(lane);
+}
+
 // Their counterparts, which leave what lies at or beyond `count` alone.
 #define DEFINE_STORE(name, vector, scalar)                                               \
   static inline void name(vector value, global scalar* values, uint first, uint count) { \

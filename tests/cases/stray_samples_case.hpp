@@ -16,6 +16,7 @@ struct StraySamplesCase {
     StraySamplesParams params;
     std::vector<float> x, y, z;
     std::vector<std::uint32_t> label;
+    int vector_width = 0;  // 0: the device's
   };
   using Output = std::vector<std::uint8_t>;
   // Per sample the set of answers that some threshold within kMargin of the given ones gives, as bits
@@ -54,8 +55,11 @@ struct StraySamplesCase {
     const auto x = queue.array(input.x), y = queue.array(input.y), z = queue.array(input.z);
     const auto label = queue.array(input.label);
     auto stray = queue.array<std::uint8_t>(input.label.size());
-    queue.launch(kName, queue.kernel(kName), device::grid(input.params.cols, input.params.rows), input.params,
-                 x, y, z, label, stray);
+    const int lanes = input.vector_width > 0 ? input.vector_width : queue.vector_width();
+    const auto width = static_cast<std::size_t>(lanes);
+    queue.launch(kName, queue.kernel(kName, {{"VW", lanes}}),
+                 device::grid((input.params.cols + width - 1) / width, input.params.rows), input.params, x, y,
+                 z, label, stray);
     return queue.read(stray);
   }
   static Expected reference(const Input& input);  // reference/stray_samples.cpp

@@ -17,6 +17,7 @@ struct WindowPlanesCase {
     WindowPlanesParams params;
     std::vector<float> x, y, z;
     std::vector<std::uint8_t> free;
+    int vector_width = 0;  // 0: the device's
   };
   using Output = std::vector<std::uint8_t>;
   struct Expected {
@@ -75,8 +76,11 @@ struct WindowPlanesCase {
     const auto x = queue.array(input.x), y = queue.array(input.y), z = queue.array(input.z);
     const auto free = queue.array(input.free);
     auto shape = queue.array<std::uint8_t>(static_cast<std::size_t>(input.params.rows) * input.params.cols);
-    queue.launch(kName, queue.kernel(kName), device::grid(input.params.cols, input.params.rows), input.params,
-                 x, y, z, free, shape);
+    const int lanes = input.vector_width > 0 ? input.vector_width : queue.vector_width();
+    const auto width = static_cast<std::size_t>(lanes);
+    queue.launch(kName, queue.kernel(kName, {{"VW", lanes}}),
+                 device::grid((input.params.cols + width - 1) / width, input.params.rows), input.params, x, y,
+                 z, free, shape);
     return queue.read(shape);
   }
   static Expected reference(const Input& input);  // reference/window_planes.cpp

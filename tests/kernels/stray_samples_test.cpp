@@ -36,10 +36,14 @@ TEST(StraySamples, nothing_measured_is_nothing_stray) {
   for (const std::uint8_t answer : StraySamplesCase::run(queue(), input)) ASSERT_EQ(answer, STRAY_NONE);
 }
 
-TEST(StraySamples, gives_the_same_bits_at_two_work_group_sizes) {
-  const auto [a, b] = at_two_work_group_sizes(
-      [] { return StraySamplesCase::run(queue(), StraySamplesCase::make(1009, 11)); });
+TEST(StraySamples, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_width) {
+  auto input = StraySamplesCase::make(1009, 11);
+  const auto [a, b] = at_two_work_group_sizes([&] { return StraySamplesCase::run(queue(), input); });
   EXPECT_TRUE(same_bits(a, b));
+  for (const int width : vector_widths()) {
+    input.vector_width = width;
+    EXPECT_TRUE(same_bits(StraySamplesCase::run(queue(), input), a)) << width;
+  }
 }
 
 }  // namespace hybrid::testing

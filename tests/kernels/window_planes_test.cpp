@@ -44,10 +44,14 @@ TEST(WindowPlanes, samples_that_are_nan_make_no_plane) {
   for (const std::uint8_t shape : WindowPlanesCase::run(queue(), input)) ASSERT_EQ(shape, 0);
 }
 
-TEST(WindowPlanes, gives_the_same_bits_at_two_work_group_sizes) {
-  const auto [a, b] =
-      at_two_work_group_sizes([] { return WindowPlanesCase::run(queue(), WindowPlanesCase::make(1009, 5)); });
+TEST(WindowPlanes, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_width) {
+  auto input = WindowPlanesCase::make(1009, 5);
+  const auto [a, b] = at_two_work_group_sizes([&] { return WindowPlanesCase::run(queue(), input); });
   EXPECT_TRUE(same_bits(a, b));
+  for (const int width : vector_widths()) {
+    input.vector_width = width;
+    EXPECT_TRUE(same_bits(WindowPlanesCase::run(queue(), input), a)) << width;
+  }
 }
 
 }  // namespace hybrid::testing
