@@ -10,13 +10,15 @@ namespace hybrid::io {
 // A photograph through OpenImageIO as 8-bit sRGB RGB, grey or colour; alpha is dropped without
 // premultiplying. Integers are taken as sRGB: 8 bits as they are, 16 bits (PNG, TIFF) rounded to 8, because
 // the device holds photographs as 8-bit sRGB, as fine as the eye sees. Floating point (EXR, TIFF) and
-// integers tagged as linear are linear light: encoded as sRGB and rounded; above 1 clipped, NaN black, both
-// with a warning that tells the share. A colour profile other than sRGB is not applied (a warning names it).
-// Throws ErrorKind::input: does not decode or is cut short, size differs from the camera's (expected_width 0
-// = any), an EXR without R, G, B or Y or with a data window that is not its display window. EXIF orientation:
-// camera models may refer to the pixels as stored (COLMAP) or as displayed. A quarter turn of a photograph
-// that is not square is settled by the camera's size, whichever way fits; where the size cannot tell (half
-// turn, mirror, square, any size) it is an error that says how to settle it.
+// integers tagged as linear are linear light: encoded as sRGB and rounded, unless the file says that it is
+// sRGB (a TIFF by the Exif tag ColorSpace = 1; OpenImageIO's oiio:ColorSpace). Of floating point what is
+// above 1 is clipped and NaN black, both with a warning that tells the share. A colour profile other than
+// sRGB is not applied (a warning names it). Throws ErrorKind::input: does not decode or is cut short, size
+// differs from the camera's (expected_width 0 = any), an EXR without R, G, B or Y or with a data window that
+// is not its display window. EXIF orientation: camera models may refer to the pixels as stored (COLMAP) or as
+// displayed. A quarter turn of a photograph that is not square is settled by the camera's size, whichever way
+// fits; where the size cannot tell (half turn, mirror, square, any size) it is an error that says how to
+// settle it.
 Image8 read_photograph(const std::filesystem::path& file, int expected_width, int expected_height);
 
 // Throws what read_photograph throws of the file's header: all but pixels that do not decode.

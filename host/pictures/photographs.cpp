@@ -40,8 +40,10 @@ void check_size(const fs::path& file, const OIIO::ImageSpec& spec) {
                file.string(), spec.width, spec.height, spec.depth, spec.nchannels);
 }
 
+// What the file says, as OpenImageIO understands it (of a TIFF, its Exif tag); else floating point is light.
 bool is_linear(const OIIO::ImageSpec& spec) {
   const std::string space(spec.get_string_attribute("oiio:ColorSpace"));
+  if (space == "sRGB") return false;
   return spec.format.is_floating_point() || space == "Linear" || space == "linear";
 }
 
@@ -136,20 +138,25 @@ Image<T> decode(const fs::path& file, OIIO::ImageInput& input, const OIIO::Image
   return stored;
 }
 
-// Linear light as sRGB bytes; tells what does not fit.
-Image8 encode(const fs::path& file, const ImageF& linear) {
-  Image8 result(linear.width, linear.height, linear.channels);
-  parallel_for(static_cast<std::size_t>(linear.height), [&](std::size_t row) {
+// Of a value that is sRGB already.
+std::uint8_t byte_of(float value) {
+  return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(value, 1.0f))) : std::uint8_t{0};
+}
+
+// Linear light, or values that are sRGB already, as sRGB bytes; tells what does not fit.
+Image8 encode(const fs::path& file, const ImageF& values, bool linear) {
+  Image8 result(values.width, values.height, values.channels);
+  parallel_for(static_cast<std::size_t>(values.height), [&](std::size_t row) {
     const std::size_t length =
-        static_cast<std::size_t>(linear.width) * static_cast<std::size_t>(linear.channels);
+        static_cast<std::size_t>(values.width) * static_cast<std::size_t>(values.channels);
     for (std::size_t i = row * length; i < (row + 1) * length; ++i)
-      result.pixels[i] = srgb_byte_from_linear(linear.pixels[i]);
+      result.pixels[i] = linear ? srgb_byte_from_linear(values.pixels[i]) : byte_of(values.pixels[i]);
   });
-  const auto count = static_cast<double>(linear.pixels.size());
+  const auto count = static_cast<double>(values.pixels.size());
   const auto bright =
-      std::count_if(linear.pixels.begin(), linear.pixels.end(), [](float v) { return v > 1; });
+      std::count_if(values.pixels.begin(), values.pixels.end(), [](float v) { return v > 1; });
   const auto none =
-      std::count_if(linear.pixels.begin(), linear.pixels.end(), [](float v) { return std::isnan(v); });
+      std::count_if(values.pixels.begin(), values.pixels.end(), [](float v) { return std::isnan(v); });
   if (bright > 0)
     log::warning("{}: {:.2f} % of its values are brighter than 1 and are clipped to 1", file.string(),
                  100 * static_cast<double>(bright) / count);
@@ -254,8 +261,10 @@ Image8 decode_photograph(const PictureBytes& picture, const PictureBytes& mask, 
 Image8 read_photograph(const fs::path& file, int expected_width, int expected_height) {
   const Opened photograph = open_photograph(file, expected_width, expected_height);
   const auto& [input, spec, orientation, width, height] = photograph;
-  Image8 stored = is_linear(spec) ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat))
-                                  : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
+  const bool linear = is_linear(spec);
+  Image8 stored = linear || spec.format.is_floating_point()
+                      ? encode(file, decode<float>(file, *input, spec, OIIO::TypeFloat), linear)
+                      : decode<std::uint8_t>(file, *input, spec, OIIO::TypeUInt8);
   return rgb_of(std::move(stored), orientation, width, height);
 }
 

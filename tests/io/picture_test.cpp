@@ -157,6 +157,21 @@ TEST(picture, floating_point_is_linear_light) {
     }
 }
 
+// A TIFF that says sRGB (Exif ColorSpace 1) is that, floating point too.
+TEST(picture, floating_point_that_says_srgb_is_srgb) {
+  const TemporaryFolder folder;
+  OIIO::ImageSpec spec(2, 1, 3, OIIO::TypeFloat);
+  spec["oiio:ColorSpace"] = "sRGB";
+  const std::vector<float> values = {0.5f, 0.0f, 1.0f, 7.5f, -1.0f, std::numeric_limits<float>::quiet_NaN()};
+  const auto file = (folder.path() / "a.tif").string();
+  const auto output = OIIO::ImageOutput::create(file);
+  ASSERT_TRUE(output && output->open(file, spec) && output->write_image(OIIO::TypeFloat, values.data()) &&
+              output->close());
+  const Image8 back = read_photograph(file, 2, 1);
+  EXPECT_EQ(pixel(back, 0, 0), (std::vector<int>{128, 0, 255}));
+  EXPECT_EQ(pixel(back, 1, 0), (std::vector<int>{255, 0, 0}));
+}
+
 TEST(picture, linear_integers_are_linear_light) {
   const TemporaryFolder folder;
   OIIO::ImageSpec spec(1, 1, 3, OIIO::TypeUInt16);
