@@ -69,6 +69,7 @@ void write_rib_export(stages::Renderer& renderer, const stages::RenderScene& sce
   rib.points = options.exporting.rib_samples == "points";
   rib.tolerance_m = options.render.surface_tolerance_m;
   rib.feather_px = options.render.feather_px;
+  rib.grazing_deg = options.render.grazing_deg;
   for (const auto& splat : scene.splats)
     if (!splat.on_face && splat.radius_m > 0 && std::isfinite(splat.radius_m))
       rib.samples.push_back({{static_cast<double>(splat.centre_m[0]), static_cast<double>(splat.centre_m[1]),

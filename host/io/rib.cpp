@@ -82,7 +82,9 @@ class RibWriter {
       const auto put = [&](const std::string& text) { out.write(text.data(), text.size()); };
       put("##RenderMan RIB-Structure 1.1 Entity\n##Creator hybrid\n" + origin_comment());
       for (std::size_t i = 0; i < scene_.projectors.size(); ++i) put(light(i + 1, scene_.projectors[i]));
-      put(fmt::format("Sides 2\nSurface \"hybrid_blend\" \"float pixel_rad\" [{}]\n", number(pixel_rad())));
+      put(fmt::format(
+          "Sides 2\nSurface \"hybrid_blend\" \"float pixel_rad\" [{}] \"float grazing_deg\" [{}]\n",
+          number(pixel_rad()), number(scene_.grazing_deg)));
       for (const PolygonModel* model : {&scene_.proxy, &scene_.contours})
         for (const Face& face : model->faces) put(polygon(*model, face));
       write_samples(put);

@@ -34,6 +34,7 @@ struct RibScene {
   bool points = true;         // samples as RiPoints of their diameter, else as spheres
   double tolerance_m = 0.02;  // by which a surface may lie behind what a projector's depth says
   double feather_px = 32;
+  double grazing_deg = 2;  // a photograph that meets a surface at no more than this does not see it
 };
 
 // The paper's export (2.4), RIB-Structure 1.1: `folder`/scene.rib with a frame per view, which reads

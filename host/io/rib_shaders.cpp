@@ -81,14 +81,15 @@ light hybrid_projector(string slide = ""; string depth = "";
 
 const char* const kBlendShader =
     R"SL(/* View-dependent blending of the photographs that see a point (Debevec et al. 1996): each weighs
-   1 / (angle between its ray and the viewer's + one pixel), feathered to 0 at its border. Seen by none: red. */
-surface hybrid_blend(float pixel_rad = 0.001;)
+   1 / (angle between its ray and the viewer's + one pixel), feathered to 0 at its border. One that meets the
+   surface at no more than `grazing_deg` does not see it. Seen by none: red. */
+surface hybrid_blend(float pixel_rad = 0.001, grazing_deg = 2;)
 {
     normal front = faceforward(normalize(N), I);
     vector to_eye = -normalize(I);
     color sum = 0;
     float weights = 0;
-    illuminance("hybrid", P, front, PI / 2) {
+    illuminance("hybrid", P, front, PI / 2 - radians(grazing_deg)) {
         float seen = 0;
         if (lightsource("photo_seen", seen) == 1 && seen > 0) {
             float angle = acos(clamp(normalize(L) . to_eye, -1, 1));

@@ -35,6 +35,7 @@ Exported write(const std::filesystem::path& folder, const stages::RenderScene& s
   if (!scene.photographs.empty()) out.views.push_back(view);
   batch::StageOptions options;
   options.exporting.rib_samples = samples;
+  options.render.grazing_deg = 7.5;
   stages::Renderer renderer(queue(), scene);
   batch::write_rib_export(
       renderer, scene, out.views, photographs, options, folder,
@@ -62,6 +63,7 @@ TEST(ExportRib, a_strict_reader_rebuilds_the_scene_and_sees_the_same_depths) {
     const auto exported = write(folder.path(), room.scene, samples);
     const RibFile rib = read_rib(folder.path() / "scene.rib");
     EXPECT_EQ(rib.surface, "hybrid_blend");
+    EXPECT_EQ(rib.surface_numbers.at("grazing_deg"), 7.5);
     ASSERT_EQ(rib.frames.size(), 1u);  // the distorted view has none, and a note says so
     ASSERT_EQ(exported.notes.size(), 1u);
     EXPECT_TRUE(holds(exported.notes[0], "through a distorted lens"));

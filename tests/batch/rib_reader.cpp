@@ -193,6 +193,8 @@ class Reader {
     } else if (request == "Surface") {
       shader(lexer, "surface", strings_[0]);
       out_.surface = strings_[0];
+      for (const auto& [name, value] : parameters_)
+        out_.surface_numbers[name.substr(name.find(' ') + 1)] = std::get<Numbers>(value).at(0);
     } else if (request == "Attribute") {
       if (strings_[0] == "identifier") name_ = std::get<Strings>(parameters_.at("string name")).at(0);
     } else if (request == "GeneralPolygon") {

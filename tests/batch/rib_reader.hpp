@@ -41,6 +41,7 @@ struct RibFile {
   std::vector<Light> lights;
   std::set<std::string> files;  // everything it names and that must exist, relative
   std::string surface;
+  std::map<std::string, double> surface_numbers;
 
   // Distance along the camera's axis of what each pixel of a frame sees, row by row; infinite: nothing.
   std::vector<double> depth(const Frame& frame) const;
