@@ -315,6 +315,15 @@ Json equalisation_figures(const stages::Renderer& renderer, const PhotographSet&
   return rows;
 }
 
+Json sigma_figures(const stages::Renderer& renderer) {
+  const auto& choice = renderer.sigma_choice();
+  if (!choice) return {};
+  Json tried = Json::array();
+  for (const auto& trial : choice->tried)
+    tried.push_back({{"sigma_px", trial.sigma_px}, {"psnr_db", trial.psnr_db}});
+  return {{"sigma_px", choice->sigma_px}, {"tried", tried}};
+}
+
 Image8 to_picture(const ImageF& linear) {
   Image8 picture(linear.width, linear.height, linear.channels);
   for_blocks(linear.pixels.size(), 1 << 16, [&](std::size_t, std::size_t begin, std::size_t end) {

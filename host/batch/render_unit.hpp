@@ -61,6 +61,9 @@ nlohmann::ordered_json render_view(stages::Renderer& renderer, const io::SceneVi
 nlohmann::ordered_json equalisation_figures(const stages::Renderer& renderer,
                                             const PhotographSet& photographs);
 
+// sigma_px = "auto": what was chosen and what was tried; null otherwise.
+nlohmann::ordered_json sigma_figures(const stages::Renderer& renderer);
+
 // Linear RGB to an 8-bit sRGB picture.
 Image8 to_picture(const ImageF& linear);
 // The same of a view, with its shoulder.

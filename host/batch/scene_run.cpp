@@ -321,6 +321,7 @@ class Run {
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs,
                                           options_.render.unseen_m);
     stages::Renderer renderer(queue_, scene, options_.render);
+    sigma_ = sigma_figures(renderer);
     if (options_.render.equalise) equalisation_ = equalisation_figures(renderer, run_.photographs);
     if (!run_.photographs.cameras.empty())
       unit("coverage", [&] { coverage_ = coverage_figures(renderer, scene, options_.coverage); });
@@ -399,6 +400,7 @@ class Run {
     if (!export_.is_null()) run_.summary["export"] = export_;
     if (!coverage_.is_null()) run_.summary["coverage"] = coverage_;
     if (!equalisation_.is_null()) run_.summary["equalisation"] = equalisation_;
+    if (!sigma_.is_null()) run_.summary["sigma"] = sigma_;
     if (const Json edits = editing_.figures(); !edits.is_null()) run_.summary["edit"] = edits;
     Json placed = Json::array();  // photographs out of E57 files
     for (std::size_t i = 0; i < run_.photographs.placed_with.size(); ++i)
@@ -439,7 +441,7 @@ class Run {
   std::optional<ScanNames> names_;
   std::optional<io::SceneTruth> truth_;
   std::map<fs::path, std::string> hashes_;  // of the inputs
-  Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, equalisation_, joint_;
+  Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, equalisation_, sigma_, joint_;
   SceneRun run_;
 };
 

@@ -101,6 +101,10 @@ bool apply_edit(StageOptions& options, const std::string& key, const OptionValue
 }
 
 bool apply_render(StageOptions& options, const std::string& key, const OptionValue& value) {
+  if (key == "sigma_px") {
+    stages::set_sigma(options.render, value);
+    return true;
+  }
   return apply(key, value, options.render, stages::render_option_table()) ||
          apply(key, value, options.coverage, stages::coverage_option_table());
 }
@@ -252,6 +256,7 @@ nlohmann::ordered_json describe(const StageOptions& options) {
   Json edit = describe_table(options.edit, stages::opening_option_table());
   edit.update(describe_table(options.displacement, stages::displacement_option_table()));
   Json render = describe_table(options.render, stages::render_option_table());
+  if (options.render.auto_sigma) render["sigma_px"] = "auto";
   render.update(describe_table(options.coverage, stages::coverage_option_table()));
   registration.update(describe_table(options.faces, stages::face_offset_option_table()));
   registration["scale"] = options.icp.free_scale ? "free" : "fixed";

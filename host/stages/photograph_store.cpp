@@ -125,6 +125,13 @@ void PhotographStore::use_levels(std::vector<int> levels) {
   levels_ = std::move(levels);
 }
 
+void PhotographStore::use_sigmas(std::vector<double> sigmas) {
+  for (auto& entry : resident_) entry.reset();
+  visiting_.reset();
+  resident_bytes_ = 0;
+  sigmas_ = std::move(sigmas);
+}
+
 CameraRecord PhotographStore::camera(std::size_t index) const {
   CameraRecord record = camera_record(scene_.photographs[index], origin_);
   if (masked_[index]) record.flags |= CAMERA_HAS_MASK;

@@ -36,6 +36,8 @@ class PhotographStore {
   // How often each photograph is halved before it is loaded (photograph_levels); none: never. What is loaded
   // otherwise goes. Masked photographs and panoramas that do not halve evenly must have 0.
   void use_levels(std::vector<int> levels);
+  // Other low bands from now on. What is loaded goes.
+  void use_sigmas(std::vector<double> sigmas);
   // Kernels: ray_cast and blur_photo when low bands are wanted.
   const Entry& get(std::size_t index, const DeviceBvh& everything);
   // Linear light of each sRGB byte of each photograph, per channel (3 x 256), on the device.

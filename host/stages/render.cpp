@@ -12,6 +12,7 @@
 #include "stages/photo_blend.hpp"
 #include "stages/photograph_levels.hpp"
 #include "stages/render_state.hpp"
+#include "stages/sigma_choice.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -261,7 +262,8 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        &O::sigma_px,
        0,
        50,
-       "Gaussian that splits photographs into low and high frequencies; the narrowest of multi-band",
+       "Gaussian that splits photographs into low and high frequencies, the narrowest of multi-band; or "
+       "\"auto\": by leaving photographs out",
        {}},
       {"bands", "", &O::bands, 2, BLEND_MAX_BANDS, "blend = multi-band: frequency bands, each an octave", {}},
       {"high_power",
@@ -338,6 +340,12 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
   return table;
 }
 
+void set_sigma(RenderOptions& options, const OptionValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  options.auto_sigma = text && *text == "auto";
+  if (!options.auto_sigma) set_option(options, *find_option(render_option_table(), "sigma_px"), value);
+}
+
 float least_facing(const RenderOptions& options) {
   return static_cast<float>(std::sin(options.grazing_deg * M_PI / 180));
 }
@@ -349,6 +357,11 @@ RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOpt
       origin(scene_box(s).isEmpty() ? Vec3(Vec3::Zero()) : Vec3(scene_box(s).center())),
       diagonal_m(scene_box(s).isEmpty() ? 1.0 : scene_box(s).diagonal().norm()),
       store(q, s, o, origin, !band_sigmas(o).empty()) {}
+
+void RenderState::use_sigma(double sigma_px) {
+  options.sigma_px = sigma_px;
+  store.use_sigmas(band_sigmas(options));
+}
 
 const DeviceBvh& RenderState::geometry(const std::string& show, bool curtains) {
   std::string built = show;
@@ -363,9 +376,13 @@ const DeviceBvh& RenderState::geometry(const std::string& show, bool curtains) {
 Renderer::Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options)
     : state_(std::make_unique<State>(queue, scene, options)) {
   state_->gains.assign(scene.photographs.size(), {1, 1, 1});
-  if (!options.equalise) return;
-  state_->gains = solve_gains(scene.photographs.size(), measure_overlaps(*this, *state_));
-  state_->store.set_gains(state_->gains);
+  if (options.equalise) {
+    state_->gains = solve_gains(scene.photographs.size(), measure_overlaps(*this, *state_));
+    state_->store.set_gains(state_->gains);
+  }
+  if (!options.auto_sigma || band_sigmas(options).empty() || scene.photographs.size() < 2) return;
+  state_->sigma = choose_sigma(*this, *state_);
+  state_->use_sigma(state_->sigma->sigma_px);
 }
 Renderer::~Renderer() = default;
 
@@ -380,6 +397,10 @@ Shoulder Renderer::common_shoulder() const {
 
 const RenderOptions& Renderer::options() const {
   return state_->options;
+}
+
+const std::optional<SigmaChoice>& Renderer::sigma_choice() const {
+  return state_->sigma;
 }
 
 RenderedView Renderer::render(const ViewRequest& request) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct RenderOptions {
   double ulr_resolution = 0.05;    // penalty, rad, per time that a photograph is coarser than the view
   double ulr_field_of_view = 0.1;  // penalty, rad, at a photograph's border
   double sigma_px = 4;             // Gaussian that splits photographs into low and high frequencies
+  bool auto_sigma = false;         // sigma_px = "auto": by leaving photographs out (SigmaChoice)
   int bands = 4;           // blend = "multi-band": of them, split by Gaussians of sigma_px, 2 sigma_px, ...
   int high_power = 4;      // exponent of the weights in the highest band: 1 as in the lowest, 64 the heaviest
                            // alone; of multi-band's others geometrically in between
@@ -47,6 +49,8 @@ struct RenderOptions {
   int tile = 1024;            // side in pixels of what is rendered at once; changes no result
 };
 const std::vector<OptionRow<RenderOptions>>& render_option_table();
+// sigma_px is a number or "auto". Throws as set_option() does.
+void set_sigma(RenderOptions& options, const OptionValue& value);
 // The cosine between sight and normal that goes with grazing_deg.
 float least_facing(const RenderOptions& options);
 
@@ -102,6 +106,15 @@ struct RenderedView {
   Shoulder shoulder;  // what a picture of it does with light above white, where coverage is not 0
 };
 
+// What auto_sigma made of it.
+struct SigmaChoice {
+  struct Trial {
+    double sigma_px = 0, psnr_db = 0;  // mean over photographs left out
+  };
+  double sigma_px = 0;
+  std::vector<Trial> tried;
+};
+
 // A place on a proxy face.
 struct SurfacePoint {
   Vec3 position, normal;  // world; unit, towards the side that is asked about
@@ -114,7 +127,9 @@ class Renderer {
  public:
   Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options = {});
   ~Renderer();
-  const RenderOptions& options() const;
+  const RenderOptions& options() const;  // with the sigma that was chosen
+  // With auto_sigma, where photographs are split into bands and there are at least two of them.
+  const std::optional<SigmaChoice>& sigma_choice() const;
   // What the photographs' linear light is multiplied with, per channel; all 1 without `equalise`.
   const std::vector<std::array<double, 3>>& gains() const;
   // What pictures at the one exposure of all photographs do with light above white.

@@ -19,9 +19,11 @@ struct RenderState {
   PhotographStore store;
   std::map<std::pair<std::string, bool>, DeviceBvh> geometries;  // by what is shown, with curtains
   std::vector<std::array<double, 3>> gains;                      // per photograph and channel
+  std::optional<SigmaChoice> sigma;
 
   RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o);
 
+  void use_sigma(double sigma_px);
   // Built when first shown. "both" of a scene that has only one of the two is that one.
   const DeviceBvh& geometry(const std::string& show, bool curtains = false);
   // What hides points of it from photographs: all that is shown, and curtains.

@@ -38,6 +38,11 @@ TEST(StageOptions, an_assignment_sets_a_key_of_every_section_and_type) {
   EXPECT_EQ(options.render.blend, "linear");
   EXPECT_EQ(options.render.weights, "ulr");
   EXPECT_EQ(options.render.sigma_px, 2.5);
+  EXPECT_FALSE(options.render.auto_sigma);
+  options.set("render.sigma_px=auto");
+  EXPECT_EQ(batch::describe(options)["render"]["sigma_px"], "auto");
+  options.set("render.sigma_px=2.5");
+  EXPECT_EQ(batch::describe(options)["render"]["sigma_px"], 2.5);
   EXPECT_EQ(options.render.feather_px, 12);
   EXPECT_EQ(options.render.ulr_k, 3);
   EXPECT_FALSE(options.auto_square);

@@ -40,6 +40,24 @@ TEST(LeaveOneOut, scores_every_photograph_and_their_mean_and_shows_the_pairs) {
   EXPECT_NE(made.out.find("mean of 6 photographs left out"), std::string::npos) << made.out;
 }
 
+TEST(LeaveOneOut, chooses_sigma_where_it_is_asked_to_and_says_what_it_tried) {
+  const Scratch scratch;
+  const auto made =
+      run("hybrid render " + scene() +
+          " --view both-textured --set render.blend=dual --set render.sigma_px=auto --quiet --out " +
+          scratch.path().string());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto document = nlohmann::json::parse(io::read_text(scratch / "summary.json"));
+  EXPECT_EQ(document["options"]["render"]["sigma_px"], "auto");
+  const auto& sigma = document["sigma"];
+  ASSERT_EQ(sigma["tried"].size(), 5u);
+  double best_db = 0, best_px = 0;
+  for (const auto& trial : sigma["tried"])
+    if (trial["psnr_db"].get<double>() > best_db) best_db = trial["psnr_db"], best_px = trial["sigma_px"];
+  EXPECT_EQ(sigma["sigma_px"], best_px);
+  EXPECT_GT(best_db, 15);
+}
+
 TEST(SetOption, a_wrong_assignment_is_a_usage_error_that_names_the_key) {
   const Scratch scratch;
   for (const char* command : {"run", "register", "render"}) {
