@@ -13,21 +13,32 @@ Image8 without_pixels(const Image8& image) {
   return size;
 }
 
+std::span<const char> bytes_of(const Image8& image) {
+  return {reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size()};
+}
+
 }  // namespace
+
+KeptPhotographs::KeptPhotographs(std::size_t budget_bytes, std::uint64_t all_bytes)
+    : budget_bytes_(budget_bytes),
+      scratch_(all_bytes > budget_bytes ? ScratchFile::make(all_bytes) : nullptr) {}
 
 void KeptPhotographs::add(const std::filesystem::path& file, int width, int height) {
   auto image = std::make_shared<Image8>(io::read_photograph(file, width, height));
-  Kept kept{file, without_pixels(*image), {}};
+  Kept kept{file, without_pixels(*image), {}, {}};
   if (kept_bytes_ + image->pixels.size() <= budget_bytes_) {
     kept_bytes_ += image->pixels.size();
     kept.pixels = std::move(image);
+  } else if (scratch_ && scratch_->write(scratch_bytes_, bytes_of(*image))) {
+    kept.on_disk = scratch_bytes_;
+    scratch_bytes_ += image->pixels.size();
   }
   photographs_.push_back(std::move(kept));
 }
 
 void KeptPhotographs::add(Image8 image) {
   kept_bytes_ += image.pixels.size();
-  Kept kept{{}, without_pixels(image), {}};
+  Kept kept{{}, without_pixels(image), {}, {}};
   kept.pixels = std::make_shared<const Image8>(std::move(image));
   photographs_.push_back(std::move(kept));
 }
@@ -35,6 +46,11 @@ void KeptPhotographs::add(Image8 image) {
 std::shared_ptr<const Image8> KeptPhotographs::get(std::size_t index) const {
   const Kept& kept = photographs_[index];
   if (kept.pixels) return kept.pixels;
+  if (kept.on_disk) {
+    auto image = std::make_shared<Image8>(kept.size.width, kept.size.height, kept.size.channels);
+    const std::span<char> bytes(reinterpret_cast<char*>(image->pixels.data()), image->pixels.size());
+    if (scratch_->read(*kept.on_disk, bytes)) return image;
+  }
   return std::make_shared<const Image8>(io::read_photograph(kept.file, kept.size.width, kept.size.height));
 }
 

@@ -1,19 +1,24 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "core/scratch_file.hpp"
 #include "geometry/image.hpp"
 
 namespace hybrid::batch {
 
 // The pixels of a scene's photographs. Every file is decoded once when it is added, so that what is wrong
-// with it is said at the start; as many as the budget holds stay in memory, the others are decoded again
-// whenever they are asked for.
+// with it is said at the start; as many as the budget holds stay in memory, the others on disk, in a file
+// without a name (core/scratch_file.hpp), and where that has no room they are decoded again whenever they are
+// asked for.
 class KeptPhotographs {
  public:
-  explicit KeptPhotographs(std::size_t budget_bytes = std::size_t{1} << 30) : budget_bytes_(budget_bytes) {}
+  // `all_bytes`: what all of them will take, decoded.
+  explicit KeptPhotographs(std::size_t budget_bytes = std::size_t{1} << 30, std::uint64_t all_bytes = 0);
   // Throws as io::read_photograph does.
   void add(const std::filesystem::path& file, int width, int height);
   // Pixels that no file gives again stay, whatever the budget.
@@ -28,9 +33,12 @@ class KeptPhotographs {
   struct Kept {
     std::filesystem::path file;
     Image8 size;
-    std::shared_ptr<const Image8> pixels;  // null: decoded when asked for
+    std::shared_ptr<const Image8> pixels;  // null: elsewhere
+    std::optional<std::uint64_t> on_disk;  // where in the scratch file; none: decoded when asked for
   };
   std::size_t budget_bytes_, kept_bytes_ = 0;
+  std::unique_ptr<ScratchFile> scratch_;
+  std::uint64_t scratch_bytes_ = 0;
   std::vector<Kept> photographs_;
 };
 

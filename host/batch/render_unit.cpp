@@ -156,8 +156,8 @@ std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photogr
 PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage,
                                std::size_t decoded_bytes) {
   PhotographSet set;
-  set.pixels = std::make_shared<KeptPhotographs>(decoded_bytes);
   if (!section.e57_files.empty()) {
+    set.pixels = std::make_shared<KeptPhotographs>(decoded_bytes);
     E57PhotographSet found = read_e57_photographs(section.e57_files, salvage);
     set.cameras = std::move(found.cameras);
     for (Image8& image : found.pixels) set.pixels->add(std::move(image));
@@ -170,6 +170,11 @@ PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool s
   for (const std::string& note : cameras.notes) log::warning("{}: {}", section.cameras.path.string(), note);
   set.cameras = cameras.photographs;
   set.files = photograph_files(section, set.cameras);
+  std::uint64_t all_bytes = 0;
+  for (const Photograph& photograph : set.cameras)
+    all_bytes += 3 * static_cast<std::uint64_t>(photograph.camera.width) *
+                 static_cast<std::uint64_t>(photograph.camera.height);
+  set.pixels = std::make_shared<KeptPhotographs>(decoded_bytes, all_bytes);
   const Pose world_from_photographs =
       section.world_from_photographs ? pose_from_row_major(*section.world_from_photographs) : Pose();
   for (std::size_t i = 0; i < set.cameras.size(); ++i) {

@@ -39,9 +39,12 @@ Middle middle_of(const RenderScene& scene, std::size_t index) {
 }
 
 std::vector<Middle> left_out(const RenderScene& scene) {
-  const std::size_t photographs = scene.photographs.size(), count = std::min(photographs, kMostLeftOut);
+  std::vector<std::size_t> flat;  // a part of a panorama is no panorama
+  for (std::size_t i = 0; i < scene.photographs.size(); ++i)
+    if (!scene.photographs[i].camera.panorama()) flat.push_back(i);
+  const std::size_t count = std::min(flat.size(), kMostLeftOut);
   std::vector<Middle> middles;
-  for (std::size_t k = 0; k < count; ++k) middles.push_back(middle_of(scene, k * photographs / count));
+  for (std::size_t k = 0; k < count; ++k) middles.push_back(middle_of(scene, flat[k * flat.size() / count]));
   return middles;
 }
 
