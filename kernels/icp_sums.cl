@@ -5,9 +5,11 @@
 // block's samples k, k + VW, ...; the lanes are added first to last. The host adds the blocks in double.
 // in:  x y z area [samples] scan frame, metres, m2; error [samples] metres, signed or not, NaN = no pair
 //      (height or distance of closest_point); triangle, near_x near_y near_z [samples] of closest_point;
-//      triangles [...] its records.
+//      triangles [...] its records. NORMALS 1: near_x near_y near_z are the pairs' unit normals instead, in
+//      the axes of `linear`, as closest_sample has them; triangle and triangles are not read.
 // out: partial [ceil(samples / BLOCK)][ICP_PLANE_SUMS or ICP_POINT_SUMS] as in params_icp_sums.h.
-// params: params_icp_sums.h. defines: VW lanes, BLOCK samples per work-item, POINT 0 plane step / 1 Horn.
+// params: params_icp_sums.h. defines: VW lanes, BLOCK samples per work-item, POINT 0 plane step / 1 Horn,
+// NORMALS 0 the triangles' / 1 given with the pairs (plane step).
 // edges: pairs with a NaN error, or a NaN sample, add nothing.
 // cost: 20 to 28 bytes read per sample plus one triangle's normal; 110 (plane) or 60 flops.
 // reference twin: tests/reference/icp_sums.cpp
@@ -19,6 +21,9 @@
 #endif
 #ifndef POINT
 #define POINT 0
+#endif
+#ifndef NORMALS
+#define NORMALS 0
 #endif
 #if POINT
 #define SUMS ICP_POINT_SUMS
@@ -55,7 +60,9 @@ static inline void add_pair(floatv* sums, floatv w, const floatv* p, const float
     sums[28 + a] += wj * error;
   }
 }
+#endif
 
+#if !POINT && !NORMALS
 static inline void gather_normals(floatv* n, global const uint* triangle,
                                   global const ProxyTriangle* triangles, uint first, uint count) {
   float lane[3][VW];
@@ -100,7 +107,13 @@ kernel void icp_sums(IcpSumsParams params, global const float* restrict x, globa
     const float* m = params.linear;
     floatv p[3], n[3];
     for (int k = 0; k < 3; ++k) p[k] = l[0] * m[3 * k] + l[1] * m[3 * k + 1] + l[2] * m[3 * k + 2];
+#if NORMALS
+    n[0] = select(zero, load_lanes(near_x, first, end, 0.0f), paired);
+    n[1] = select(zero, load_lanes(near_y, first, end, 0.0f), paired);
+    n[2] = select(zero, load_lanes(near_z, first, end, 0.0f), paired);
+#else
     gather_normals(n, triangle, triangles, first, end);
+#endif
     add_pair(sums, w, p, n, e);
 #endif
     sums[SUMS - 3] += w;

@@ -16,6 +16,8 @@ struct IcpSumsCase {
   static constexpr std::size_t kBlock = 256;
   struct Input {
     bool point = false;
+    bool normals = false;  // near_x near_y near_z are the pairs' normals
+    int lanes = 0;         // 0 = the device's choice
     Pose local_from_scan;
     float cutoff = 0.05f;
     Vec3 centre_scan{1, 2, 0.5}, centre_local{-3, 1, 0.25};
@@ -76,8 +78,10 @@ struct IcpSumsCase {
     auto triangle = queue.array(in.triangle);
     auto triangles = queue.array(in.triangles);
     auto partial = queue.array<float>(blocks * static_cast<std::size_t>(in.sums()));
-    const device::Defines defines{
-        {"VW", queue.vector_width()}, {"BLOCK", static_cast<int>(kBlock)}, {"POINT", in.point ? 1 : 0}};
+    const device::Defines defines{{"VW", in.lanes ? in.lanes : queue.vector_width()},
+                                  {"BLOCK", static_cast<int>(kBlock)},
+                                  {"POINT", in.point ? 1 : 0},
+                                  {"NORMALS", in.normals ? 1 : 0}};
     queue.launch(kName, queue.kernel(kName, defines), device::grid(blocks), params, x, y, z, area, error,
                  triangle, near_x, near_y, near_z, triangles, partial);
     const auto read = queue.read(partial);
@@ -97,6 +101,19 @@ struct IcpSumsPointCase : IcpSumsCase {
   static Input make(std::size_t size, std::uint32_t seed) {
     Input in = IcpSumsCase::make(size, seed);
     in.point = true;
+    return in;
+  }
+};
+
+// The plane step over the samples of another scan, which come with their normals.
+struct IcpSumsNormalsCase : IcpSumsCase {
+  static Input make(std::size_t size, std::uint32_t seed) {
+    Input in = IcpSumsCase::make(size, seed);
+    in.normals = true;
+    for (std::size_t i = 0; i < size; ++i) {
+      const Vec3f n = Vec3f(in.near_x[i], in.near_y[i], in.near_z[i]).normalized();
+      in.near_x[i] = n.x(), in.near_y[i] = n.y(), in.near_z[i] = n.z();
+    }
     return in;
   }
 };

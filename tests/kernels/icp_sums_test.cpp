@@ -23,6 +23,7 @@ TEST(IcpSums, agrees_with_its_reference_at_every_size) {
   for (std::size_t size : kSizes) {
     expect_agreement(IcpSumsCase::make(size, 3));
     expect_agreement(IcpSumsPointCase::make(size, 3));
+    expect_agreement(IcpSumsNormalsCase::make(size, 3));
   }
 }
 
@@ -32,6 +33,14 @@ TEST(IcpSums, without_a_cutoff_every_pair_counts_its_area) {
   expect_agreement(input);
   input.point = true;
   expect_agreement(input);
+}
+
+TEST(IcpSums, given_normals_give_the_same_at_every_width) {
+  auto input = IcpSumsNormalsCase::make(1009, 3);
+  for (int width : vector_widths()) {
+    input.lanes = width;
+    expect_agreement(input);
+  }
 }
 
 TEST(IcpSums, all_nan_adds_up_to_zero) {

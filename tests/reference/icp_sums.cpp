@@ -24,7 +24,8 @@ std::vector<double> terms_of(const IcpSumsCase::Input& in, std::size_t i) {
     append(terms, Eigen::Vector2d(weight * l.squaredNorm(), weight * r.squaredNorm()));
   } else {
     const float* normal = in.triangles[in.triangle[i]].normal;
-    const Vec3 n(normal[0], normal[1], normal[2]);
+    const Vec3 n =
+        in.normals ? Vec3(in.near_x[i], in.near_y[i], in.near_z[i]) : Vec3(normal[0], normal[1], normal[2]);
     const Vec3 p = in.local_from_scan.scale * in.local_from_scan.rotate(l);
     Eigen::Matrix<double, 7, 1> j;
     j << p.cross(n), n, n.dot(p);
