@@ -28,11 +28,12 @@ struct IcpOptions {
 };
 const std::vector<OptionRow<IcpOptions>>& icp_option_table();
 
-// Samples of superclusters, scan frame: the source of ICP (planar data only, METHOD 6).
+// Samples of surfaces, scan frame. Those of superclusters are the source of ICP to the proxy (planar data
+// only, METHOD 6).
 struct PlanarSamples {
   std::vector<std::array<float, 4>> points;   // x y z, weight (area in m2 the sample stands for)
-  std::vector<std::array<float, 4>> normals;  // of the supercluster, towards the scanner; w = 0
-  std::vector<std::uint32_t> supercluster;    // index of each sample's; ICP does not need it
+  std::vector<std::array<float, 4>> normals;  // of the surface, towards the scanner; w = 0
+  std::vector<std::uint32_t> supercluster;    // index of each sample's, or empty: ICP does not need it
 };
 
 // Measured planar samples, thinned by *area* (solid angle x r^2 / cos) to about max_samples (0 = all),
@@ -41,6 +42,11 @@ struct PlanarSamples {
 // with a regular step. Deterministic for any thread count.
 PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
                                     int max_samples, int seed);
+
+// The same of the measured samples outside superclusters but strays, thinned by area as if seen head on, each
+// with the normal that its neighbours tell; what has none is left out. `stray` per node, or empty.
+PlanarSamples choose_free_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                  const std::vector<std::uint8_t>& stray, int max_samples, int seed);
 
 struct Registration {
   Pose world_from_scan;

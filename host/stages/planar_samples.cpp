@@ -10,6 +10,7 @@
 #include "core/parallel.hpp"
 #include "lib/random.h"
 #include "stages/icp.hpp"
+#include "stages/sample_surface.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -31,8 +32,18 @@ double step_at(const std::vector<double>& angles, int i, double fallback) {
 }
 
 struct Areas {
-  Areas(const RangeImage& range_image, const PlaneSegmentation& planes)
-      : image(range_image), segmentation(planes), of_row(image.elevation_rad), of_col(image.azimuth_rad) {
+  // `no_plane`: of the measured samples outside superclusters that are no strays, as if seen head on; else of
+  // the superclusters'.
+  Areas(const RangeImage& range_image, const PlaneSegmentation& planes,
+        const std::vector<std::uint8_t>* no_plane = nullptr)
+      : image(range_image),
+        segmentation(planes),
+        stray(no_plane),
+        of_row(image.elevation_rad),
+        of_col(image.azimuth_rad) {
+    if (segmentation.sample_label.size() != image.count())
+      fail(ErrorKind::failed, "samples by area: {} labels for {} nodes", segmentation.sample_label.size(),
+           image.count());
     for (int row = 0; row < image.rows; ++row)
       of_row[static_cast<std::size_t>(row)] = std::cos(image.elevation_rad[static_cast<std::size_t>(row)]) *
                                               step_at(image.elevation_rad, row, image.azimuth_step_rad());
@@ -42,20 +53,22 @@ struct Areas {
 
   const RangeImage& image;
   const PlaneSegmentation& segmentation;
+  const std::vector<std::uint8_t>* stray;
   std::vector<double> of_row, of_col;  // their product: the node's solid angle
 
   // Area in m2 that each of the nodes from `col` on stands for, as many as are in the row; 0 for nodes that
-  // are no measured planar samples.
+  // are no such samples.
   Chunk of_chunk(int row, int col) const {
     Chunk x = Chunk::Zero(), y = x, z = x, along = x, angle = x;
     const int count = std::min(kChunk, image.cols - col);
     for (int k = 0; k < count; ++k) {
       const std::size_t i = image.index(row, col + k);
       const std::uint32_t label = segmentation.sample_label[i];
-      if (label == 0 || image.mask[i] != kMeasured) continue;
+      if (image.mask[i] != kMeasured || (stray == nullptr) != (label > 0)) continue;
+      if (label == 0 && !stray->empty() && (*stray)[i] != 0) continue;
       const Vec3 p = image.point(i);
       x[k] = p.x(), y[k] = p.y(), z[k] = p.z();
-      along[k] = segmentation.superclusters[label - 1].plane.normal.dot(p);
+      along[k] = label > 0 ? segmentation.superclusters[label - 1].plane.normal.dot(p) : p.norm();
       angle[k] = of_col[static_cast<std::size_t>(col + k)];
     }
     const Chunk range = (x * x + (y * y + z * z)).sqrt();
@@ -108,14 +121,9 @@ std::vector<Chosen> all_of_row(const Areas& areas, int row) {
   return chosen;
 }
 
-}  // namespace
-
-PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
-                                    int max_samples, int seed) {
-  if (segmentation.sample_label.size() != image.count())
-    fail(ErrorKind::failed, "choose_planar_samples: {} labels for {} nodes", segmentation.sample_label.size(),
-         image.count());
-  const Areas areas(image, segmentation);
+// Row by row.
+std::vector<Chosen> choose(const Areas& areas, int max_samples, int seed) {
+  const RangeImage& image = areas.image;
   const auto rows = static_cast<std::size_t>(image.rows),
              chunks = static_cast<std::size_t>((image.cols + kChunk - 1) / kChunk);
   std::vector<double> row_area(rows), before(rows), chunk_area(rows * chunks);
@@ -145,6 +153,14 @@ PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmenta
   });
   std::vector<Chosen> chosen;
   for (const auto& row : by_row) chosen.insert(chosen.end(), row.begin(), row.end());
+  return chosen;
+}
+
+}  // namespace
+
+PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                    int max_samples, int seed) {
+  auto chosen = choose(Areas(image, segmentation), max_samples, seed);
   // One supercluster after the other: neighbouring lanes of closest_point then pass over the same faces.
   std::stable_sort(chosen.begin(), chosen.end(), [&](const Chosen& a, const Chosen& b) {
     return segmentation.sample_label[a.node] < segmentation.sample_label[b.node];
@@ -159,6 +175,25 @@ PlanarSamples choose_planar_samples(const RangeImage& image, const PlaneSegmenta
     samples.points.push_back({point.x(), point.y(), point.z(), static_cast<float>(one.area)});
     samples.normals.push_back({normal.x(), normal.y(), normal.z(), 0});
     samples.supercluster.push_back(supercluster);
+  }
+  return samples;
+}
+
+PlanarSamples choose_free_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                  const std::vector<std::uint8_t>& stray, int max_samples, int seed) {
+  const auto chosen = choose(Areas(image, segmentation, &stray), max_samples, seed);
+  const SampleSurfaces surfaces(image, segmentation);
+  std::vector<Vec3f> normals(chosen.size());
+  parallel_for(chosen.size(), [&](std::size_t k) {
+    const auto node = static_cast<int>(chosen[k].node);
+    normals[k] = surfaces.at(node / image.cols, node % image.cols).normal.cast<float>();
+  });
+  PlanarSamples samples;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (normals[k].isZero()) continue;
+    const Vec3f point = image.point(chosen[k].node).cast<float>();
+    samples.points.push_back({point.x(), point.y(), point.z(), static_cast<float>(chosen[k].area)});
+    samples.normals.push_back({normals[k].x(), normals[k].y(), normals[k].z(), 0});
   }
   return samples;
 }

@@ -20,8 +20,8 @@ double elevation_measure(double angle) {
   return std::sin(angle) / (std::abs(std::sin(angle)) + std::cos(angle));
 }
 double azimuth_measure(double angle) {
-  const double turns = std::round(angle / (2 * std::numbers::pi)), x = std::cos(angle), y = std::sin(angle);
-  const double quarter = y / (std::abs(x) + std::abs(y));
+  const double x = std::cos(angle), y = std::sin(angle), quarter = y / (std::abs(x) + std::abs(y));
+  const double turns = std::round((angle - std::atan2(y, x)) / (2 * std::numbers::pi));
   return 4 * turns + (x >= 0 ? quarter : y >= 0 ? 2 - quarter : -2 - quarter);
 }
 
