@@ -50,7 +50,13 @@ Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& i
 NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const stages::ProxyModel* model,
                                              const StageOptions& options,
                                              const std::vector<ScanProduct>& products)
-    : queue_(queue), model_(model), options_(options), products_(products), seen_(products.size()) {}
+    : queue_(queue),
+      model_(model),
+      options_(options),
+      products_(products),
+      seen_(products.size()),
+      scan_to_scan_(queue, options, products),
+      starts_(products.size()) {}
 
 const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan) {
   if (!seen_[scan])
@@ -59,20 +65,38 @@ const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan)
   return *seen_[scan];
 }
 
-void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>& entries,
-                                                Registrations& registrations,
-                                                Registrations& abstentions) const {
+void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>& entries, const Vec3& shift,
+                                                Registrations& registrations, Registrations& abstentions) {
+  const auto recorded = [&](std::size_t i) {
+    auto pose = products_[i].recorded_pose;
+    if (pose) pose->translation -= shift;
+    return pose;
+  };
+  std::optional<Pose> world_from_frame;  // of the first scan whose file has a pose, and the pose there
+  Pose frame_recorded;
   for (std::size_t i = 0; i < products_.size(); ++i) {
     ScanRegistration one;
     one.evidence = stages::gather_evidence(products_[i].image, products_[i].segmentation,
                                            options_.alignment.rays, options_.alignment.seed);
     const bool given = entries[i].pose.has_value();
-    if (given) one.start = pose_from_row_major(*entries[i].pose);
-    one.how = given ? "given" : i == 0 ? "frame" : "neighbour";
+    if (given)
+      one.start = pose_from_row_major(*entries[i].pose);
+    else if (i == 0)
+      one.start = recorded(i).value_or(Pose());
+    one.how = given && (entries[i].fixed || i == 0) ? "given" : i == 0 ? "frame" : "neighbour";
     one.fixed = entries[i].fixed || i == 0;
     one.icp.world_from_scan = one.start;
     one.icp.converged = true;
-    one.abstained = i > 0 && !given;
+    one.abstained = !one.fixed;
+    if (one.fixed && !world_from_frame && recorded(i)) {
+      world_from_frame = one.start;
+      frame_recorded = *recorded(i);
+    }
+    if (one.abstained && given)
+      starts_[i] = ScanStart{one.start, "given"};
+    else if (one.abstained && world_from_frame)
+      starts_[i] = recorded_start(recorded(i), frame_recorded, *world_from_frame);
+    if (starts_[i] && !given && entries[i].scanner) starts_[i]->from = kOneFrame;
     if (!entries[i].landmarks.empty()) {
       one.warnings.push_back(fmt::format(
           "its {} landmarks (line {} on) place nothing: they are corners of a model, and the scene has no "
@@ -110,6 +134,7 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
     return false;
   }
   one.how = "neighbour";
+  one.on_scans.reset();
   one.carried_by = products_[by].id;
   one.abstained = false;
   one.start = registrations[by]->world_from_scan() * best->world_from_scan;
@@ -141,6 +166,7 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
 }
 
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
+  if (model_ == nullptr) scan_to_scan_.place(starts_, registrations, abstentions);
   if (model_ != nullptr && options_.automatic == "never") return;  // a pose by planes alone is not wanted
   // One that was carried may carry others.
   for (bool again = true; again;) {
@@ -152,7 +178,12 @@ void NeighbourRegistration::carry(Registrations& registrations, Registrations& a
 
 void NeighbourRegistration::refine(Registrations& registrations) {
   const auto posed = [](const auto& one) { return one.has_value(); };
-  if (!options_.joint || std::count_if(registrations.begin(), registrations.end(), posed) < 2) return;
+  if (options_.joint && std::count_if(registrations.begin(), registrations.end(), posed) > 1)
+    refine_all(registrations);
+  if (model_ == nullptr) scan_to_scan_.describe(registrations);
+}
+
+void NeighbourRegistration::refine_all(Registrations& registrations) {
   std::vector<std::size_t> index;
   std::vector<stages::JointScan> scans;
   std::vector<std::string> ids;
@@ -163,6 +194,8 @@ void NeighbourRegistration::refine(Registrations& registrations) {
         &one.evidence, &seen(i).shapes(), one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
     if (model_ != nullptr && one.held_by_model && !one.fixed)
       scan.covariance = prior_of(one, model_->shapes());
+    // What samples outside planes know of a pose, planes alone do not: through a door few planes hold a scan.
+    if (one.how == "scan-icp") scan.covariance = one.icp.covariance;
     scans.push_back(scan);
     index.push_back(i);
     ids.push_back(products_[i].id);

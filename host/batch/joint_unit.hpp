@@ -5,27 +5,29 @@
 #include <vector>
 
 #include "batch/registration_unit.hpp"
+#include "batch/scan_to_scan.hpp"
 #include "stages/joint_poses.hpp"
 
 namespace hybrid::batch {
 
-using Registrations = std::vector<std::optional<ScanRegistration>>;
-
-// The scans of one scene among each other (METHOD 7). A scan without a pose of its own, because the alignment
-// to the model abstained or there is no model, is aligned to the planes of those that have one; what abstains
-// there, too, stays without. Without a model the first scan is the frame: its pose is the scene file's or
-// none. Then all poses are refined together. Takes scans from `abstentions` to `registrations`.
+// The scans of one scene among each other (METHOD 7). Without a model the first scan is the frame: its pose
+// is the scene file's, else that in its file, else none; the poses that these give others are where ICP on
+// the other scans starts (scan_to_scan.hpp). A scan without a pose of its own, because the alignment to the
+// model abstained or nothing gave one that holds, is aligned to the planes of those that have one; what
+// abstains there, too, stays without. Then all poses are refined together. Takes scans from `abstentions` to
+// `registrations`.
 class NeighbourRegistration {
  public:
   // `model` may be null. The references must outlive it.
   NeighbourRegistration(device::Queue& queue, const stages::ProxyModel* model, const StageOptions& options,
                         const std::vector<ScanProduct>& products);
 
-  // Without a model: the first scan's pose, and all others as not yet aligned.
-  void begin_without_model(const std::vector<io::SceneScan>& entries, Registrations& registrations,
-                           Registrations& abstentions) const;
+  // Without a model: the first scan's pose, and all others as not yet aligned. `shift`: the scene's, which
+  // poses in scan files contain.
+  void begin_without_model(const std::vector<io::SceneScan>& entries, const Vec3& shift,
+                           Registrations& registrations, Registrations& abstentions);
   void carry(Registrations& registrations, Registrations& abstentions);
-  // [register] joint = true and at least two scans with a pose.
+  // Where [register] joint = true and at least two scans have a pose. Without a model also what lies on what.
   void refine(Registrations& registrations);
 
   // summary.json's "joint": null when refine() did nothing.
@@ -40,6 +42,7 @@ class NeighbourRegistration {
     const stages::ModelShapes& shapes() const { return polygons.faces.empty() ? no_shapes : model.shapes(); }
   };
   const Seen& seen(std::size_t scan);
+  void refine_all(Registrations& registrations);
   bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
 
   device::Queue& queue_;
@@ -47,6 +50,8 @@ class NeighbourRegistration {
   const StageOptions& options_;
   const std::vector<ScanProduct>& products_;
   std::vector<std::unique_ptr<Seen>> seen_;
+  ScanToScan scan_to_scan_;
+  std::vector<std::optional<ScanStart>> starts_;
   nlohmann::ordered_json figures_;
 };
 

@@ -151,12 +151,36 @@ Json landmark_json(const stages::LandmarkFit& fit) {
   return json;
 }
 
+Json on_scans_json(const OnScans& on) {
+  const auto& icp = on.icp.icp;
+  Json others = Json::array();
+  for (std::size_t k = 0; k < on.others.size(); ++k) {
+    const auto& other = on.icp.others[k];
+    if (other.on_m2 > 0 || other.through_m2 > 0)
+      others.push_back({{"scan", on.others[k]},
+                        {"overlap", other.overlap},
+                        {"rms_m", other.rms_m},
+                        {"on_m2", other.on_m2},
+                        {"seen_through_m2", other.through_m2}});
+  }
+  Json json = {{"rms_m", icp.rms_m},
+               {"overlap", icp.overlap},
+               {"seen_through", on.icp.seen_through},
+               {"degenerate", icp.degenerate},
+               {"scans", others}};
+  if (!on.start.empty()) json["start"] = on.start;
+  return json;
+}
+
 // What pose.json and summary.json say alike of a scan without a pose.
 Json abstained_json(const ScanRegistration& registration) {
   Json json = {{"how", registration.how}, {"status", "abstained"}};
   if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.automatic) json.update(automatic_json(*registration.automatic));
   json["reason"] = reason_of(registration);
+  if (registration.on_scans)
+    json["refused"] = {{"world_from_scan", row_major(registration.on_scans->icp.icp.world_from_scan)},
+                       {"on_scans", on_scans_json(*registration.on_scans)}};
   if (registration.planar_area)
     json["refused"] = {{"world_from_scan", row_major(registration.world_from_scan())},
                        {"rms_m", registration.icp.rms_m},
@@ -398,12 +422,13 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                {"how", registration.how},
                {"status", "accepted"},
                {"start_world_from_scan", row_major(registration.start)}};
-  if (!registration.carried_by.empty()) {
-    json["aligned_to"] = registration.carried_by;
+  if (!registration.carried_by.empty()) json["aligned_to"] = registration.carried_by;
+  if (registration.neighbour) {
     json["neighbour"] = automatic_json(*registration.neighbour);
     json["held_by_model"] = registration.held_by_model && registration.faces.has_value();
   }
   if (!registration.fixed && !registration.faces) json["covariance"] = icp.covariance;
+  if (registration.on_scans) json["on_scans"] = on_scans_json(*registration.on_scans);
   if (!registration.fixed && registration.faces) {
     json["rms_m"] = icp.rms_m;
     json["overlap"] = icp.overlap;
@@ -436,6 +461,16 @@ Json registration_figures(const ScanRegistration& registration) {
   if (registration.faces) {
     json["wall_before_icp"] = share_json(registration.wall_before);
     json["wall_after_icp"] = share_json(registration.wall_after);
+  }
+  if (registration.on_scans) {
+    json["icp_rms_m"] = registration.on_scans->icp.icp.rms_m;
+    json["overlap"] = registration.on_scans->icp.icp.overlap;
+    json["seen_through"] = registration.on_scans->icp.seen_through;
+    json["degenerate"] = registration.on_scans->icp.icp.degenerate;
+    if (!registration.on_scans->start.empty()) {
+      json["icp_iterations"] = registration.icp.iterations;
+      json["icp_converged"] = registration.icp.converged;
+    }
   }
   if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
   if (!registration.warnings.empty()) json["warnings"] = registration.warnings;

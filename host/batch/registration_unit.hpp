@@ -7,6 +7,7 @@
 #include "batch/scan_unit.hpp"
 #include "io/scene_file.hpp"
 #include "stages/face_offsets.hpp"
+#include "stages/scan_icp.hpp"
 
 namespace hybrid::batch {
 
@@ -21,8 +22,17 @@ struct WallShare {
 // lying on a face.
 constexpr double kFreeReach_m = 0.5;
 
+// How a scan lies on the other scans of its scene, planar samples and the others.
+struct OnScans {
+  // ICP began at: "given" | "recorded" (in the scan's file) | "coordinates" (of the file); "" = no ICP
+  std::string start;
+  stages::ScanIcp icp;
+  std::vector<std::string> others;  // whose figures icp.others are
+};
+
 struct ScanRegistration {
-  // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "frame" (the first, without a model)
+  // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "scan-icp" (from a given or recorded
+  // pose), "frame" (the first, without a model)
   std::string how;
   bool fixed = false;
   bool abstained = false;             // there is no pose: the automatic alignment abstained, or `refusal`
@@ -47,8 +57,9 @@ struct ScanRegistration {
   // abstained.
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
-  nlohmann::ordered_json written;  // files of the registered scan (registered_scans.hpp), or null
-  bool held_by_model = true;       // by what it sees of the model; else by its neighbours alone
+  std::optional<OnScans> on_scans;  // without a model, where another scan has a pose
+  nlohmann::ordered_json written;   // files of the registered scan (registered_scans.hpp), or null
+  bool held_by_model = true;        // by what it sees of the model; else by its neighbours alone
   const Pose& world_from_scan() const { return icp.world_from_scan; }
 };
 

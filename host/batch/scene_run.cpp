@@ -185,7 +185,7 @@ class Run {
     if (run_.model) model.emplace(*run_.model);
     NeighbourRegistration neighbours(queue_, model ? &*model : nullptr, options_, run_.products);
     if (!model)
-      neighbours.begin_without_model(entries_, run_.registrations, run_.abstentions);
+      neighbours.begin_without_model(entries_, run_.scene.shift, run_.registrations, run_.abstentions);
     else
       for (std::size_t i = 0; i < run_.products.size(); ++i)
         unit("scan " + run_.products[i].id, [&] {
@@ -268,9 +268,11 @@ class Run {
   [[noreturn]] void abstain(std::size_t i) {
     const ScanRegistration& scan = *run_.abstentions[i];
     const auto& neighbours = scan.neighbour_reason;
-    if (!run_.model)
+    if (!run_.model) {
+      const std::string reason = neighbours.empty() ? "there is no other scan to align to" : neighbours;
       fail_input("no pose: {}; give a pose in the scene file, or a [model]",
-                 neighbours.empty() ? "there is no other scan to align to" : neighbours);
+                 scan.refusal.empty() ? reason : scan.refusal + "; " + reason);
+    }
     if (wants("register"))
       write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,
                            scan.automatic.value_or(stages::AutomaticAlignment{}));

@@ -99,7 +99,9 @@ Table registration_columns(bool truth) {
   table.number("ICP rms", "mm", 2)
       .number("median", "mm", 2, "distance of planar samples from the model")
       .number("95 %", "mm", 1, "of planar samples are within")
-      .number("overlap", "%", 1, "of the samples chosen for ICP that found their face")
+      .number("overlap", "%", 1,
+              "of the samples chosen for ICP that found their face, without a model other scans")
+      .number("seen through", "%", 1, "by other scans, of what can be compared with them")
       .number("walls before", "%", 1, "of wall samples within 5 cm of the model before ICP")
       .number("walls after", "%", 1, "the same after ICP")
       .number("moved", "mm", 1, "by ICP")
@@ -133,9 +135,10 @@ std::string registration_table(const ScenePage& page) {
     for (Json value :
          {cell(figures, "/icp_rms_m", 1000), cell(figures, "/residuals/median_m", 1000),
           cell(figures, "/residuals/p95_m", 1000), cell(figures, "/overlap", 100),
-          cell(figures, "/wall_before_icp/within_5cm", 100), cell(figures, "/wall_after_icp/within_5cm", 100),
-          cell(figures, "/moved_by_icp/m", 1000), cell(figures, "/moved_by_icp/deg"), position_sigma_mm(pose),
-          cell(figures, "/landmark_rms_m", 1000), cell(figures, "/icp_iterations"),
+          cell(figures, "/seen_through", 100), cell(figures, "/wall_before_icp/within_5cm", 100),
+          cell(figures, "/wall_after_icp/within_5cm", 100), cell(figures, "/moved_by_icp/m", 1000),
+          cell(figures, "/moved_by_icp/deg"), position_sigma_mm(pose), cell(figures, "/landmark_rms_m", 1000),
+          cell(figures, "/icp_iterations"),
           joined(figures.contains("degenerate") ? figures["degenerate"] : Json())})
       row.push_back(std::move(value));
     table.add(std::move(row));

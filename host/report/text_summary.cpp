@@ -21,7 +21,11 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
                                                        : "  no pose: see sheet/ in the scan's folder\n";
   else if (scan.contains("registration")) {
     const auto& pose = scan["registration"];
-    if (pose.contains("icp_rms_m"))
+    if (pose.contains("seen_through"))
+      text += fmt::format("  {:.0f} % lie on other scans, rms {:.2f} mm; {:.1f} % are seen through\n",
+                          100 * pose["overlap"].get<double>(), 1000 * pose["icp_rms_m"].get<double>(),
+                          100 * pose["seen_through"].get<double>());
+    if (pose.contains("icp_iterations"))
       text += fmt::format("  ICP rms {:.2f} mm after {} iterations\n", 1000 * pose["icp_rms_m"].get<double>(),
                           pose["icp_iterations"].get<int>());
     if (pose.contains("aligned_to"))

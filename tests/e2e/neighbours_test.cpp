@@ -90,4 +90,89 @@ TEST(Neighbours, scans_without_a_model_are_registered_to_the_first) {
   EXPECT_GT(std::filesystem::file_size(out / "export/points.ply"), 100000u);
 }
 
+// A scene of these scans without a model, the second with this pose where there is one.
+void write_posed_scene(const fs::path& file, const fs::path& west, const fs::path& east, const Pose* pose) {
+  std::string text = fmt::format(
+      "[scene]\nname = \"posed\"\nlevelled = true\ntruth = \"{}\"\n[[scan]]\nid = \"west\"\nfile = "
+      "\"{}\"\n[[scan]]\nid = \"east\"\nfile = \"{}\"\n",
+      (room() / "truth.json").string(), west.string(), east.string());
+  if (pose != nullptr) text += fmt::format("pose = {}\n", nlohmann::json(row_major(*pose)).dump());
+  io::write_text(file, text);
+}
+
+// Where the truth has the second scan, the first at the origin.
+Pose east_in_west() {
+  const auto truth = json_of(room() / "truth.json");
+  const auto pose = [&](std::size_t i) {
+    return pose_from_row_major(truth["scans"][i]["world_from_scan"].get<std::array<double, 16>>());
+  };
+  return pose(0).inverse() * pose(1);
+}
+
+fs::path scan_of_room(const std::string& id) {
+  for (const auto& entry : fs::directory_iterator(room() / "scans"))
+    if (entry.path().stem() == id) return entry.path();
+  return {};
+}
+
+// A pose is where ICP on the other scan starts: 30 cm and 10 degrees off it arrives. One that the scans
+// contradict is refused with the numbers, and planes place the scan.
+TEST(Neighbours, a_pose_without_a_model_is_a_start_that_is_judged) {
+  const Scratch scratch;
+  const auto out = scratch / "out";
+  Pose start = east_in_west();
+  start.translation += Vec3(0.2, -0.2, 0.1);
+  start.rotation = Eigen::AngleAxisd(10 * M_PI / 180, Vec3(0.3, 0.2, 1).normalized()) * start.rotation;
+  write_posed_scene(scratch / "scene.toml", scan_of_room("west"), scan_of_room("east"), &start);
+  const std::string command = "hybrid run " + (scratch / "scene.toml").string() +
+                              " --only register,report --quiet --out " + out.string();
+  auto outcome = run(command);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  auto pose = json_of(out / "scans/east/pose.json");
+  EXPECT_EQ(pose["how"], "scan-icp");
+  EXPECT_EQ(pose["aligned_to"], "west");
+  EXPECT_EQ(pose["on_scans"]["start"], "given");
+  EXPECT_LT(pose["on_scans"]["seen_through"], 0.02);
+  EXPECT_GT(pose["on_scans"]["overlap"], 0.8);
+  auto summary = json_of(out / "summary.json");
+  EXPECT_LT(summary["scans"][1]["truth"]["pose_error_mm"], 0.2);
+  EXPECT_LT(summary["scans"][1]["truth"]["pose_error_deg"], 0.002);
+  EXPECT_NE(outcome.out.find("lie on other scans"), std::string::npos) << outcome.out;
+  EXPECT_NE(io::read_text(out / "report/index.html").find("seen through"), std::string::npos);
+
+  start = east_in_west();
+  start.translation += Vec3(2.5, 2, 0);
+  write_posed_scene(scratch / "scene.toml", scan_of_room("west"), scan_of_room("east"), &start);
+  outcome = run(command);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  pose = json_of(out / "scans/east/pose.json");
+  EXPECT_EQ(pose["how"], "neighbour");
+  ASSERT_EQ(pose["warnings"].size(), 1u);
+  EXPECT_NE(pose["warnings"][0].get<std::string>().find("the other scans contradict the pose"),
+            std::string::npos);
+  EXPECT_LT(json_of(out / "summary.json")["scans"][1]["truth"]["pose_error_mm"], 0.2);
+}
+
+// Registered files keep their frame: the first scan's pose in its file is the scene's, the others' are
+// starts.
+TEST(Neighbours, poses_in_scan_files_are_starts) {
+  const Scratch scratch;
+  const auto out = scratch / "out";
+  Pose start = east_in_west();
+  write_posed_scene(scratch / "scene.toml", scan_of_room("west"), scan_of_room("east"), &start);
+  const auto written = run("hybrid register " + (scratch / "scene.toml").string() +
+                           " --write e57 --quiet --out " + (scratch / "first").string());
+  ASSERT_EQ(written.exit_code, 0) << written.err;
+  write_posed_scene(scratch / "again.toml", scratch / "first/scans/west/registered.e57",
+                    scratch / "first/scans/east/registered.e57", nullptr);
+  const auto outcome =
+      run("hybrid register " + (scratch / "again.toml").string() + " --quiet --out " + out.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto pose = json_of(out / "scans/east/pose.json");
+  EXPECT_EQ(pose["how"], "scan-icp");
+  EXPECT_EQ(pose["on_scans"]["start"], "recorded");
+  const auto got = pose_from_row_major(pose["world_from_scan"].get<std::array<double, 16>>());
+  EXPECT_LT(difference(got, start).distance_m, 2e-4);
+}
+
 }  // namespace hybrid::e2e

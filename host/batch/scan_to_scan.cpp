@@ -1,0 +1,191 @@
+#include "batch/scan_to_scan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/log.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+constexpr int kSamples = 40000;  // of each kind
+// Of the scan's area, or the other's, on each other's surfaces: what is held firmly is placed first.
+constexpr std::array<double, 4> kOverlaps = {0.5, 0.2, 0.05, 0.01};
+// Of what lies on surfaces or is seen through: more contradicts a pose. Over random rooms right ones have
+// 0.02 at most, wrong ones 0.08 and more (the test ScanIcp). Where little holds the scan, as through a
+// church's door, right ones have 0.012 at most, wrong ones 0.04 and more.
+constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0.025;
+// From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
+constexpr double kFarthest_m = 2, kFarthestDeg = 40, kNearer = 0.3;
+constexpr double kSame_m = 1e-3, kSameRad = 1e-4;  // poses in files that are one
+
+std::string refused_in_words(const OnScans& on, const std::string& from, const std::string& contradiction) {
+  return fmt::format(
+      "the other scans contradict the pose that ICP found from the {} pose: {}; its rms is {:.4g} m, {:.0f} "
+      "% of the "
+      "scan's area lie on surfaces of others, and of all that can be compared {:.0f} % are seen through. "
+      "Check the "
+      "pose (world_from_scan, row by row, metres){}; fixed = true keeps a given pose as it is",
+      from, contradiction, on.icp.icp.rms_m, 100 * on.icp.icp.overlap, 100 * on.icp.seen_through,
+      from == "recorded" ? " in the scan's file, or give one in the scene file" : "");
+}
+
+double largest_overlap(const OnScans& on) {
+  double largest = 0;
+  for (const auto& other : on.icp.others) largest = std::max(largest, other.overlap);
+  return largest;
+}
+
+std::string contradiction_of(const OnScans& on, const Pose& start) {
+  const bool weak = largest_overlap(on) < kFirmOverlap;
+  const double most = weak ? kMostWhereWeak : kMostSeenThrough;
+  if (on.icp.seen_through > most)
+    return fmt::format("more than {:.1f} % are seen through{}", 100 * most,
+                       weak ? ", where little holds the scan" : "");
+  const auto moved = difference(start, on.icp.icp.world_from_scan);
+  const double factor = weak ? kNearer : 1;
+  if (moved.distance_m > factor * kFarthest_m || moved.angle_rad > factor * kFarthestDeg * M_PI / 180)
+    return fmt::format("it lies {:.2f} m and {:.1f} degrees from it", moved.distance_m,
+                       moved.angle_rad * 180 / M_PI);
+  return "";
+}
+
+std::string nearest_of(const OnScans& on) {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < on.others.size(); ++k)
+    if (on.icp.others[k].on_m2 > on.icp.others[best].on_m2) best = k;
+  return on.others[best];
+}
+
+}  // namespace
+
+std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
+                                        const Pose& world_from_frame) {
+  if (!recorded) return std::nullopt;
+  const auto apart = difference(*recorded, frame_recorded);
+  if (apart.distance_m < kSame_m && apart.angle_rad < kSameRad) return std::nullopt;
+  return ScanStart{world_from_frame * (frame_recorded.inverse() * *recorded), "recorded"};
+}
+
+ScanToScan::ScanToScan(device::Queue& queue, const StageOptions& options,
+                       const std::vector<ScanProduct>& products)
+    : queue_(queue), options_(options), products_(products), scans_(products.size()) {
+  // The scene's size is in what is near a face and clear of it.
+  icp_.overlap_m = options.alignment.tolerance_m;
+  icp_.clear_m = options.alignment.clear_m;
+  icp_.gate_m = 20 * icp_.overlap_m;
+  icp_.least_gate_m = 0.4 * icp_.overlap_m;
+}
+
+const stages::IcpScan& ScanToScan::scan(std::size_t i) {
+  if (!scans_[i]) {
+    const ScanProduct& product = products_[i];
+    const int most = options_.icp.max_samples;
+    scans_[i] = std::make_unique<stages::IcpScan>(
+        queue_,
+        stages::choose_scan_samples(product.image, product.segmentation, product.stray,
+                                    most > 0 ? std::min(most, kSamples) : kSamples, options_.icp.seed),
+        product.image, product.segmentation, product.stray);
+  }
+  return *scans_[i];
+}
+
+ScanToScan::Others ScanToScan::others_than(std::size_t i, const Registrations& registrations) {
+  Others others;
+  for (std::size_t k = 0; k < registrations.size(); ++k) {
+    if (k == i || !registrations[k]) continue;
+    others.index.push_back(k);
+    others.scans.push_back({&scan(k), registrations[k]->world_from_scan()});
+    others.ids.push_back(products_[k].id);
+  }
+  return others;
+}
+
+bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start,
+                           Registrations& registrations, Registrations& abstentions) {
+  const Others others = others_than(i, registrations);
+  if (others.index.empty()) return false;
+  start.found = OnScans{start.from,
+                        stages::register_to_scans(queue_, scan(i), others.scans, start.world_from_scan, icp_),
+                        others.ids};
+  start.contradiction = contradiction_of(*start.found, start.world_from_scan);
+  if (!start.contradiction.empty() || largest_overlap(*start.found) < least_overlap) return false;
+  ScanRegistration one = std::move(*abstentions[i]);
+  abstentions[i].reset();
+  one.how = "scan-icp";
+  one.abstained = false;
+  one.held_by_model = false;
+  one.automatic.reset();
+  one.start = start.world_from_scan;
+  one.on_scans.emplace(*std::move(start.found));
+  one.carried_by = nearest_of(*one.on_scans);
+  one.icp = one.on_scans->icp.icp;
+  if (!one.icp.converged)
+    warn(i,
+         fmt::format("ICP on the other scans did not converge in {} iterations: give a pose that is nearer",
+                     one.icp.iterations),
+         one);
+  log::info("scan {}: laid on scan {} from its {} pose", products_[i].id, one.carried_by, start.from);
+  registrations[i] = std::move(one);
+  return true;
+}
+
+// What the others contradict is refused, a guess dropped; what they do not tell of stays.
+void ScanToScan::settle(std::size_t i, const ScanStart& start, Registrations& registrations,
+                        Registrations& abstentions) {
+  if (start.from == kOneFrame) return;
+  ScanRegistration& one = *abstentions[i];
+  if (start.found && !start.contradiction.empty() && largest_overlap(*start.found) >= kOverlaps.back()) {
+    one.how = start.from;
+    one.on_scans = start.found;
+    one.refusal = refused_in_words(*one.on_scans, start.from, start.contradiction);
+    return;
+  }
+  one.how = start.from;
+  one.abstained = false;
+  one.automatic.reset();
+  one.start = one.icp.world_from_scan = start.world_from_scan;
+  one.icp.converged = true;
+  warn(i,
+       fmt::format("its {} pose is as it was: less than {:.0f} % of the scan lie on surfaces of others",
+                   start.from, 100 * kOverlaps.back()),
+       one);
+  registrations[i] = std::move(one);
+  abstentions[i].reset();
+}
+
+void ScanToScan::warn(std::size_t i, std::string text, ScanRegistration& one) const {
+  log::warning("scan {}: {}", products_[i].id, text);
+  one.warnings.push_back(std::move(text));
+}
+
+void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
+                       Registrations& abstentions) {
+  for (const double least : kOverlaps)
+    for (bool again = true; again;) {
+      again = false;
+      for (std::size_t i = 0; i < starts.size(); ++i) {
+        if (!starts[i] || !place_one(i, least, *starts[i], registrations, abstentions)) continue;
+        starts[i].reset();
+        again = true;
+      }
+    }
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    if (starts[i]) settle(i, *starts[i], registrations, abstentions);
+}
+
+void ScanToScan::describe(Registrations& registrations) {
+  for (std::size_t i = 0; i < registrations.size(); ++i) {
+    if (!registrations[i]) continue;
+    const Others others = others_than(i, registrations);
+    if (others.index.empty()) continue;
+    ScanRegistration& one = *registrations[i];
+    const std::string start = one.on_scans ? one.on_scans->start : "";
+    one.on_scans =
+        OnScans{start, stages::assess_on_scans(queue_, scan(i), others.scans, one.world_from_scan(), icp_),
+                others.ids};
+  }
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,68 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batch/registration_unit.hpp"
+
+namespace hybrid::batch {
+
+using Registrations = std::vector<std::optional<ScanRegistration>>;
+
+// The start of scans whose scanner positions the scene file gives: that their files' coordinates are of one
+// frame is a guess.
+inline constexpr const char* kOneFrame = "coordinates";
+
+// A pose that was given for a scan without a model.
+struct ScanStart {
+  Pose world_from_scan;
+  std::string from;  // "given" | "recorded" | kOneFrame
+  // What ICP made of it last, and what speaks against that: "" = nothing.
+  std::optional<OnScans> found{};
+  std::string contradiction{};
+};
+
+// The start that a scan's file gives: its pose there, relative to that of the frame, whose pose in the world
+// is known. The same pose as the frame's says nothing: scans that were never registered all have the
+// identity.
+std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
+                                        const Pose& world_from_frame);
+
+// Lays scans on each other by their samples, planar or not (METHOD 6, stages/scan_icp.hpp).
+class ScanToScan {
+ public:
+  // The references must outlive it.
+  ScanToScan(device::Queue& queue, const StageOptions& options, const std::vector<ScanProduct>& products);
+
+  // ICP from these starts on the scans that have a pose, those that overlap most first; a pose that the scans
+  // contradict is refused, with the numbers. One that no other scan can judge stays as it is. Takes scans
+  // from `abstentions` to `registrations`, or leaves them there, refused.
+  void place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
+             Registrations& abstentions);
+
+  // Every scan's figures under its final pose.
+  void describe(Registrations& registrations);
+
+ private:
+  const stages::IcpScan& scan(std::size_t i);
+  bool place_one(std::size_t i, double least_overlap, ScanStart& start, Registrations& registrations,
+                 Registrations& abstentions);
+  void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
+              Registrations& abstentions);
+  void warn(std::size_t i, std::string text, ScanRegistration& one) const;
+  struct Others {
+    std::vector<std::size_t> index;
+    std::vector<stages::PlacedScan> scans;
+    std::vector<std::string> ids;
+  };
+  Others others_than(std::size_t i, const Registrations& registrations);
+
+  device::Queue& queue_;
+  const StageOptions& options_;
+  stages::ScanIcpOptions icp_;
+  const std::vector<ScanProduct>& products_;
+  std::vector<std::unique_ptr<stages::IcpScan>> scans_;
+};
+
+}  // namespace hybrid::batch
