@@ -71,7 +71,7 @@ struct ClosestSampleCase {
         const double el = in.elevation[static_cast<std::size_t>(r)],
                      az = in.azimuth[static_cast<std::size_t>(c)];
         const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
-        Vec3 n;
+        Vec3 n = Vec3::Zero();
         const auto i = static_cast<std::size_t>(r * kCols + c);
         const Vec3 p = (cast(ray, n) + 0.02 * (u(i, 22) - 0.5)) * ray;
         const bool missing = random_below(seed, static_cast<std::uint32_t>(i), 23, 30) == 0;
