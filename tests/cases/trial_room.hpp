@@ -23,6 +23,9 @@ class Draw {
   std::uint32_t seed_, purpose_, next_ = 0;
 };
 
+// The pose moved and turned by so much in random directions: rotation about the scanner.
+Pose moved_at_random(const Pose& pose, double distance_m, double deg, std::uint32_t seed);
+
 // A rectangular recess in the wall over a side of the footprint.
 struct Recess {
   std::size_t side = 0;

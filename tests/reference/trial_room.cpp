@@ -186,6 +186,15 @@ Plane towards(const Plane& plane, const Vec3& eye) {
 
 }  // namespace
 
+Pose moved_at_random(const Pose& pose, double distance_m, double deg, std::uint32_t seed) {
+  Draw draw(seed, 11);
+  const auto axis = [&] { return Vec3(draw.normal(), draw.normal(), draw.normal()).normalized(); };
+  Pose moved = pose;
+  moved.translation += distance_m * axis();
+  moved.rotation = Eigen::AngleAxisd(deg * std::numbers::pi / 180, axis()) * pose.rotation;
+  return moved;
+}
+
 double Draw::within(double low, double high) {
   return low + (high - low) * random_bits(seed_, purpose_, next_++) / 4294967296.0;
 }

@@ -68,15 +68,6 @@ stages::AutomaticAlignment align(const Seen& to, const Seen& scan) {
   return stages::align_automatically(queue(), scan.evidence, to.model, options);
 }
 
-Pose disturbed(const Pose& pose, double distance_m, double deg, std::uint32_t seed) {
-  testing::Draw draw(seed, 11);
-  const auto axis = [&] { return Vec3(draw.normal(), draw.normal(), draw.normal()).normalized(); };
-  Pose moved = pose;
-  moved.translation += distance_m * axis();
-  moved.rotation = Eigen::AngleAxisd(deg * kDegree, axis()) * pose.rotation;
-  return moved;
-}
-
 // Root mean square of what the poses are off after one common rigid motion: the first scan's, which is the
 // frame, takes no part in the mean of the others.
 std::pair<double, double> errors_in_frame_of_first(const std::vector<Seen>& scans,
@@ -132,7 +123,7 @@ TEST(JointPoses, six_scans_fall_together_without_a_model) {
     for (std::size_t k = 0; k < seen.size(); ++k)
       scans.push_back({&seen[k].evidence,
                        &seen[k].shapes,
-                       disturbed(seen[k].scan.world_from_scan, k ? 0.05 : 0, k ? 0.5 : 0,
+                       testing::moved_at_random(seen[k].scan.world_from_scan, k ? 0.05 : 0, k ? 0.5 : 0,
                                  77 + static_cast<std::uint32_t>(k)),
                        false,
                        {},
@@ -167,7 +158,7 @@ TEST(JointPoses, a_scan_that_is_known_stays_and_the_one_that_is_not_comes_to_it)
   stages::JointScan a{&seen[0].evidence, &seen[0].shapes, seen[0].scan.world_from_scan, false, known, 0};
   stages::JointScan b{&seen[1].evidence,
                       &seen[1].shapes,
-                      disturbed(seen[1].scan.world_from_scan, 0.05, 0.5, 5),
+                      testing::moved_at_random(seen[1].scan.world_from_scan, 0.05, 0.5, 5),
                       false,
                       {},
                       0};

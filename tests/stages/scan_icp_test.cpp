@@ -37,15 +37,6 @@ Seen see(const testing::TrialRoom& room, std::uint32_t seed, double crop, bool p
   return seen;
 }
 
-Pose disturbed(const Pose& pose, double distance_m, double deg, std::uint32_t seed) {
-  testing::Draw draw(seed, 11);
-  const auto axis = [&] { return Vec3(draw.normal(), draw.normal(), draw.normal()).normalized(); };
-  Pose moved = pose;
-  moved.translation += distance_m * axis();
-  moved.rotation = Eigen::AngleAxisd(deg * kDegree, axis()) * pose.rotation;
-  return moved;
-}
-
 struct Tally {
   int converged = 0, count = 0;
   double worst_m = 0, worst_rad = 0;  // of those
@@ -61,7 +52,7 @@ Tally trials(double distance_m, double deg, bool planes, int count) {
     const Seen a = see(room, seed, 1, planes), b = see(room, seed + 700, k % 2 ? 0.7 : 1, planes);
     const Pose truth = b.scan.world_from_scan;
     const auto found = stages::register_to_scans(queue(), *b.icp, {{a.icp.get(), a.scan.world_from_scan}},
-                                                 disturbed(truth, distance_m, deg, seed));
+                                                 testing::moved_at_random(truth, distance_m, deg, seed));
     const auto off = difference(truth, found.icp.world_from_scan);
     ++tally.count;
     if (off.distance_m > 0.02 || off.angle_rad > 0.2 * kDegree) continue;
@@ -126,7 +117,7 @@ TEST(ScanIcp, a_start_far_off_ends_elsewhere_and_is_seen_through) {
     const Seen a = see(room, seed, 1, true), b = see(room, seed + 700, k % 2 ? 0.7 : 1, true);
     const Pose truth = b.scan.world_from_scan;
     const auto found = stages::register_to_scans(queue(), *b.icp, {{a.icp.get(), a.scan.world_from_scan}},
-                                                 disturbed(truth, 2, 50, seed));
+                                                 testing::moved_at_random(truth, 2, 50, seed));
     const auto off = difference(truth, found.icp.world_from_scan);
     if (std::getenv("TRIALS"))
       printf("far %d: %.3f m %.2f deg, %d iterations%s, rms %.4f, overlap %.2f, through %.3f\n", k,
