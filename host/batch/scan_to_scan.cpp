@@ -18,6 +18,9 @@ constexpr std::array<double, 4> kOverlaps = {0.5, 0.2, 0.05, 0.01};
 constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0.025;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
 constexpr double kFarthest_m = 2, kFarthestDeg = 40, kNearer = 0.3;
+// Where little holds the scan ICP must come back from so far beside what it found, in overlap_m and turned
+// about each axis; to within so much.
+constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
 constexpr double kSame_m = 1e-3, kSameRad = 1e-4;  // poses in files that are one
 
 std::string refused_in_words(const OnScans& on, const std::string& from, const std::string& contradiction) {
@@ -37,8 +40,12 @@ double largest_overlap(const OnScans& on) {
   return largest;
 }
 
+bool is_weak(const OnScans& on) {
+  return largest_overlap(on) < kFirmOverlap;
+}
+
 std::string contradiction_of(const OnScans& on, const Pose& start) {
-  const bool weak = largest_overlap(on) < kFirmOverlap;
+  const bool weak = is_weak(on);
   const double most = weak ? kMostWhereWeak : kMostSeenThrough;
   if (on.icp.seen_through > most)
     return fmt::format("more than {:.1f} % are seen through{}", 100 * most,
@@ -49,6 +56,21 @@ std::string contradiction_of(const OnScans& on, const Pose& start) {
     return fmt::format("it lies {:.2f} m and {:.1f} degrees from it", moved.distance_m,
                        moved.angle_rad * 180 / M_PI);
   return "";
+}
+
+// Six starts around a pose: along each axis of the world, and turned about it.
+std::vector<Pose> beside(const Pose& pose, const Vec3& centre, double distance_m) {
+  std::vector<Pose> starts;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const Vec3 along = sign * Vec3::Unit(axis);
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(kBesideDeg * M_PI / 180, along));
+      Pose start = pose;
+      start.rotation = (turn * pose.rotation).normalized();
+      start.translation = pose * centre - start.rotate(start.scale * centre) + distance_m * along;
+      starts.push_back(start);
+    }
+  return starts;
 }
 
 std::string nearest_of(const OnScans& on) {
@@ -102,6 +124,22 @@ ScanToScan::Others ScanToScan::others_than(std::size_t i, const Registrations& r
   return others;
 }
 
+std::string ScanToScan::rival_of(std::size_t i, const Others& others, const Pose& found) {
+  for (const Pose& start : beside(found, scan(i).centre, kBeside * icp_.overlap_m)) {
+    const OnScans rival{"", stages::register_to_scans(queue_, scan(i), others.scans, start, icp_),
+                        others.ids};
+    const auto apart = difference(found, rival.icp.icp.world_from_scan);
+    if (apart.distance_m < kBack * icp_.overlap_m && apart.angle_rad < kBackDeg * M_PI / 180) continue;
+    if (!contradiction_of(rival, found).empty()) continue;
+    return fmt::format(
+        "little holds the scan, and from beside it ICP finds another, {:.2f} m and {:.1f} degrees away, "
+        "which "
+        "the scans contradict no more",
+        apart.distance_m, apart.angle_rad * 180 / M_PI);
+  }
+  return "";
+}
+
 bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start,
                            Registrations& registrations, Registrations& abstentions) {
   const Others others = others_than(i, registrations);
@@ -110,6 +148,8 @@ bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start
                         stages::register_to_scans(queue_, scan(i), others.scans, start.world_from_scan, icp_),
                         others.ids};
   start.contradiction = contradiction_of(*start.found, start.world_from_scan);
+  if (start.contradiction.empty() && is_weak(*start.found))
+    start.contradiction = rival_of(i, others, start.found->icp.icp.world_from_scan);
   if (!start.contradiction.empty() || largest_overlap(*start.found) < least_overlap) return false;
   ScanRegistration one = std::move(*abstentions[i]);
   abstentions[i].reset();

@@ -46,16 +46,18 @@ class ScanToScan {
 
  private:
   const stages::IcpScan& scan(std::size_t i);
-  bool place_one(std::size_t i, double least_overlap, ScanStart& start, Registrations& registrations,
-                 Registrations& abstentions);
-  void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
-              Registrations& abstentions);
-  void warn(std::size_t i, std::string text, ScanRegistration& one) const;
   struct Others {
     std::vector<std::size_t> index;
     std::vector<stages::PlacedScan> scans;
     std::vector<std::string> ids;
   };
+  // Another place that ICP finds from beside this one, in words; "" = none.
+  std::string rival_of(std::size_t i, const Others& others, const Pose& found);
+  bool place_one(std::size_t i, double least_overlap, ScanStart& start, Registrations& registrations,
+                 Registrations& abstentions);
+  void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
+              Registrations& abstentions);
+  void warn(std::size_t i, std::string text, ScanRegistration& one) const;
   Others others_than(std::size_t i, const Registrations& registrations);
 
   device::Queue& queue_;

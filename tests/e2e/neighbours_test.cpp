@@ -153,6 +153,37 @@ TEST(Neighbours, a_pose_without_a_model_is_a_start_that_is_judged) {
   EXPECT_LT(json_of(out / "summary.json")["scans"][1]["truth"]["pose_error_mm"], 0.2);
 }
 
+// Through a church's door ICP finds two places 14 cm apart that fit alike: neither is taken.
+TEST(Neighbours, of_two_places_where_little_holds_a_scan_none_is_taken) {
+  const Scratch scratch;
+  const auto out = scratch / "out", church = scratch / "church";
+  ASSERT_EQ(
+      run("hybrid-synth church --seed 106 --preset tiny --megapixels 0.3 --quiet --out " + church.string())
+          .exit_code,
+      0);
+  const auto truth = json_of(church / "truth.json");
+  std::string text = "[scene]\nname = \"door\"\nlevelled = true\n";
+  for (const std::size_t i : {0u, 1u}) {
+    Pose pose = pose_from_row_major(truth["scans"][i]["world_from_scan"].get<std::array<double, 16>>());
+    if (i == 1) {
+      const Vec3 turn(0.0031, 0.0178, -0.0299);
+      pose.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * pose.rotation;
+      pose.translation += Vec3(0.0475, -0.0135, 0.0080);
+    }
+    const auto id = truth["scans"][i]["id"].get<std::string>();
+    text += fmt::format("[[scan]]\nid = \"{}\"\nfile = \"church/scans/{}.ply\"\npose = {}\n", id, id,
+                        nlohmann::json(row_major(pose)).dump());
+  }
+  io::write_text(scratch / "scene.toml", text);
+  const auto outcome =
+      run("hybrid register " + (scratch / "scene.toml").string() + " --quiet --out " + out.string());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  const auto pose = json_of(out / "scans/nave/pose.json");
+  EXPECT_EQ(pose["status"], "abstained");
+  EXPECT_NE(pose["reason"].get<std::string>().find("from beside it ICP finds another"), std::string::npos)
+      << pose["reason"];
+}
+
 // Registered files keep their frame: the first scan's pose in its file is the scene's, the others' are
 // starts.
 TEST(Neighbours, poses_in_scan_files_are_starts) {
