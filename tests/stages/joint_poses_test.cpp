@@ -124,7 +124,7 @@ TEST(JointPoses, six_scans_fall_together_without_a_model) {
       scans.push_back({&seen[k].evidence,
                        &seen[k].shapes,
                        testing::moved_at_random(seen[k].scan.world_from_scan, k ? 0.05 : 0, k ? 0.5 : 0,
-                                 77 + static_cast<std::uint32_t>(k)),
+                                                77 + static_cast<std::uint32_t>(k)),
                        false,
                        {},
                        0});
