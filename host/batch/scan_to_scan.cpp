@@ -34,23 +34,23 @@ std::string refused_in_words(const OnScans& on, const std::string& from, const s
       from == "recorded" ? " in the scan's file, or give one in the scene file" : "");
 }
 
-double largest_overlap(const OnScans& on) {
+double largest_overlap(const stages::ScanIcp& found) {
   double largest = 0;
-  for (const auto& other : on.icp.others) largest = std::max(largest, other.overlap);
+  for (const auto& other : found.others) largest = std::max(largest, other.overlap);
   return largest;
 }
 
-bool is_weak(const OnScans& on) {
-  return largest_overlap(on) < kFirmOverlap;
+bool is_weak(const stages::ScanIcp& found) {
+  return largest_overlap(found) < kFirmOverlap;
 }
 
-std::string contradiction_of(const OnScans& on, const Pose& start) {
-  const bool weak = is_weak(on);
+std::string contradiction_of(const stages::ScanIcp& found, const Pose& start) {
+  const bool weak = is_weak(found);
   const double most = weak ? kMostWhereWeak : kMostSeenThrough;
-  if (on.icp.seen_through > most)
+  if (found.seen_through > most)
     return fmt::format("more than {:.1f} % are seen through{}", 100 * most,
                        weak ? ", where little holds the scan" : "");
-  const auto moved = difference(start, on.icp.icp.world_from_scan);
+  const auto moved = difference(start, found.icp.world_from_scan);
   const double factor = weak ? kNearer : 1;
   if (moved.distance_m > factor * kFarthest_m || moved.angle_rad > factor * kFarthestDeg * M_PI / 180)
     return fmt::format("it lies {:.2f} m and {:.1f} degrees from it", moved.distance_m,
@@ -117,7 +117,6 @@ ScanToScan::Others ScanToScan::others_than(std::size_t i, const Registrations& r
   Others others;
   for (std::size_t k = 0; k < registrations.size(); ++k) {
     if (k == i || !registrations[k]) continue;
-    others.index.push_back(k);
     others.scans.push_back({&scan(k), registrations[k]->world_from_scan()});
     others.ids.push_back(products_[k].id);
   }
@@ -126,15 +125,13 @@ ScanToScan::Others ScanToScan::others_than(std::size_t i, const Registrations& r
 
 std::string ScanToScan::rival_of(std::size_t i, const Others& others, const Pose& found) {
   for (const Pose& start : beside(found, scan(i).centre, kBeside * icp_.overlap_m)) {
-    const OnScans rival{"", stages::register_to_scans(queue_, scan(i), others.scans, start, icp_),
-                        others.ids};
-    const auto apart = difference(found, rival.icp.icp.world_from_scan);
+    const auto rival = stages::register_to_scans(queue_, scan(i), others.scans, start, icp_);
+    const auto apart = difference(found, rival.icp.world_from_scan);
     if (apart.distance_m < kBack * icp_.overlap_m && apart.angle_rad < kBackDeg * M_PI / 180) continue;
     if (!contradiction_of(rival, found).empty()) continue;
     return fmt::format(
         "little holds the scan, and from beside it ICP finds another, {:.2f} m and {:.1f} degrees away, "
-        "which "
-        "the scans contradict no more",
+        "which the scans contradict no more",
         apart.distance_m, apart.angle_rad * 180 / M_PI);
   }
   return "";
@@ -143,14 +140,16 @@ std::string ScanToScan::rival_of(std::size_t i, const Others& others, const Pose
 bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start,
                            Registrations& registrations, Registrations& abstentions) {
   const Others others = others_than(i, registrations);
-  if (others.index.empty()) return false;
-  start.found = OnScans{start.from,
-                        stages::register_to_scans(queue_, scan(i), others.scans, start.world_from_scan, icp_),
-                        others.ids};
-  start.contradiction = contradiction_of(*start.found, start.world_from_scan);
-  if (start.contradiction.empty() && is_weak(*start.found))
-    start.contradiction = rival_of(i, others, start.found->icp.icp.world_from_scan);
-  if (!start.contradiction.empty() || largest_overlap(*start.found) < least_overlap) return false;
+  if (others.scans.empty()) return false;
+  if (!start.found || start.found->others != others.ids) {  // poses stay once they are found
+    start.found = OnScans{
+        start.from, stages::register_to_scans(queue_, scan(i), others.scans, start.world_from_scan, icp_),
+        others.ids};
+    start.contradiction = contradiction_of(start.found->icp, start.world_from_scan);
+    if (start.contradiction.empty() && is_weak(start.found->icp))
+      start.contradiction = rival_of(i, others, start.found->icp.icp.world_from_scan);
+  }
+  if (!start.contradiction.empty() || largest_overlap(start.found->icp) < least_overlap) return false;
   ScanRegistration one = std::move(*abstentions[i]);
   abstentions[i].reset();
   one.how = "scan-icp";
@@ -176,7 +175,7 @@ void ScanToScan::settle(std::size_t i, const ScanStart& start, Registrations& re
                         Registrations& abstentions) {
   if (start.from == kOneFrame) return;
   ScanRegistration& one = *abstentions[i];
-  if (start.found && !start.contradiction.empty() && largest_overlap(*start.found) >= kOverlaps.back()) {
+  if (start.found && !start.contradiction.empty() && largest_overlap(start.found->icp) >= kOverlaps.back()) {
     one.how = start.from;
     one.on_scans = start.found;
     one.refusal = refused_in_words(*one.on_scans, start.from, start.contradiction);
@@ -219,7 +218,7 @@ void ScanToScan::describe(Registrations& registrations) {
   for (std::size_t i = 0; i < registrations.size(); ++i) {
     if (!registrations[i]) continue;
     const Others others = others_than(i, registrations);
-    if (others.index.empty()) continue;
+    if (others.scans.empty()) continue;
     ScanRegistration& one = *registrations[i];
     const std::string start = one.on_scans ? one.on_scans->start : "";
     one.on_scans =

@@ -47,7 +47,6 @@ class ScanToScan {
  private:
   const stages::IcpScan& scan(std::size_t i);
   struct Others {
-    std::vector<std::size_t> index;
     std::vector<stages::PlacedScan> scans;
     std::vector<std::string> ids;
   };

@@ -9,7 +9,6 @@
 #include "core/error.hpp"
 #include "io/depth_image.hpp"
 #include "io/e57/e57_photographs.hpp"
-#include "io/output.hpp"
 #include "io/picture.hpp"
 #include "io/read_cameras.hpp"
 #include "io/read_scan.hpp"
