@@ -35,7 +35,7 @@ void add_run(CLI::App& program, int& exit_code) {
                           "after the scene's views, every photograph's made from all the others, scored");
   scene.command->callback([=, &exit_code] {
     scene.request->stages = parse_stages(*only);
-    scene.request->export_if_asked = only->empty();
+    scene.request->stages_by_scene = only->empty();
     exit_code = run_scene_command(scene);
   });
 }

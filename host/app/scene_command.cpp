@@ -13,7 +13,11 @@ namespace hybrid::app {
 SceneCommand make_scene_command(CLI::App& program, const std::string& name, const std::string& help) {
   SceneCommand made;
   made.command = program.add_subcommand(name, help);
-  made.command->add_option("scene", made.request->scene_file, "the scene file (TOML)")->required();
+  made.command
+      ->add_option("scene", made.request->scene_file,
+                   "the scene file (TOML), or a folder of scans or a scan file, which are registered to each "
+                   "other")
+      ->required();
   made.command->add_option("--out", made.request->out, "output folder")->required();
   add_salvage_option(*made.command, made.request->salvage);
   add_common_options(*made.command, *made.common);

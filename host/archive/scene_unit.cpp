@@ -1,7 +1,5 @@
 // A scene's registration, views and report page: what `hybrid run` writes, byte for byte, from the scans'
 // planes that their own units made.
-#include <fmt/ranges.h>
-
 #include <map>
 
 #include "archive/kept_scan.hpp"
@@ -20,25 +18,11 @@ namespace fs = std::filesystem;
 std::string command_of(const Unit& unit, const batch::RunRequest& request) {
   std::vector<std::string> words = {"hybrid", "run", unit.scene.string(), "--out", "DIR"};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
-  if (request.stages != batch::kAllStages) add({"--only", fmt::format("{}", fmt::join(request.stages, ","))});
   if (request.salvage) add({"--salvage"});
   if (request.leave_one_out) add({"--leave-one-out"});
   if (request.seed) add({"--seed", std::to_string(*request.seed)});
   for (const auto& assignment : request.assignments) add({"--set", assignment});
   return as_typed(words);
-}
-
-// Stages that need a model are for scenes that have one; a scene that cannot be read will say so itself.
-std::set<std::string> stages_of(const Unit& unit) {
-  auto stages = batch::kAllStages;
-  try {
-    const auto scene = io::read_scene_file(unit.scene);
-    if (scene.model) return stages;
-    for (const char* stage : {"register", "edit", "render"}) stages.erase(stage);
-    if (batch::asks_for_export(scene, unit.settings.assignments)) stages.insert("export");
-  } catch (const Error&) {
-  }
-  return stages;
 }
 
 // A file that the disk has damaged costs time, not the scene.
@@ -61,8 +45,7 @@ UnitResult run_scene_unit(device::Queue& queue, const Store& store, const Manife
   batch::RunRequest request;
   request.scene_file = unit.scene;
   request.out = work;
-  request.stages = stages_of(unit);
-  request.export_if_asked = true;
+  request.stages_by_scene = true;
   request.leave_one_out = unit.settings.leave_one_out.value_or(false);
   request.assignments = unit.settings.assignments;
   request.seed = unit.settings.seed;

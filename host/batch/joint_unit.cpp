@@ -45,6 +45,31 @@ Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& i
           {"strength", pair.strength}};
 }
 
+std::size_t count_of(const Registrations& registrations) {
+  return static_cast<std::size_t>(std::count_if(registrations.begin(), registrations.end(),
+                                                [](const auto& one) { return one.has_value(); }));
+}
+
+void make_frame(ScanRegistration& one, const Pose& pose) {
+  one.how = "frame";
+  one.fixed = true;
+  one.abstained = false;
+  one.automatic.reset();
+  one.neighbour.reset();
+  one.neighbour_reason.clear();
+  one.start = one.icp.world_from_scan = pose;
+}
+
+void make_unplaced(ScanRegistration& one) {
+  one.how = "neighbour";
+  one.fixed = false;
+  one.abstained = true;
+  one.automatic = stages::AutomaticAlignment{};
+  one.neighbour.reset();
+  one.carried_by.clear();
+  one.start = one.icp.world_from_scan = Pose();
+}
+
 }  // namespace
 
 NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const stages::ProxyModel* model,
@@ -56,7 +81,8 @@ NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const stages:
       products_(products),
       seen_(products.size()),
       scan_to_scan_(queue, options, products),
-      starts_(products.size()) {}
+      starts_(products.size()),
+      aligned_(products.size()) {}
 
 const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan) {
   if (!seen_[scan])
@@ -67,11 +93,10 @@ const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan)
 
 void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>& entries, const Vec3& shift,
                                                 Registrations& registrations, Registrations& abstentions) {
-  const auto recorded = [&](std::size_t i) {
-    auto pose = products_[i].recorded_pose;
-    if (pose) pose->translation -= shift;
-    return pose;
-  };
+  for (const ScanProduct& product : products_) {
+    recorded_.push_back(product.recorded_pose);
+    if (recorded_.back()) recorded_.back()->translation -= shift;
+  }
   std::optional<Pose> world_from_frame;  // of the first scan whose file has a pose, and the pose there
   Pose frame_recorded;
   for (std::size_t i = 0; i < products_.size(); ++i) {
@@ -82,20 +107,20 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
     if (given)
       one.start = pose_from_row_major(*entries[i].pose);
     else if (i == 0)
-      one.start = recorded(i).value_or(Pose());
+      one.start = recorded_[i].value_or(Pose());
     one.how = given && (entries[i].fixed || i == 0) ? "given" : i == 0 ? "frame" : "neighbour";
     one.fixed = entries[i].fixed || i == 0;
     one.icp.world_from_scan = one.start;
     one.icp.converged = true;
     one.abstained = !one.fixed;
-    if (one.fixed && !world_from_frame && recorded(i)) {
+    if (one.fixed && !world_from_frame && recorded_[i]) {
       world_from_frame = one.start;
-      frame_recorded = *recorded(i);
+      frame_recorded = *recorded_[i];
     }
     if (one.abstained && given)
       starts_[i] = ScanStart{one.start, "given"};
     else if (one.abstained && world_from_frame)
-      starts_[i] = recorded_start(recorded(i), frame_recorded, *world_from_frame);
+      starts_[i] = recorded_start(recorded_[i], frame_recorded, *world_from_frame);
     if (starts_[i] && !given && entries[i].scanner) starts_[i]->from = kOneFrame;
     if (!entries[i].landmarks.empty()) {
       one.warnings.push_back(fmt::format(
@@ -108,29 +133,41 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
     auto& list = one.abstained ? abstentions : registrations;
     list[i] = std::move(one);
   }
+  frame_is_free_ = std::none_of(entries.begin(), entries.end(),
+                                [](const io::SceneScan& entry) { return entry.pose.has_value(); }) &&
+                   std::none_of(starts_.begin(), starts_.end(),
+                                [](const auto& start) { return start.has_value(); });
+}
+
+const stages::AutomaticAlignment& NeighbourRegistration::aligned(const ScanRegistration& scan,
+                                                                 std::size_t index, std::size_t other) {
+  auto& known = aligned_[index];
+  if (const auto found = known.find(other); found != known.end()) return found->second;
+  stages::AutomaticOptions options = options_.alignment;
+  options.of_scan = true;
+  return known[other] =
+             stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
 }
 
 bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrations,
                                       Registrations& abstentions) {
-  stages::AutomaticOptions options = options_.alignment;
-  options.of_scan = true;
-  std::optional<stages::AutomaticAlignment> best;
+  const stages::AutomaticAlignment* best = nullptr;
   std::size_t by = 0;
   for (std::size_t other = 0; other < products_.size(); ++other) {
     if (!registrations[other] || seen(other).polygons.faces.empty()) continue;
-    auto found = stages::align_automatically(queue_, abstentions[scan]->evidence, seen(other).model, options);
+    const auto& found = aligned(*abstentions[scan], scan, other);
     const bool better =
-        !best || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);
+        best == nullptr || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);
     if (better) {
-      best = std::move(found);
+      best = &found;
       by = other;
     }
   }
-  if (!best) return false;
+  if (best == nullptr) return false;
   ScanRegistration& one = *abstentions[scan];
   if (!best->accepted) {
     one.neighbour_reason = fmt::format("against scan {}: {}", products_[by].id, best->reason);
-    one.neighbour = std::move(best);
+    one.neighbour = *best;
     return false;
   }
   one.how = "neighbour";
@@ -138,7 +175,7 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
   one.carried_by = products_[by].id;
   one.abstained = false;
   one.start = registrations[by]->world_from_scan() * best->world_from_scan;
-  one.neighbour = std::move(best);
+  one.neighbour = *best;
   one.icp.world_from_scan = one.start;
   one.icp.converged = true;
   one.held_by_model = false;
@@ -168,6 +205,11 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
   if (model_ == nullptr) scan_to_scan_.place(starts_, registrations, abstentions);
   if (model_ != nullptr && options_.automatic == "never") return;  // a pose by planes alone is not wanted
+  carry_all(registrations, abstentions);
+  if (frame_is_free_) keep_largest_island(registrations, abstentions);
+}
+
+void NeighbourRegistration::carry_all(Registrations& registrations, Registrations& abstentions) {
   // One that was carried may carry others.
   for (bool again = true; again;) {
     again = false;
@@ -176,9 +218,32 @@ void NeighbourRegistration::carry(Registrations& registrations, Registrations& a
   }
 }
 
+void NeighbourRegistration::keep_largest_island(Registrations& registrations, Registrations& abstentions) {
+  std::vector<Registrations> islands;
+  std::size_t largest = 0;
+  for (;;) {
+    islands.push_back(std::exchange(registrations, Registrations(products_.size())));
+    if (count_of(islands.back()) > count_of(islands[largest])) largest = islands.size() - 1;
+    if (count_of(abstentions) <= count_of(islands[largest])) break;  // no more can hang together
+    const auto first = std::find_if(abstentions.begin(), abstentions.end(),
+                                    [](const auto& one) { return one.has_value(); });
+    const auto frame = static_cast<std::size_t>(first - abstentions.begin());
+    make_frame(**first, recorded_[frame].value_or(Pose()));
+    registrations[frame] = std::exchange(*first, std::nullopt);
+    carry_all(registrations, abstentions);
+  }
+  registrations = std::move(islands[largest]);
+  for (auto& island : islands)
+    for (std::size_t i = 0; i < island.size(); ++i) {
+      if (!island[i]) continue;
+      make_unplaced(*island[i]);
+      abstentions[i] = std::move(island[i]);
+    }
+  carry_all(registrations, abstentions);  // of the others some may lie on what they did not carry
+}
+
 void NeighbourRegistration::refine(Registrations& registrations) {
-  const auto posed = [](const auto& one) { return one.has_value(); };
-  if (options_.joint && std::count_if(registrations.begin(), registrations.end(), posed) > 1)
+  if (options_.joint && count_of(registrations) > 1)
     refine_all(registrations);
   if (model_ == nullptr) scan_to_scan_.describe(registrations);
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,7 +13,8 @@ namespace hybrid::batch {
 
 // The scans of one scene among each other (METHOD 7). Without a model the first scan is the frame: its pose
 // is the scene file's, else that in its file, else none; the poses that these give others are where ICP on
-// the other scans starts (scan_to_scan.hpp). A scan without a pose of its own, because the alignment to the
+// the other scans starts (scan_to_scan.hpp). Where nothing gives a pose and more scans hang together without
+// the first than with it, the first of those is the frame. A scan without a pose of its own, because the alignment to the
 // model abstained or nothing gave one that holds, is aligned to the planes of those that have one; what
 // abstains there, too, stays without. Then all poses are refined together. Takes scans from `abstentions` to
 // `registrations`.
@@ -43,7 +45,11 @@ class NeighbourRegistration {
   };
   const Seen& seen(std::size_t scan);
   void refine_all(Registrations& registrations);
+  const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
+                                            std::size_t other);
   bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
+  void carry_all(Registrations& registrations, Registrations& abstentions);
+  void keep_largest_island(Registrations& registrations, Registrations& abstentions);
 
   device::Queue& queue_;
   const stages::ProxyModel* model_;
@@ -52,6 +58,9 @@ class NeighbourRegistration {
   std::vector<std::unique_ptr<Seen>> seen_;
   ScanToScan scan_to_scan_;
   std::vector<std::optional<ScanStart>> starts_;
+  std::vector<std::optional<Pose>> recorded_;  // in the scans' files, without the scene's shift
+  bool frame_is_free_ = false;  // nothing but its place in the list makes the first scan the frame
+  std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_;  // by scan, to others' planes
   nlohmann::ordered_json figures_;
 };
 

@@ -10,13 +10,29 @@ namespace hybrid::batch {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Scans alone, to be registered to each other.
+bool is_without_pictures(const io::SceneFile& scene) {
+  return !scene.model && !scene.photographs && scene.views.empty() && scene.edits.remove_faces.empty() &&
+         scene.edits.holes.empty();
+}
+
+void choose_stages(const io::SceneFile& scene, const RunRequest& request, std::set<std::string>& stages) {
+  if (asks_for_export(scene, request.assignments)) stages.insert("export");
+  if (is_without_pictures(scene) && !request.leave_one_out)
+    for (const char* stage : {"edit", "render"}) stages.erase(stage);
+}
+
+}  // namespace
+
 io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options) {
-  auto scene = io::read_scene_file(request.scene_file);
+  auto scene = request.scene ? *request.scene : io::read_scene_file(request.scene_file);
   options = read_stage_options(scene, request.assignments);
   options.set_tile(request.tile);
   if (request.seed) options.set_seed(*request.seed);
   if (request.square) options.set_square(*request.square);
-  if (request.export_if_asked && asks_for_export(scene, request.assignments)) stages.insert("export");
+  if (request.stages_by_scene) choose_stages(scene, request, stages);
   if (stages.count("report")) {  // its page shows the others' files
     stages.insert("planes");
     if (scene.model) stages.insert({"register", "edit", "render"});

@@ -264,14 +264,17 @@ class Run {
     return scans;
   }
 
-  // The scan takes no part in views; the sheet asks a person. The run's exit code tells.
-  [[noreturn]] void abstain(std::size_t i) {
+  // The scan takes no part in views; the sheet asks a person. The run's exit code tells, but of scans that
+  // nobody called a scene.
+  void abstain(std::size_t i) {
     const ScanRegistration& scan = *run_.abstentions[i];
     const auto& neighbours = scan.neighbour_reason;
     if (!run_.model) {
-      const std::string reason = neighbours.empty() ? "there is no other scan to align to" : neighbours;
-      fail_input("no pose: {}; give a pose in the scene file, or a [model]",
-                 scan.refusal.empty() ? reason : scan.refusal + "; " + reason);
+      const std::string other = neighbours.empty() ? "there is no other scan to align to" : neighbours;
+      const std::string reason = scan.refusal.empty() ? other : scan.refusal + "; " + other;
+      if (run_.scene.implied)
+        return log::info("scan {}: no pose, it may be of another place: {}", run_.products[i].id, reason);
+      fail_input("no pose: {}; give a pose in the scene file, or a [model]", reason);
     }
     if (wants("register"))
       write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,

@@ -18,12 +18,15 @@ namespace hybrid::batch {
 inline const std::set<std::string> kAllStages = {"planes", "register", "edit", "render", "report"};
 
 struct RunRequest {
-  std::filesystem::path scene_file;
+  std::filesystem::path scene_file;    // or a folder or file of scans: io::read_scene_file()
+  std::optional<io::SceneFile> scene;  // what it holds, where that is known
   std::filesystem::path out;
   // Whose outputs are written. What they need is computed again from the inputs, never taken from `out`;
   // "report" brings the others with it, since its page shows their files.
   std::set<std::string> stages = kAllStages;
-  bool export_if_asked = false;          // add "export" where asks_for_export() (stage_options.hpp)
+  // `stages` are those that a run has without --only: with "export" where asks_for_export()
+  // (stage_options.hpp), without "edit" and "render" where the scene has no model and nothing to draw.
+  bool stages_by_scene = false;
   std::string only_view;                 // render: this view alone
   bool scene_views = true;               // render: the scene file's views
   bool leave_one_out = false;            // render: then every photograph from the others

@@ -1,5 +1,6 @@
 #include "batch/scene_summary.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -13,14 +14,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Without a model the first scan is the frame: its true pose brings the others into the truth's.
+// Without a model the first scan that has a pose is the frame: its true pose brings the others into the
+// truth's.
 Pose in_truth_s_frame(const SceneRun& run, const io::SceneTruth& truths,
                       const ScanRegistration& registration) {
-  if (run.model || !run.registrations[0]) return registration.world_from_scan();
+  const auto first = std::find_if(run.registrations.begin(), run.registrations.end(),
+                                  [](const auto& one) { return one.has_value(); });
+  if (run.model || first == run.registrations.end()) return registration.world_from_scan();
+  const auto frame = static_cast<std::size_t>(first - run.registrations.begin());
   for (const auto& truth : truths.scans)
-    if (truth.id == run.products[0].id)
-      return truth.world_from_scan * run.registrations[0]->world_from_scan().inverse() *
-             registration.world_from_scan();
+    if (truth.id == run.products[frame].id)
+      return truth.world_from_scan * (*first)->world_from_scan().inverse() * registration.world_from_scan();
   return registration.world_from_scan();
 }
 

@@ -7,6 +7,8 @@
 
 #include "core/error.hpp"
 #include "geometry/camera.hpp"
+#include "io/implied_scene.hpp"
+#include "io/read_scan.hpp"
 #include "io/scene_path.hpp"
 #include "io/scene_table.hpp"
 
@@ -281,6 +283,8 @@ Photograph camera_of(const SceneView& view) {
 }
 
 SceneFile read_scene_file(const fs::path& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored) || has_scan_extension(file)) return read_scene_of(file);
   const std::string text = read_plain_text(file);
   try {
     const toml::table document = toml::parse(text, file.string());

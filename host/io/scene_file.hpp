@@ -70,6 +70,9 @@ using SceneOptions = std::map<std::string, SceneOption>;
 struct SceneFile {
   std::filesystem::path path;
   std::string name;
+  // Made of scans alone (implied_scene.hpp): that they are of one place is a guess, and one that hangs together
+  // with no other is no failure.
+  bool implied = false;
   bool levelled = false;
   std::string crs;
   Vec3 shift = Vec3::Zero();
@@ -102,7 +105,8 @@ void read_view_options(const SceneTable& table, SceneView& view);
 // projection, fov_deg, and the size of a panorama that gives none; after read_view_options().
 void read_view_projection(const SceneTable& table, SceneView& view);
 
-// Throws ErrorKind::input. Files that the scene names are not opened.
+// Throws ErrorKind::input. Files that the scene names are not opened. A folder of scans or a scan file is a
+// scene, too: read_scene_of() in implied_scene.hpp.
 SceneFile read_scene_file(const std::filesystem::path& file);
 
 // The id of a scan that has none in the scene file: the file's stem, with "-<index>" when the file holds

@@ -163,8 +163,12 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   Search search = search_poses(caster, scan, shapes, 1, options);
   result.rotations = search.rotations;
   result.guesses = search.guesses;
+  // What is wrong with a model as a whole; a scan has its faces the right way round.
+  const auto diagnosis = [&](double supported) {
+    return options.of_scan ? "" : diagnose_model(queue, scan, model.polygons(), supported, options);
+  };
   if (search.finalists.empty()) {
-    result.reason = diagnose_model(queue, scan, model.polygons(), 0, options);
+    result.reason = diagnosis(0);
     if (result.reason.empty()) result.reason = nothing_fits(options);
     return result;
   }
@@ -188,9 +192,7 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.reason = doubts(best.fit, result, options);
   result.accepted = result.reason.empty();
   if (!result.accepted)
-    if (const auto words = diagnose_model(queue, scan, model.polygons(), best.shares.supported, options);
-        !words.empty())
-      result.reason = words;
+    if (const auto words = diagnosis(best.shares.supported); !words.empty()) result.reason = words;
   if (result.rivals.size() > kNamedRivals) result.rivals.resize(kNamedRivals);
   return result;
 }

@@ -58,6 +58,7 @@ FaceShape shape_of(const PolygonModel& model, std::uint32_t index, double area_m
     }
   };
   add(face.outer);
+  for (const Vec2& p : shape.rings[0]) shape.box.extend(p);
   for (const auto& hole : face.holes) add(hole);
   return shape;
 }
@@ -71,8 +72,10 @@ Vec3 middle_of(const FaceShape& face) {
 
 }  // namespace
 
-double FaceShape::outside_m(const Vec3& point) const {
+double FaceShape::outside_m(const Vec3& point, double most_m) const {
+  constexpr double kRounded = 1 + 1e-9;
   const Vec2 p(u.dot(point - origin), v.dot(point - origin));
+  if (const double least_m = box.exteriorDistance(p); least_m > most_m * kRounded) return least_m;
   bool inside = false;
   double nearest2 = std::numeric_limits<double>::infinity();
   for (const auto& ring : rings)

@@ -118,7 +118,7 @@ double near_area(const std::vector<Candidate>& candidates, const Vec3& translati
   std::size_t counted = static_cast<std::size_t>(-1);
   for (const Candidate& c : candidates) {
     if (c.tile == counted || std::abs(c.height + c.face->plane.normal.dot(translation)) > kNear_m) continue;
-    if (c.face->outside_m(c.centroid + translation) > kNear_m) continue;
+    if (c.face->outside_m(c.centroid + translation, kNear_m) > kNear_m) continue;
     area += c.area;
     counted = c.tile;
   }

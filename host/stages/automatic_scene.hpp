@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "geometry/polygon_model.hpp"
@@ -60,11 +61,13 @@ struct FaceShape {
   double area_m2 = 0;
   Vec3 origin, u, v;
   std::vector<std::vector<Vec2>> rings;
+  Eigen::AlignedBox2d box;        // of the outer ring
   std::uint32_t face = 0;         // index in the model
   std::uint32_t plane_index = 0;  // index of the model plane
 
-  // How far the point's foot on the plane lies outside the polygon (0 inside), world scale.
-  double outside_m(const Vec3& point) const;
+  // How far the point's foot on the plane lies outside the polygon (0 inside), world scale. Beyond `most_m`
+  // any distance beyond it.
+  double outside_m(const Vec3& point, double most_m = std::numeric_limits<double>::infinity()) const;
 };
 
 // Faces of one plane taken together.

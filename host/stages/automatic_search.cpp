@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.hpp"
+
 namespace hybrid::stages {
 namespace {
 
@@ -32,10 +34,10 @@ void look_coarsely(SightCaster& caster, const ScanEvidence& scan, const Automati
   sort_by_score(guesses);
 }
 
-bool add_finalist(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model, const Pose& start,
+bool add_finalist(SightCaster& caster, const ScanEvidence& scan, const TileFit& fit,
                   const AutomaticOptions& options, std::vector<Finalist>& finalists) {
   Finalist one;
-  one.fit = fit_tiles(scan, model, start);
+  one.fit = fit;
   if (!one.fit.world_from_scan.translation.allFinite() || one.fit.least_share <= 0) return false;
   if (options.levelled && (one.fit.world_from_scan.rotate(Vec3::UnitZ())).z() < 0.99) return false;
   for (const Finalist& other : finalists)
@@ -44,6 +46,14 @@ bool add_finalist(SightCaster& caster, const ScanEvidence& scan, const ModelShap
   one.shares = shares_of(scan.rays, one.lines);
   finalists.push_back(std::move(one));
   return true;
+}
+
+void add_finalists(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model,
+                   const std::vector<Pose>& starts, const AutomaticOptions& options,
+                   std::vector<Finalist>& finalists) {
+  std::vector<TileFit> fits(starts.size());
+  parallel_for(starts.size(), [&](std::size_t k) { fits[k] = fit_tiles(scan, model, starts[k]); });
+  for (const TileFit& fit : fits) add_finalist(caster, scan, fit, options, finalists);
 }
 
 void sort_by_score(std::vector<Finalist>& finalists) {
@@ -106,11 +116,12 @@ Search search_poses(SightCaster& caster, const ScanEvidence& scan, const ModelSh
   Search search;
   const auto rotations = guess_rotations(scan, model, options.levelled);
   search.rotations = static_cast<int>(rotations.size());
+  std::vector<std::vector<PoseGuess>> by_rotation(rotations.size());
+  parallel_for(rotations.size(), [&](std::size_t r) {
+    by_rotation[r] = guess_offsets(scan, model, rotations[r].world_from_scan, scale, kGuessesPerRotation);
+  });
   std::vector<PoseGuess> guesses;
-  for (const RotationGuess& rotation : rotations)
-    for (const PoseGuess& guess :
-         guess_offsets(scan, model, rotation.world_from_scan, scale, kGuessesPerRotation))
-      guesses.push_back(guess);
+  for (const auto& some : by_rotation) guesses.insert(guesses.end(), some.begin(), some.end());
   sort_by_score(guesses);
   while (!guesses.empty() &&
          (guesses.size() > kMostGuesses || guesses.back().score < kGuessShare * guesses.front().score))
@@ -118,8 +129,9 @@ Search search_poses(SightCaster& caster, const ScanEvidence& scan, const ModelSh
   search.guesses = static_cast<int>(guesses.size());
   look_coarsely(caster, scan, options, guesses);
   if (guesses.size() > kMostFits) guesses.resize(kMostFits);
-  for (const PoseGuess& guess : guesses)
-    add_finalist(caster, scan, model, guess.world_from_scan, options, search.finalists);
+  std::vector<Pose> starts;
+  for (const PoseGuess& guess : guesses) starts.push_back(guess.world_from_scan);
+  add_finalists(caster, scan, model, starts, options, search.finalists);
   sort_by_score(search.finalists);
   if (search.finalists.size() > kMostFinalists) search.finalists.resize(kMostFinalists);
   return search;
@@ -129,18 +141,20 @@ void add_symmetric_rivals(SightCaster& caster, const ScanEvidence& scan, const M
                           const Pose& pose, const AutomaticOptions& options, Search& search) {
   const ScanEvidence itself = as_evidence(model);
   const Vec3 centre = model.box.center();
-  AutomaticOptions as_scan = options;
-  for (const RotationGuess& turn : guess_rotations(itself, model, as_scan.levelled)) {
-    int kept = 0;
+  const auto turns = guess_rotations(itself, model, options.levelled);
+  std::vector<std::vector<Pose>> by_turn(turns.size());
+  parallel_for(turns.size(), [&](std::size_t t) {
     for (const PoseGuess& guess :
-         guess_offsets(itself, model, turn.world_from_scan, 1, kMotionsPerRotation)) {
-      if (guess.score < kSymmetricShare * itself.area_m2 && kept > 0) break;
+         guess_offsets(itself, model, turns[t].world_from_scan, 1, kMotionsPerRotation)) {
+      if (guess.score < kSymmetricShare * itself.area_m2 && !by_turn[t].empty()) break;
       Pose motion = guess.world_from_scan;  // of points relative to the centre
       motion.translation -= motion.rotation * centre;
-      add_finalist(caster, scan, model, motion * pose, options, search.finalists);
-      ++kept;
+      by_turn[t].push_back(motion * pose);
     }
-  }
+  });
+  std::vector<Pose> starts;
+  for (const auto& some : by_turn) starts.insert(starts.end(), some.begin(), some.end());
+  add_finalists(caster, scan, model, starts, options, search.finalists);
   sort_by_score(search.finalists);
 }
 

@@ -82,7 +82,7 @@ std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShape
     for (const FaceShape& face : model.faces) {
       const double height = face.plane.distance(pairs[t].centroid);
       if (height * height >= nearest2 || face.plane.normal.dot(normal) < kCompatible) continue;
-      const double outside = face.outside_m(pairs[t].centroid);
+      const double outside = face.outside_m(pairs[t].centroid, std::sqrt(nearest2 - height * height));
       const double distance2 = height * height + outside * outside;
       if (distance2 >= nearest2) continue;
       nearest2 = distance2;
