@@ -17,7 +17,7 @@ constexpr double kPlanes_s = 0.05, kPlanesPerSample_s = 1.5e-6;
 constexpr std::uint64_t kPlanesPerSample_bytes = 130, kPlanesPerFurtherSample_bytes = 65;
 constexpr std::uint64_t kFewSamples = 4'000'000;
 constexpr double kScene_s = 2, kScenePerSample_s = 2e-6, kScenePerPixel_s = 1.7e-6,
-                 kPerPhotographPixel_s = 1e-7;
+                 kPerPhotographPixel_s = 1e-7, kPerPairOfScans_s = 0.5;
 constexpr std::uint64_t kScenePerSample_bytes = 130, kScenePerPixel_bytes = 40, kPerPhotographPixel_bytes = 8;
 constexpr std::uint64_t kPixelsPerByte = 3;  // of a JPEG file
 
@@ -33,7 +33,9 @@ Estimate estimate_scene(const SceneSize& size) {
   const std::uint64_t photograph_pixels = kPixelsPerByte * size.photograph_bytes;
   const std::uint64_t pixels = size.view_pixels + size.photograph_views * photograph_pixels /
                                                       std::max<std::uint64_t>(1, size.photographs);
+  const std::uint64_t pairs = size.model || size.scans == 0 ? 0 : size.scans * (size.scans - 1);
   return {kScene_s + kScenePerSample_s * static_cast<double>(size.samples) +
+              kPerPairOfScans_s * static_cast<double>(pairs) +
               kScenePerPixel_s * static_cast<double>(pixels) +
               kPerPhotographPixel_s * static_cast<double>(photograph_pixels),
           kEmpty_bytes + kPictures_bytes + kScenePerSample_bytes * size.samples +

@@ -10,9 +10,12 @@ struct Estimate {
 };
 Estimate estimate_planes(std::uint64_t samples);
 // `photograph_bytes`: of their files, compressed. `view_pixels`: of views with a size of their own;
-// `photograph_views`: those through one of the `photographs`.
+// `photograph_views`: those through one of the `photographs`. Without a model each of the `scans` may be
+// tried on each other.
 struct SceneSize {
   std::uint64_t samples = 0, photograph_bytes = 0, photographs = 0, view_pixels = 0, photograph_views = 0;
+  std::uint64_t scans = 0;
+  bool model = true;
 };
 Estimate estimate_scene(const SceneSize& size);
 

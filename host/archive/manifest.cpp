@@ -1,6 +1,7 @@
 #include "archive/manifest.hpp"
 
 #include "core/error.hpp"
+#include "io/implied_scene.hpp"
 
 namespace hybrid::archive {
 namespace {
@@ -54,6 +55,7 @@ UnitJson to_json(const Unit& unit) {
                {"estimate", {{"cpu_s", unit.estimate_s}, {"memory_bytes", unit.estimate_bytes}}}};
   if (!unit.result.empty()) json.head["result"] = unit.result;
   if (!unit.scene.empty()) json.head["scene"] = unit.scene.string();
+  if (unit.implied) json.head["implied"] = true;
   if (unit.kind == UnitKind::planes)
     json.head["scan"] = {{"file", unit.file.string()},
                          {"index", unit.scan_index},
@@ -62,6 +64,7 @@ UnitJson to_json(const Unit& unit) {
   Json inputs = Json::array();
   for (const Input& input : unit.inputs) inputs.push_back(archive::to_json(input));
   json.rest = {{"settings", to_json(unit.settings)}, {"inputs", inputs}, {"from", Json::parse(unit.from)}};
+  for (const auto& file : unit.scans) json.rest["scans"].push_back(file.string());
   return json;
 }
 
@@ -76,6 +79,7 @@ Unit unit_from(const Json& head, const Json& rest) {
   unit.estimate_s = head.at("estimate").at("cpu_s");
   unit.estimate_bytes = head.at("estimate").at("memory_bytes");
   unit.scene = head.value("scene", "");
+  unit.implied = head.value("implied", false);
   if (head.contains("scan")) {
     unit.file = head["scan"].at("file").get<std::string>();
     unit.scan_index = head["scan"].at("index");
@@ -84,9 +88,16 @@ Unit unit_from(const Json& head, const Json& rest) {
   }
   if (rest.empty()) return unit;
   unit.settings = settings_from(rest.at("settings"));
+  if (rest.contains("scans"))
+    for (const auto& file : rest["scans"]) unit.scans.emplace_back(file.get<std::string>());
   for (const auto& input : rest.at("inputs")) unit.inputs.push_back(input_from_json(input));
   unit.from = rest.at("from").dump();
   return unit;
+}
+
+io::SceneFile scene_of(const Unit& unit) {
+  if (!unit.implied) return io::read_scene_file(unit.scene);
+  return io::implied_scene(unit.scene, unit.kind == UnitKind::planes ? std::vector{unit.file} : unit.scans);
 }
 
 const char* name_of(UnitKind kind) {

@@ -10,6 +10,7 @@
 #include "archive/walk.hpp"
 #include "geometry/vectors.hpp"
 #include "io/profile_file.hpp"
+#include "io/scene_file.hpp"
 
 namespace hybrid::archive {
 
@@ -21,9 +22,9 @@ struct Unit {
   std::size_t index = 0;   // in Manifest::units
   std::size_t number = 0;  // in the plan: what --unit takes; differs where a part of the plan was read
   UnitKind kind = UnitKind::planes;
-  std::string id;      // "planes abbey/scene.toml west", "scene abbey", "planes loose/a.e57 a-0", "report"
-  std::string key;     // its object in the store, once units that it needs are done (outcome.hpp)
-  std::string result;  // its link below results/; "" for what only a scene needs
+  std::string id;                  // "planes abbey west", "scene abbey", "planes loose/a.e57 a-0", "report"
+  std::string key;                 // its object in the store, once units that it needs are done (outcome.hpp)
+  std::string result;              // its link below results/; "" for what only a scene needs
   std::vector<std::size_t> needs;  // units before this one
   double estimate_s = 0;           // CPU seconds on one core
   std::uint64_t estimate_bytes = 0;
@@ -31,12 +32,17 @@ struct Unit {
   std::vector<Input> inputs;
 
   std::filesystem::path scene;  // of scene units and of planes that belong to one, else ""
-  std::filesystem::path file;   // planes: the scan's
-  std::size_t scan_index = 0;   // planes: in the file
-  std::size_t entry = 0;        // planes of a scene: the [[scan]]
-  std::string scan_id;          // planes
+  bool implied = false;  // `scene` is no file but a folder or file of loose scans (io/implied_scene.hpp)
+  std::vector<std::filesystem::path> scans;  // scene units that are implied: the scans' files
+  std::filesystem::path file;                // planes: the scan's
+  std::size_t scan_index = 0;                // planes: in the file
+  std::size_t entry = 0;                     // planes of a scene: the [[scan]]
+  std::string scan_id;                       // planes
   io::ProfileSettings settings;
 };
+
+// The scene file, or what loose scans imply. Throws as io::read_scene_file().
+io::SceneFile scene_of(const Unit& unit);
 
 // The plan of a night. In the order of units: planes, scenes, then the report; so the units of one kind are
 // one range of indices, and a unit needs only earlier ones.

@@ -13,11 +13,16 @@
 #include "batch/scene_scan.hpp"
 #include "batch/stage_options.hpp"
 #include "core/error.hpp"
+#include "io/implied_scene.hpp"
 
 namespace hybrid::archive {
 namespace {
 
 constexpr std::uint64_t kDepthImageSamples = 640 * 480;
+
+// So many scans in a folder are taken for those of one place without being told. Registering them costs up to
+// half a second for each pair.
+constexpr std::size_t kMostScansOfPlace = 24;
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
@@ -64,7 +69,7 @@ class Planner {
     manifest_.notes = std::move(content.notes);
     for (const auto& file : content.scenes) plan_scene(file);
     note_beside(content.beside_scenes);
-    for (const auto& file : content.loose) plan_loose(file, content.loose);
+    for (const auto& [folder, files] : by_folder(content.loose)) plan_folder(folder, files);
     note_equal_names();
     note_idle_overrides();
     for (Unit& scene : scenes_) manifest_.units.push_back(std::move(scene));
@@ -92,7 +97,7 @@ class Planner {
   }
 
   io::ProfileSettings settings_of(const std::string& name) {
-    names_.push_back(name);
+    names_.insert(name);
     return profile_.settings_of(name);
   }
 
@@ -143,30 +148,18 @@ class Planner {
     return unit;
   }
 
-  void plan_scene(const fs::path& file) {
+  Draft scene_unit(const std::string& name, const fs::path& scene) {
     Draft unit;
     unit.kind = UnitKind::scene;
-    const std::string name = scene_name(file);
     unit.id = "scene " + name;
     unit.result = name == "." ? "scene" : name + "/scene";
-    unit.scene = file;
+    unit.scene = scene;
     unit.settings = settings_of(name);
-    unit.inputs.push_back(cache_.look(file));
     unit.made_from = key_base(unit.kind, manifest_.build.all_sources);
-    unit.made_from["scene"] = print_of(unit.inputs.front());
-    try {
-      const auto scene = io::read_scene_file(file);
-      const auto options =
-          with_settings(batch::read_stage_options(scene, unit.settings.assignments), unit.settings);
-      scene_names_[scene.name].push_back(name);
-      unit.made_from["options"] = batch::describe(options);
-      if (!scene.has_export && batch::asks_for_export(scene, unit.settings.assignments))
-        unit.made_from["export"] = true;  // with default options nothing else would tell
-      plan_parts(scene, name, options, unit);
-    } catch (const std::exception& error) {
-      manifest_.problems.push_back({named(file), in_batch_words(error.what())});
-      unit.made_from["problem"] = error.what();
-    }
+    return unit;
+  }
+
+  void add_scene(Draft unit) {
     unit.made_from["leave_one_out"] = unit.settings.leave_one_out.value_or(false);
     unit.made_from["salvage"] = unit.settings.salvage.value_or(false);
     if (unit.settings.seed) unit.made_from["seed"] = *unit.settings.seed;
@@ -174,15 +167,53 @@ class Planner {
     scenes_.push_back(sealed(std::move(unit)));
   }
 
+  void plan_scene(const fs::path& file) {
+    const std::string name = scene_name(file);
+    Draft unit = scene_unit(name, file);
+    unit.inputs.push_back(cache_.look(file));
+    unit.made_from["scene"] = print_of(unit.inputs.front());
+    try {
+      const auto scene = io::read_scene_file(file);
+      scene_names_[scene.name].push_back(name);
+      plan_stages(scene, name, unit);
+    } catch (const std::exception& error) {
+      manifest_.problems.push_back({named(file), in_batch_words(error.what())});
+      unit.made_from["problem"] = error.what();
+    }
+    add_scene(std::move(unit));
+  }
+
+  // Loose scans that lie together. `place`: their folder, or the one file.
+  void plan_implied(const fs::path& place, const std::vector<fs::path>& files) {
+    const std::string name = named(place);
+    Draft unit = scene_unit(name, place);
+    unit.implied = true;
+    unit.scans = files;
+    const auto scene = io::implied_scene(place, files);
+    unit.made_from["implied"] = scene.name;
+    plan_stages(scene, name, unit);
+    add_scene(std::move(unit));
+  }
+
+  void plan_stages(const io::SceneFile& scene, const std::string& name, Draft& unit) {
+    const auto options =
+        with_settings(batch::read_stage_options(scene, unit.settings.assignments), unit.settings);
+    unit.made_from["options"] = batch::describe(options);
+    if (!scene.has_export && batch::asks_for_export(scene, unit.settings.assignments))
+      unit.made_from["export"] = true;  // with default options nothing else would tell
+    plan_parts(scene, name, options, unit);
+  }
+
   // The scans' units and the scene's other inputs.
   void plan_parts(const io::SceneFile& scene, const std::string& name, const batch::StageOptions& options,
                   Draft& unit) {
     const fs::path folder = scene.path.parent_path();
     SceneSize size;
+    size.model = scene.model.has_value();
     batch::ScanNames names(scene);
     unit.made_from["scans"] = Json::array();
     for (std::size_t entry = 0; entry < scene.scans.size(); ++entry)
-      size.samples += plan_entry(scene, entry, name, options, names, unit);
+      plan_entry(scene, entry, name, options, names, unit, size);
     auto files = scene_inputs(scene);
     for (fs::path& file : files) file = file.lexically_normal();
     std::sort(files.begin(), files.end());
@@ -207,10 +238,10 @@ class Planner {
     unit.estimate_bytes = estimate.bytes;
   }
 
-  // Of one [[scan]]; returns its samples. A file that cannot be listed has no units of its own: the scene's
-  // run says why, as it does for a scan that the file does not have.
-  std::uint64_t plan_entry(const io::SceneFile& scene, std::size_t entry, const std::string& name,
-                           const batch::StageOptions& options, batch::ScanNames& names, Draft& unit) {
+  // Of one [[scan]]; adds its scans to the size. A file that cannot be listed has no units of its own: the
+  // scene's run says why, as it does for a scan that the file does not have.
+  void plan_entry(const io::SceneFile& scene, std::size_t entry, const std::string& name,
+                  const batch::StageOptions& options, batch::ScanNames& names, Draft& unit, SceneSize& size) {
     const io::SceneScan& scan = scene.scans[entry];
     unit.inputs.push_back(cache_.look(scan.file));
     if (scan.depth) {  // small: the scene's run makes its planes
@@ -218,7 +249,9 @@ class Planner {
           {{"file", fs::proximate(scan.file, scene.path.parent_path()).generic_string()},
            {"xxh3", print_of(unit.inputs.back())}});
       names.next(scan, 0, 1);
-      return kDepthImageSamples;
+      ++size.scans;
+      size.samples += kDepthImageSamples;
+      return;
     }
     auto listing = cache_.list(scan.file, unit.settings.salvage.value_or(false));
     if (scan.index && listing.problem.empty()) {
@@ -233,30 +266,33 @@ class Planner {
         {{"file", fs::proximate(scan.file, scene.path.parent_path()).generic_string()},
          {"xxh3", print_of(unit.inputs.back())}});
     if (!listing.problem.empty()) {
-      manifest_.problems.push_back({named(scene.path), in_batch_words(listing.problem)});
+      manifest_.problems.push_back(
+          {named(scene.implied ? scan.file : scene.path), in_batch_words(listing.problem)});
       unit.made_from["scans"].back()["problem"] = listing.problem;
-      return 0;
+      return;
     }
-    std::uint64_t samples = 0;
+    size.scans += listing.scans.size();
     Json keys = Json::array();
     for (std::size_t i = 0; i < listing.scans.size(); ++i) {
       const std::string id = names.next(scan, static_cast<int>(i), static_cast<int>(listing.scans.size()));
-      samples += listing.scans[i].samples;
+      size.samples += listing.scans[i].samples;
       if (scene.edits.moves_depths_of(id))
         continue;  // the edit comes before the planes: the scene's run makes them
       Draft planes = planes_unit(scan.file, listing.scans[i], id, options, unit.settings);
-      planes.id = fmt::format("planes {} {}", name, id);
-      planes.scene = scene.path;
-      planes.entry = entry;
+      // Loose scans keep theirs whether they make a scene or not.
+      planes.id = fmt::format("planes {} {}", scene.implied ? named(scan.file) : name, id);
+      planes.scene = unit.scene;
+      planes.implied = scene.implied;
+      planes.entry = scene.implied ? 0 : entry;
       if (scan.scanner)
         planes.made_from["scanner"] = {scan.scanner->x(), scan.scanner->y(), scan.scanner->z()};
-      planes.inputs.push_back(unit.inputs.front());  // the scene file says how to read the scan
+      if (!scene.implied)  // the scene file says how to read the scan
+        planes.inputs.push_back(unit.inputs.front());
       unit.needs.push_back(manifest_.units.size());
       manifest_.units.push_back(sealed(std::move(planes)));
       keys.push_back(manifest_.units.back().key);
     }
     unit.made_from["scans"].back()["planes"] = keys;
-    return samples;
   }
 
   void note_beside(const std::vector<fs::path>& files) {
@@ -269,32 +305,81 @@ class Planner {
           {folder, fmt::format("{} files with a scan's extension that no scene names: left out", count)});
   }
 
-  void plan_loose(const fs::path& file, const std::vector<fs::path>& all) {
-    if (used_.count(file.string()) > 0) return;
+  static std::map<fs::path, std::vector<fs::path>> by_folder(const std::vector<fs::path>& files) {
+    std::map<fs::path, std::vector<fs::path>> folders;
+    for (const auto& file : files) folders[file.parent_path()].push_back(file);
+    return folders;
+  }
+
+  // The loose scans of a folder: a scene, scenes of a file each, or units without one.
+  void plan_folder(const fs::path& folder, const std::vector<fs::path>& files) {
+    const std::string name = named(folder);
+    const io::Group group = settings_of(name).group.value_or(io::Group::automatic);
+    std::vector<LooseFile> found;
+    std::size_t scans = 0;
+    for (const auto& file : files) {
+      if (auto listed = list_loose(file, files)) {
+        scans += listed->listing.scans.size();
+        found.push_back(std::move(*listed));
+      }
+    }
+    if (group == io::Group::automatic && scans > kMostScansOfPlace && found.size() > 1)
+      manifest_.notes.push_back(
+          {name,
+           fmt::format("{} loose scans: more than {} are not taken for one place; group = \"folder\" in "
+                       "[run] of a profile registers them to each other",
+                       scans, kMostScansOfPlace)});
+    const bool together =
+        group == io::Group::folder || (group == io::Group::automatic && scans <= kMostScansOfPlace);
+    if (together && found.size() > 1) {
+      std::vector<fs::path> of_scene;
+      for (const LooseFile& one : found) of_scene.push_back(one.file);
+      return plan_implied(folder, of_scene);
+    }
+    for (const LooseFile& one : found)
+      if (group != io::Group::none && one.listing.scans.size() > 1)
+        plan_implied(one.file, {one.file});
+      else
+        plan_loose(one);
+  }
+
+  struct LooseFile {
+    fs::path file;
+    ScanListing listing;  // of one that cannot be read a scan that will tell
+  };
+
+  // Nothing for a file that is no scan of its own.
+  std::optional<LooseFile> list_loose(const fs::path& file, const std::vector<fs::path>& beside) {
+    if (used_.count(file.string()) > 0) return std::nullopt;
     const std::string name = named(file), extension = file.extension().string();
-    if (file.filename() == "extra.ply" && std::any_of(all.begin(), all.end(), [&](const fs::path& other) {
-          return other.parent_path() == file.parent_path() && other.extension() == ".exr";
-        }))
-      return;  // of the range image beside it
+    if (file.filename() == "extra.ply" &&
+        std::any_of(beside.begin(), beside.end(),
+                    [](const fs::path& other) { return other.extension() == ".exr"; }))
+      return std::nullopt;  // of the range image beside it
+    LooseFile one{file, cache_.list(file, profile_.settings_of(name).salvage.value_or(false))};
+    if (one.listing.problem.empty()) return one;
+    if (extension == ".exr" || extension == ".laz") {
+      manifest_.notes.push_back({name, "no scan that can be read: " + one.listing.problem});
+      return std::nullopt;
+    }
+    one.listing.scans = {{0, 0}};
+    return one;
+  }
+
+  void plan_loose(const LooseFile& one) {
+    const std::string name = named(one.file);
     const auto settings = settings_of(name);
-    const auto listing = cache_.list(file, settings.salvage.value_or(false));
-    if (!listing.problem.empty() && (extension == ".exr" || extension == ".laz")) {
-      manifest_.notes.push_back({name, "no scan that can be read: " + listing.problem});
-      return;
-    }
-    auto scans = listing.scans;
-    if (!listing.problem.empty()) {  // its unit will tell
-      manifest_.problems.push_back({name, in_batch_words(listing.problem)});
-      scans = {{0, 0}};
-    }
+    if (!one.listing.problem.empty())
+      manifest_.problems.push_back({name, in_batch_words(one.listing.problem)});
+    const auto& scans = one.listing.scans;
     const auto options = options_of_loose(settings);
     for (std::size_t i = 0; i < scans.size(); ++i) {
       const std::string id =
-          io::default_scan_id(file, static_cast<int>(i), static_cast<int>(scans.size()), {});
-      Draft unit = planes_unit(file, scans[i], id, options, settings);
+          io::default_scan_id(one.file, static_cast<int>(i), static_cast<int>(scans.size()), {});
+      Draft unit = planes_unit(one.file, scans[i], id, options, settings);
       unit.id = fmt::format("planes {} {}", name, id);
       unit.result = fmt::format("{}/planes-{}", name, id);
-      unit.made_from["loose"] = file.filename().string();
+      unit.made_from["loose"] = one.file.filename().string();
       manifest_.units.push_back(sealed(std::move(unit)));
     }
   }
@@ -309,8 +394,8 @@ class Planner {
   }
 
   void note_idle_overrides() {
-    const std::vector<std::string> some(names_.begin(),
-                                        names_.begin() + std::min<std::ptrdiff_t>(3, std::ssize(names_)));
+    const std::vector<std::string> some(
+        names_.begin(), std::next(names_.begin(), std::min<std::ptrdiff_t>(3, std::ssize(names_))));
     for (const auto& one : profile_.overrides)
       if (std::none_of(names_.begin(), names_.end(), [&](const auto& name) { return one.matches(name); }))
         manifest_.notes.push_back(
@@ -347,7 +432,7 @@ class Planner {
   io::ProfileFile profile_;
   Manifest manifest_;
   std::vector<Unit> scenes_;
-  std::vector<std::string> names_;                               // of scenes and loose scans
+  std::set<std::string> names_;                                  // of scenes and loose scans
   std::set<std::string> used_;                                   // files that a scene reads
   std::map<std::string, std::vector<std::string>> scene_names_;  // [scene] name -> scenes
 };

@@ -29,7 +29,7 @@ void run_loose(device::Queue& queue, const Unit& unit, const fs::path& work) {
 }
 
 void run_scan_of_scene(device::Queue& queue, const Unit& unit, const fs::path& work) {
-  const auto scene = io::read_scene_file(unit.scene);
+  const auto scene = scene_of(unit);
   auto options = batch::read_stage_options(scene, unit.settings.assignments);
   if (unit.settings.seed) options.set_seed(*unit.settings.seed);
   io::SceneScan entry = scene.scans.at(unit.entry);

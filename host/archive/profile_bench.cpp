@@ -74,7 +74,7 @@ fs::path score_program() {
 Json score_of(const Unit& unit, const fs::path& object) {
   std::optional<fs::path> truth;
   try {
-    truth = io::read_scene_file(unit.scene).truth;
+    truth = scene_of(unit).truth;
   } catch (const Error&) {
   }
   if (!truth) return nullptr;

@@ -44,6 +44,7 @@ UnitResult run_scene_unit(device::Queue& queue, const Store& store, const Manife
   for (const std::size_t need : unit.needs) planes[manifest.units[need].scan_id] = &manifest.units[need];
   batch::RunRequest request;
   request.scene_file = unit.scene;
+  if (unit.implied) request.scene = scene_of(unit);
   request.out = work;
   request.stages_by_scene = true;
   request.leave_one_out = unit.settings.leave_one_out.value_or(false);

@@ -133,10 +133,10 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
     auto& list = one.abstained ? abstentions : registrations;
     list[i] = std::move(one);
   }
-  frame_is_free_ = std::none_of(entries.begin(), entries.end(),
-                                [](const io::SceneScan& entry) { return entry.pose.has_value(); }) &&
-                   std::none_of(starts_.begin(), starts_.end(),
-                                [](const auto& start) { return start.has_value(); });
+  frame_is_free_ =
+      std::none_of(entries.begin(), entries.end(),
+                   [](const io::SceneScan& entry) { return entry.pose.has_value(); }) &&
+      std::none_of(starts_.begin(), starts_.end(), [](const auto& start) { return start.has_value(); });
 }
 
 const stages::AutomaticAlignment& NeighbourRegistration::aligned(const ScanRegistration& scan,
@@ -145,8 +145,7 @@ const stages::AutomaticAlignment& NeighbourRegistration::aligned(const ScanRegis
   if (const auto found = known.find(other); found != known.end()) return found->second;
   stages::AutomaticOptions options = options_.alignment;
   options.of_scan = true;
-  return known[other] =
-             stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
+  return known[other] = stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
 }
 
 bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrations,
@@ -225,8 +224,8 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
     islands.push_back(std::exchange(registrations, Registrations(products_.size())));
     if (count_of(islands.back()) > count_of(islands[largest])) largest = islands.size() - 1;
     if (count_of(abstentions) <= count_of(islands[largest])) break;  // no more can hang together
-    const auto first = std::find_if(abstentions.begin(), abstentions.end(),
-                                    [](const auto& one) { return one.has_value(); });
+    const auto first =
+        std::find_if(abstentions.begin(), abstentions.end(), [](const auto& one) { return one.has_value(); });
     const auto frame = static_cast<std::size_t>(first - abstentions.begin());
     make_frame(**first, recorded_[frame].value_or(Pose()));
     registrations[frame] = std::exchange(*first, std::nullopt);
@@ -243,8 +242,7 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
 }
 
 void NeighbourRegistration::refine(Registrations& registrations) {
-  if (options_.joint && count_of(registrations) > 1)
-    refine_all(registrations);
+  if (options_.joint && count_of(registrations) > 1) refine_all(registrations);
   if (model_ == nullptr) scan_to_scan_.describe(registrations);
 }
 

@@ -18,6 +18,10 @@ void read_settings(const SceneTable& table, ProfileSettings& settings) {
   if (table.has("salvage")) settings.salvage = table.flag("salvage", false);
   if (table.has("leave_one_out")) settings.leave_one_out = table.flag("leave_one_out", false);
   settings.seed = table.index("seed");
+  static const SceneTable::Names kGroups = {"auto", "folder", "file", "none"};  // in the order of Group
+  if (!table.has("group")) return;
+  const std::string group = table.choice("group", kGroups, "auto");
+  settings.group = static_cast<Group>(std::find(kGroups.begin(), kGroups.end(), group) - kGroups.begin());
 }
 
 void read_sections(const SceneTable& table, const SceneTable::Names& own, ProfileSettings& settings) {
@@ -37,14 +41,15 @@ void merge(const ProfileSettings& over, ProfileSettings& settings) {
   if (over.salvage) settings.salvage = over.salvage;
   if (over.leave_one_out) settings.leave_one_out = over.leave_one_out;
   if (over.seed) settings.seed = over.seed;
+  if (over.group) settings.group = over.group;
   settings.assignments.insert(settings.assignments.end(), over.assignments.begin(), over.assignments.end());
   settings.lines.insert(settings.lines.end(), over.lines.begin(), over.lines.end());
 }
 
 ProfileFile read_profile(const std::filesystem::path& file, const toml::table& document) {
   static const SceneTable::Names kOwn = {"run", "scene"};
-  static const SceneTable::Names kSettings = {"salvage", "leave_one_out", "seed"};
-  static const SceneTable::Names kScene = {"match", "salvage", "leave_one_out", "seed"};
+  static const SceneTable::Names kSettings = {"salvage", "leave_one_out", "seed", "group"};
+  static const SceneTable::Names kScene = {"match", "salvage", "leave_one_out", "seed", "group"};
   const SceneTable root(file, "", document, {});
   ProfileFile profile;
   if (const auto run = root.table("run", kSettings)) read_settings(*run, profile.all);

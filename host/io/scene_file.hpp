@@ -70,8 +70,8 @@ using SceneOptions = std::map<std::string, SceneOption>;
 struct SceneFile {
   std::filesystem::path path;
   std::string name;
-  // Made of scans alone (implied_scene.hpp): that they are of one place is a guess, and one that hangs together
-  // with no other is no failure.
+  // Made of scans alone (implied_scene.hpp): that they are of one place is a guess, and one that hangs
+  // together with no other is no failure.
   bool implied = false;
   bool levelled = false;
   std::string crs;

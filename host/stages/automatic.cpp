@@ -129,6 +129,7 @@ void count_planes(const std::map<std::uint32_t, Held>& by_face, const ModelShape
 const std::vector<OptionRow<AutomaticOptions>>& automatic_option_table() {
   using O = AutomaticOptions;
   static const std::vector<OptionRow<AutomaticOptions>> table = {
+      {"levelled", "", &O::levelled, 0, 0, "scanners stood upright; default: [scene] levelled", {}},
       {"automatic_rays", "", &O::rays, 200, 1e6, "lines of sight a pose is judged by", {}},
       {"automatic_tolerance_m", "m", &O::tolerance_m, 0.001, 10, "a sample this near a face supports it", {}},
       {"automatic_clear_m", "m", &O::clear_m, 0.002, 20, "beyond this a sample contradicts a face", {}},

@@ -32,8 +32,8 @@ struct AutomaticOptions {
   double most_through = 0.35;  // of the planar area seen through faces
   double least_hold = 0.002;   // least resistance along any direction, share of the area
   int seed = 1;
+  bool levelled = false;  // scanners stood upright
   // Of the scene, not of the option table:
-  bool levelled = false;
   bool free_scale = false;
   // The model is another scan's planes: they have no backs, as what the other scan did not see is unknown.
   bool of_scan = false;

@@ -30,6 +30,11 @@ const char* other_side(const AutomaticOptions& options) {
   return options.of_scan ? "other scan" : "model";
 }
 
+// Asks of what does not fit.
+const char* is_it(const AutomaticOptions& options) {
+  return options.of_scan ? "is it of another place" : "is it the model of another place";
+}
+
 // Least singular direction of unit normals: near 0 when they all lie in one plane, as those of a corridor
 // without ends do.
 template <typename T>
@@ -78,7 +83,11 @@ std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const
   if (options.free_scale)
     return "automatic alignment with a free scale is not offered: three planes fix a rigid pose only; give "
            "the model's unit and scale = \"fixed\", or 3 or more landmarks";
-  return odd_size(scan, model, 1, kSizeRatio);
+  const std::string words = odd_size(scan, model, 1, kSizeRatio);
+  if (words.empty() || !options.of_scan) return words;
+  return fmt::format(
+      "the other scan's planes are {:.3g} m across, this one's {:.3g} m: is one in millimetres?{}",
+      model.box.diagonal().norm(), 2 * scan.reach_m, remedy(options));
 }
 
 std::string odd_size(const ScanEvidence& scan, const ModelShapes& model, double scale, double ratio) {
@@ -108,51 +117,49 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
   if (shares.supported < options.least_support)
     return fmt::format(
         "under the best pose only {:.0f} % of the scan's planar area lie on faces, at least {:.0f} % should; "
-        "is "
-        "it the model of another place?{}",
-        100 * shares.supported, 100 * options.least_support, remedy(options));
+        "{}?{}",
+        100 * shares.supported, 100 * options.least_support, is_it(options), remedy(options));
   if (shares.through > options.most_through)
     return fmt::format(
         "under the best pose {:.0f} % of the scan's planar area would be seen through faces, at most {:.0f} "
-        "% "
-        "may; is it the model of another place?{}",
-        100 * shares.through, 100 * options.most_through, remedy(options));
+        "% may; {}?{}",
+        100 * shares.through, 100 * options.most_through, is_it(options), remedy(options));
   if (best.planes < options.least_planes)
     return fmt::format(
-        "under the best pose planes of the model hold the scan that count {}, at least {} should (one with "
+        "under the best pose planes of the {} hold the scan that count {}, at least {} should (one with "
         "3 % of the planar area counts 1, with 1 % a half): another place with such a corner would fit as "
         "well{}",
-        best.planes, options.least_planes, remedy(options));
+        other_side(options), best.planes, options.least_planes, remedy(options));
   const double beyond = best.planes - options.least_planes;
   const bool few = beyond < kFew;
   const double most_off_m = (few ? kBetter : 1) * options.tolerance_m;
   if (beyond < kMany && best.farthest_m > most_off_m)
     return fmt::format(
-        "under the best pose planes of the model hold the scan that count {}, and one of them lies {:.0f} mm "
-        "off, at most {:.0f} may where they are no more: is it the model of another place of nearly the same "
-        "size?{}",
-        best.planes, 1000 * best.farthest_m, 1000 * most_off_m, remedy(options));
+        "under the best pose planes of the {} hold the scan that count {}, and one of them lies {:.0f} mm "
+        "off, at most {:.0f} may where they are no more: {} of nearly the same size?{}",
+        other_side(options), best.planes, 1000 * best.farthest_m, 1000 * most_off_m, is_it(options),
+        remedy(options));
   if (few && best.farthest_rad > kMostTurned_rad)
     return fmt::format(
-        "under the best pose planes of the model hold the scan that count {}, and one of them is turned by "
-        "{:.2f} degrees, at most {:.2f} may where they are no more: is it the model of another place?{}",
-        best.planes, best.farthest_rad * 180 / std::numbers::pi, kMostTurned_rad * 180 / std::numbers::pi,
-        remedy(options));
+        "under the best pose planes of the {} hold the scan that count {}, and one of them is turned by "
+        "{:.2f} degrees, at most {:.2f} may where they are no more: {}?{}",
+        other_side(options), best.planes, best.farthest_rad * 180 / std::numbers::pi,
+        kMostTurned_rad * 180 / std::numbers::pi, is_it(options), remedy(options));
   if (best.doubt > options.most_doubt && best.doubt > kNothing)
     return fmt::format(
-        "under the best pose hardly any planar area that faces along some direction lies on the model's "
-        "faces: "
-        "the scan shows too little of the model to hold it there, or the model lacks walls{}",
-        remedy(options));
+        "under the best pose hardly any planar area that faces along some direction lies on faces of the "
+        "{0}: "
+        "the scan shows too little of the {0} to hold it there, or the {0} lacks walls{1}",
+        other_side(options), remedy(options));
   const double off = std::min(best.farthest_m / options.tolerance_m, 1.0);
   const double most_doubt = ((few ? kTogetherOfFew : kTogether) - off) * options.most_doubt;
   if (best.doubt > most_doubt)
     return fmt::format(
-        "under the best pose {:.0f} % as much planar area lies off the model's faces as on them, along some "
+        "under the best pose {:.0f} % as much planar area lies off faces of the {} as on them, along some "
         "direction; at most {:.0f} % may where planes that count {} hold the scan and one of them lies "
-        "{:.0f} "
-        "mm off: is it the model of another place, or one that lacks walls?{}",
-        100 * best.doubt, 100 * most_doubt, best.planes, 1000 * best.farthest_m, remedy(options));
+        "{:.0f} mm off: {}, or one that lacks walls?{}",
+        100 * best.doubt, other_side(options), 100 * most_doubt, best.planes, 1000 * best.farthest_m,
+        is_it(options), remedy(options));
   if (fit.least_share < options.least_hold)
     return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
                        fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), remedy(options));

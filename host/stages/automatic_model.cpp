@@ -77,19 +77,24 @@ double FaceShape::outside_m(const Vec3& point, double most_m) const {
   const Vec2 p(u.dot(point - origin), v.dot(point - origin));
   if (const double least_m = box.exteriorDistance(p); least_m > most_m * kRounded) return least_m;
   bool inside = false;
-  double nearest2 = std::numeric_limits<double>::infinity();
   for (const auto& ring : rings)
-    for (std::size_t k = 0; k < ring.size(); ++k) {
-      const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
+    for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
+      const Vec2 &a = ring[last], &b = ring[k];
       if ((a.y() > p.y()) != (b.y() > p.y()) &&
           p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
         inside = !inside;
-      const Vec2 side = b - a;
+    }
+  if (inside) return 0;
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (const auto& ring : rings)
+    for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
+      const Vec2& a = ring[last];
+      const Vec2 side = ring[k] - a;
       const double length2 = side.squaredNorm();
       const double at = length2 > 0 ? std::clamp((p - a).dot(side) / length2, 0.0, 1.0) : 0.0;
       nearest2 = std::min(nearest2, (a + at * side - p).squaredNorm());
     }
-  return inside ? 0 : std::sqrt(nearest2);
+  return std::sqrt(nearest2);
 }
 
 ModelShapes measure_model(const PolygonModel& model) {

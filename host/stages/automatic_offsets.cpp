@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <queue>
 
 namespace hybrid::stages {
 namespace {
@@ -92,6 +94,7 @@ struct Candidate {
   double height;  // over the face without translation
   double area;
   std::size_t tile;
+  double rest = 0;  // area of this tile and of those after it
 };
 
 std::vector<Candidate> candidates_of(const ScanEvidence& scan, const ModelShapes& model, const Mat3& linear,
@@ -110,14 +113,39 @@ std::vector<Candidate> candidates_of(const ScanEvidence& scan, const ModelShapes
         const Vec3 centroid = linear * scan.tiles[t].centroid;
         found.push_back({&face, centroid, face.plane.distance(centroid), scan.tiles[t].area_m2, t});
       }
+  for (std::size_t k = found.size(); k-- > 0;) {
+    found[k].rest = found[k].area;
+    if (k + 1 < found.size())
+      found[k].rest = found[k + 1].rest + (found[k].tile == found[k + 1].tile ? 0 : found[k].area);
+  }
   return found;
 }
 
-double near_area(const std::vector<Candidate>& candidates, const Vec3& translation) {
+// The scores of the best guesses so far, as many as are wanted.
+class BestScores {
+ public:
+  explicit BestScores(std::size_t most) : most_(most) {}
+  // Less than this is not among them.
+  double least() const { return scores_.size() < most_ ? 0 : scores_.top(); }
+  void add(double score) {
+    scores_.push(score);
+    if (scores_.size() > most_) scores_.pop();
+  }
+
+ private:
+  std::size_t most_;
+  std::priority_queue<double, std::vector<double>, std::greater<>> scores_;
+};
+
+// The area of the tiles near a face; where it cannot reach `least` something below.
+double near_area(const std::vector<Candidate>& candidates, const Vec3& translation, double least) {
+  constexpr double kRounded = 1 - 1e-9;
   double area = 0;
   std::size_t counted = static_cast<std::size_t>(-1);
   for (const Candidate& c : candidates) {
-    if (c.tile == counted || std::abs(c.height + c.face->plane.normal.dot(translation)) > kNear_m) continue;
+    if (c.tile == counted) continue;
+    if (area + c.rest < kRounded * least) return 0;
+    if (std::abs(c.height + c.face->plane.normal.dot(translation)) > kNear_m) continue;
     if (c.face->outside_m(c.centroid + translation, kNear_m) > kNear_m) continue;
     area += c.area;
     counted = c.tile;
@@ -142,12 +170,15 @@ std::vector<PoseGuess> guess_offsets(const ScanEvidence& scan, const ModelShapes
   }
   const Mat3 inverse = directions.inverse();
   const auto candidates = candidates_of(scan, model, linear, scale);
+  BestScores best(most);
   for (const double a : offsets[0])
     for (const double b : offsets[1])
       for (const double c : offsets[2]) {
         const Vec3 translation = inverse * Vec3(a, b, c);
-        if (const double area = near_area(candidates, translation); area > 0)
-          guesses.push_back({{scale, rotation, translation}, area});
+        const double area = near_area(candidates, translation, best.least());
+        if (area <= 0) continue;
+        guesses.push_back({{scale, rotation, translation}, area});
+        best.add(area);
       }
   std::stable_sort(guesses.begin(), guesses.end(),
                    [](const PoseGuess& a, const PoseGuess& b) { return a.score > b.score; });
