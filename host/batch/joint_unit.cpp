@@ -1,5 +1,7 @@
 #include "batch/joint_unit.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -145,7 +147,12 @@ const stages::AutomaticAlignment& NeighbourRegistration::aligned(const ScanRegis
   if (const auto found = known.find(other); found != known.end()) return found->second;
   stages::AutomaticOptions options = options_.alignment;
   options.of_scan = true;
-  return known[other] = stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
+  auto& found = known[other] =
+      stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
+  if (!found.accepted) return found;
+  found.reason = scan_to_scan_.contradiction(index, other, found.world_from_scan);
+  found.accepted = found.reason.empty();
+  return found;
 }
 
 bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrations,
@@ -233,12 +240,28 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
   }
   registrations = std::move(islands[largest]);
   for (auto& island : islands)
-    for (std::size_t i = 0; i < island.size(); ++i) {
-      if (!island[i]) continue;
-      make_unplaced(*island[i]);
-      abstentions[i] = std::move(island[i]);
-    }
+    for (std::size_t i = 0; i < island.size(); ++i)
+      if (island[i]) {
+        make_unplaced(*island[i]);
+        abstentions[i] = island[i];
+      }
   carry_all(registrations, abstentions);  // of the others some may lie on what they did not carry
+  for (const auto& island : islands) describe_island(island, abstentions);
+}
+
+// What of an island is left over is told of the others there.
+void NeighbourRegistration::describe_island(const Registrations& island, Registrations& abstentions) const {
+  for (std::size_t i = 0; i < island.size(); ++i) {
+    if (!island[i] || !abstentions[i]) continue;
+    std::vector<std::string> others;
+    for (std::size_t k = 0; k < island.size(); ++k)
+      if (k != i && island[k] && abstentions[k]) others.push_back(products_[k].id);
+    if (others.empty()) continue;
+    std::string& reason = abstentions[i]->neighbour_reason;
+    reason = fmt::format("it hangs together with {}, but these with no more of the others: process them on "
+                         "their own{}{}",
+                         fmt::join(others, ", "), reason.empty() ? "" : "; ", reason);
+  }
 }
 
 void NeighbourRegistration::refine(Registrations& registrations) {

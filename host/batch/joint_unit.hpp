@@ -50,6 +50,7 @@ class NeighbourRegistration {
   bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
   void carry_all(Registrations& registrations, Registrations& abstentions);
   void keep_largest_island(Registrations& registrations, Registrations& abstentions);
+  void describe_island(const Registrations& island, Registrations& abstentions) const;
 
   device::Queue& queue_;
   const stages::ProxyModel* model_;

@@ -214,6 +214,15 @@ void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrati
     if (starts[i]) settle(i, *starts[i], registrations, abstentions);
 }
 
+std::string ScanToScan::contradiction(std::size_t i, std::size_t other, const Pose& other_from_scan) {
+  const auto found = stages::assess_on_scans(queue_, scan(i), {{&scan(other), Pose()}}, other_from_scan, icp_);
+  const std::string words = contradiction_of(found, other_from_scan);
+  if (words.empty()) return "";
+  return fmt::format("its planes fit, but of all that can be compared {:.1f} % are seen through ({}): is it of "
+                     "another place that is alike?",
+                     100 * found.seen_through, words);
+}
+
 void ScanToScan::describe(Registrations& registrations) {
   for (std::size_t i = 0; i < registrations.size(); ++i) {
     if (!registrations[i]) continue;

@@ -41,6 +41,10 @@ class ScanToScan {
   void place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
              Registrations& abstentions);
 
+  // What speaks against this pose of scan `i` in the frame of scan `other`, found by planes alone: places that
+  // are alike have planes that fit. "" = nothing.
+  std::string contradiction(std::size_t i, std::size_t other, const Pose& other_from_scan);
+
   // Every scan's figures under its final pose.
   void describe(Registrations& registrations);
 
