@@ -23,17 +23,20 @@ Json automatic_json(const stages::AutomaticAlignment& alignment) {
   json["doubt"] = alignment.doubt;
   json["planes"] = alignment.planes;
   json["farthest_plane_m"] = alignment.farthest_m;
+  if (alignment.seen_through) json["seen_through"] = *alignment.seen_through;
   json["hypotheses"] = {{"rotations", alignment.rotations},
                         {"poses", alignment.guesses},
                         {"looked_at_closely", alignment.finalists}};
   json["rivals"] = Json::array();
-  for (const auto& rival : alignment.rivals)
+  for (const auto& rival : alignment.rivals) {
     json["rivals"].push_back({{"how", rival.words},
                               {"speaks_for_the_best", rival.comparison.for_it},
                               {"speaks_for_the_rival", rival.comparison.against_it},
                               {"without_its_largest_plane", rival.comparison.without_largest()},
                               {"strength", rival.strength},
                               {"world_from_scan", row_major(rival.world_from_scan)}});
+    if (rival.seen_through) json["rivals"].back()["seen_through"] = *rival.seen_through;
+  }
   return json;
 }
 

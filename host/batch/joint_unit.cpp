@@ -149,9 +149,7 @@ const stages::AutomaticAlignment& NeighbourRegistration::aligned(const ScanRegis
   options.of_scan = true;
   auto& found = known[other] =
       stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
-  if (!found.accepted) return found;
-  found.reason = scan_to_scan_.contradiction(index, other, found.world_from_scan);
-  found.accepted = found.reason.empty();
+  scan_to_scan_.judge(index, other, found);
   return found;
 }
 

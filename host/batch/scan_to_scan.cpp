@@ -16,6 +16,9 @@ constexpr std::array<double, 4> kOverlaps = {0.5, 0.2, 0.05, 0.01};
 // 0.02 at most, wrong ones 0.08 and more (the test ScanIcp). Where little holds the scan, as through a
 // church's door, right ones have 0.012 at most, wrong ones 0.04 and more.
 constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0.025;
+// A pose that planes alone do not tell from rivals is told from them where it has so much at most, and each
+// rival so many times more.
+constexpr double kMostOfBest = 0.02, kTimesBest = 4;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
 constexpr double kFarthest_m = 2, kFarthestDeg = 40, kNearer = 0.3;
 // Where little holds the scan ICP must come back from so far beside what it found, in overlap_m and turned
@@ -214,13 +217,30 @@ void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrati
     if (starts[i]) settle(i, *starts[i], registrations, abstentions);
 }
 
-std::string ScanToScan::contradiction(std::size_t i, std::size_t other, const Pose& other_from_scan) {
-  const auto found = stages::assess_on_scans(queue_, scan(i), {{&scan(other), Pose()}}, other_from_scan, icp_);
-  const std::string words = contradiction_of(found, other_from_scan);
-  if (words.empty()) return "";
-  return fmt::format("its planes fit, but of all that can be compared {:.1f} % are seen through ({}): is it of "
-                     "another place that is alike?",
-                     100 * found.seen_through, words);
+void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
+  if (!found.accepted && !found.only_rivals) return;
+  const std::vector<stages::PlacedScan> placed = {{&scan(other), Pose()}};
+  const auto best = stages::assess_on_scans(queue_, scan(i), placed, found.world_from_scan, icp_);
+  found.seen_through = best.seen_through;
+  if (const auto words = contradiction_of(best, found.world_from_scan); !words.empty()) {
+    found.accepted = false;
+    found.reason = fmt::format("its planes fit, but {} ({:.1f} % of all that can be compared): is it of another "
+                               "place that is alike?",
+                               words, 100 * best.seen_through);
+    return;
+  }
+  if (found.accepted || is_weak(best) || best.seen_through > kMostOfBest ||
+      found.close_rivals > std::ssize(found.rivals))
+    return;
+  for (std::ptrdiff_t k = 0; k < found.close_rivals; ++k) {
+    // At its best, as the search may have left it decimetres off.
+    stages::RivalPose& rival = found.rivals[static_cast<std::size_t>(k)];
+    const auto at = stages::register_to_scans(queue_, scan(i), placed, rival.world_from_scan, icp_);
+    rival.seen_through = at.seen_through;
+    if (at.seen_through <= std::max(kMostSeenThrough, kTimesBest * best.seen_through)) return;
+  }
+  found.accepted = true;
+  found.reason.clear();
 }
 
 void ScanToScan::describe(Registrations& registrations) {

@@ -41,9 +41,10 @@ class ScanToScan {
   void place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
              Registrations& abstentions);
 
-  // What speaks against this pose of scan `i` in the frame of scan `other`, found by planes alone: places that
-  // are alike have planes that fit. "" = nothing.
-  std::string contradiction(std::size_t i, std::size_t other, const Pose& other_from_scan);
+  // Judges an alignment of scan `i` to scan `other` by planes alone, in whose frame it is: places that are
+  // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the scans
+  // see through these, it is accepted.
+  void judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
 
   // Every scan's figures under its final pose.
   void describe(Registrations& registrations);

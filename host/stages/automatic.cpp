@@ -187,10 +187,16 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   count_planes(by_face, shapes, scan.area_m2, result);
   result.doubt = doubt(scan, best.lines);
   result.rivals = rivals_of(scan, search, chosen, options);
+  result.close_rivals = std::count_if(result.rivals.begin(), result.rivals.end(),
+                                      [](const RivalPose& rival) { return rival.strength < 1; });
   result.margin = 1;
   for (const RivalPose& rival : result.rivals)
     result.margin = std::min(result.margin, rival.comparison.gap());
   result.reason = doubts(best.fit, result, options);
+  if (result.reason.empty()) {
+    result.reason = doubts_by_rivals(result, options);
+    result.only_rivals = !result.reason.empty();
+  }
   result.accepted = result.reason.empty();
   if (!result.accepted)
     if (const auto words = diagnosis(best.shares.supported); !words.empty()) result.reason = words;

@@ -1,4 +1,6 @@
 #pragma once
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,11 +50,15 @@ struct RivalPose {
   std::string words;      // how it differs, motion_in_words()
   Comparison comparison;  // of the chosen pose against it
   double strength = 0;    // below 1: too close
+  std::optional<double> seen_through;  // by the scans' samples (batch/scan_to_scan.hpp), where these were asked
 };
 
 struct AutomaticAlignment {
   bool accepted = false;
   std::string reason;    // when not: in words, what is missing and what to do
+  bool only_rivals = false;  // nothing speaks against the best pose but that others are nearly as good
+  std::ptrdiff_t close_rivals = 0;     // of strength below 1, whether `rivals` names them or not
+  std::optional<double> seen_through;  // as of rivals
   Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
   bool has_pose = false;
   double doubt = 0;  // doubt() of it

@@ -113,7 +113,6 @@ std::string nothing_fits(const AutomaticOptions& options) {
 
 std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const AutomaticOptions& options) {
   const SightShares& shares = best.shares;
-  const auto& rivals = best.rivals;
   if (shares.supported < options.least_support)
     return fmt::format(
         "under the best pose only {:.0f} % of the scan's planar area lie on faces, at least {:.0f} % should; "
@@ -163,10 +162,13 @@ std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const Aut
   if (fit.least_share < options.least_hold)
     return fmt::format("the planes hold the pose too weakly along ({:.2f}, {:.2f}, {:.2f}){}",
                        fit.weakest.x(), fit.weakest.y(), fit.weakest.z(), remedy(options));
-  if (!rivals.empty() && rivals[0].strength < 1)
-    return fmt::format("another pose explains the scan nearly as well: {}{}", rivals[0].words,
-                       remedy(options));
   return "";
+}
+
+std::string doubts_by_rivals(const AutomaticAlignment& best, const AutomaticOptions& options) {
+  if (best.rivals.empty() || best.rivals[0].strength >= 1) return "";
+  return fmt::format("another pose explains the scan nearly as well: {}{}", best.rivals[0].words,
+                     remedy(options));
 }
 
 }  // namespace hybrid::stages

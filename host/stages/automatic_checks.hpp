@@ -34,7 +34,9 @@ std::string diagnose_model(device::Queue& queue, const ScanEvidence& scan, const
 std::string diagnose_pose(device::Queue& queue, const ScanEvidence& scan, const ProxyModel& model,
                           double scale, double supported, const AutomaticOptions& options);
 
-// Why the best pose is not accepted, most serious first; "" when it is.
+// What speaks against the best pose, most serious first; "" when nothing does.
 std::string doubts(const TileFit& fit, const AutomaticAlignment& best, const AutomaticOptions& options);
+// The same of what its rivals have for themselves.
+std::string doubts_by_rivals(const AutomaticAlignment& best, const AutomaticOptions& options);
 
 }  // namespace hybrid::stages
