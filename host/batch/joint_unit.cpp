@@ -147,8 +147,7 @@ const stages::AutomaticAlignment& NeighbourRegistration::aligned(const ScanRegis
   if (const auto found = known.find(other); found != known.end()) return found->second;
   stages::AutomaticOptions options = options_.alignment;
   options.of_scan = true;
-  auto& found = known[other] =
-      stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
+  auto& found = known[other] = stages::align_automatically(queue_, scan.evidence, seen(other).model, options);
   scan_to_scan_.judge(index, other, found);
   return found;
 }
@@ -256,9 +255,10 @@ void NeighbourRegistration::describe_island(const Registrations& island, Registr
       if (k != i && island[k] && abstentions[k]) others.push_back(products_[k].id);
     if (others.empty()) continue;
     std::string& reason = abstentions[i]->neighbour_reason;
-    reason = fmt::format("it hangs together with {}, but these with no more of the others: process them on "
-                         "their own{}{}",
-                         fmt::join(others, ", "), reason.empty() ? "" : "; ", reason);
+    reason = fmt::format(
+        "it hangs together with {}, but these with no more of the others: process them on "
+        "their own{}{}",
+        fmt::join(others, ", "), reason.empty() ? "" : "; ", reason);
   }
 }
 

@@ -21,24 +21,35 @@ bool holds(const Photograph& view, const Eigen::AlignedBox3d& box) {
   return true;
 }
 
+// The nearest eye along a direction, to a percent, that sees all corners with a margin. The sphere around the
+// box is seen from `far` in any case.
+Photograph nearest_view(const Eigen::AlignedBox3d& box, const Vec3& direction, const Vec3& up, double fov_deg,
+                        int width, int height) {
+  const auto from = [&](double distance_m) {
+    return look_at(box.center() + distance_m * direction, box.center(), up, fov_deg, width, height);
+  };
+  const double near = 0.5 * box.diagonal().norm(), far = 1.1 * near / std::sin(0.5 * fov_deg * M_PI / 180);
+  double distance_m = far;
+  while (distance_m > near && holds(from(0.99 * distance_m), box)) distance_m *= 0.99;
+  return from(distance_m);
+}
+
 }  // namespace
 
 Photograph overview_camera(const PolygonModel& model, int width, int height, bool from_behind) {
   Eigen::AlignedBox3d box;
   for (const auto& vertex : model.vertices) box.extend(vertex);
-  const double fov_deg = 40;
+  return overview_camera(box, width, height, from_behind);
+}
+
+Photograph overview_camera(const Eigen::AlignedBox3d& box, int width, int height, bool from_behind) {
   const double side = from_behind ? -1 : 1;
-  const Vec3 direction = Vec3(-0.45 * side, -0.75 * side, 0.85).normalized();
-  const auto from = [&](double distance_m) {
-    return look_at(box.center() + distance_m * direction, box.center(), Vec3::UnitZ(), fov_deg, width,
-                   height);
-  };
-  // The nearest eye, to a percent, that sees all corners with a margin. The sphere around the box is seen
-  // from `far` in any case.
-  const double near = 0.5 * box.diagonal().norm(), far = 1.1 * near / std::sin(0.5 * fov_deg * M_PI / 180);
-  double distance_m = far;
-  while (distance_m > near && holds(from(0.99 * distance_m), box)) distance_m *= 0.99;
-  return from(distance_m);
+  return nearest_view(box, Vec3(-0.45 * side, -0.75 * side, 0.85).normalized(), Vec3::UnitZ(), 40, width,
+                      height);
+}
+
+Photograph plan_camera(const Eigen::AlignedBox3d& box, int width, int height) {
+  return nearest_view(box, Vec3::UnitZ(), Vec3::UnitY(), 8, width, height);
 }
 
 }  // namespace hybrid::batch

@@ -24,6 +24,9 @@ constexpr double kFarthest_m = 2, kFarthestDeg = 40, kNearer = 0.3;
 // Where little holds the scan ICP must come back from so far beside what it found, in overlap_m and turned
 // about each axis; to within so much.
 constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
+// Scans of one place lie on each other within their noise: 0.3 to 1 times it in rooms and churches of
+// hybrid-synth, 5 where the instrument is not calibrated, 10 where two rooms are alike within centimetres.
+constexpr double kTimesNoise = 4, kFarOff_m = 0.005;
 constexpr double kSame_m = 1e-3, kSameRad = 1e-4;  // poses in files that are one
 
 std::string refused_in_words(const OnScans& on, const std::string& from, const std::string& contradiction) {
@@ -224,9 +227,10 @@ void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignm
   found.seen_through = best.seen_through;
   if (const auto words = contradiction_of(best, found.world_from_scan); !words.empty()) {
     found.accepted = false;
-    found.reason = fmt::format("its planes fit, but {} ({:.1f} % of all that can be compared): is it of another "
-                               "place that is alike?",
-                               words, 100 * best.seen_through);
+    found.reason = fmt::format(
+        "its planes fit, but {} ({:.1f} % of all that can be compared): is it of another "
+        "place that is alike?",
+        words, 100 * best.seen_through);
     return;
   }
   if (found.accepted || is_weak(best) || best.seen_through > kMostOfBest ||
@@ -253,6 +257,15 @@ void ScanToScan::describe(Registrations& registrations) {
     one.on_scans =
         OnScans{start, stages::assess_on_scans(queue_, scan(i), others.scans, one.world_from_scan(), icp_),
                 others.ids};
+    const double rms_m = one.on_scans->icp.icp.rms_m, noise_m = products_[i].sigma_m;
+    if (rms_m > std::max(kFarOff_m, kTimesNoise * noise_m) &&
+        largest_overlap(one.on_scans->icp) >= kFirmOverlap)
+      warn(i,
+           fmt::format(
+               "it lies on other scans with an rms of {:.1f} mm, {:.0f} times its noise: the instrument "
+               "is not calibrated, something moved, or they are of places that are alike",
+               1000 * rms_m, rms_m / noise_m),
+           one);
   }
 }
 

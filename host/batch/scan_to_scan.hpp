@@ -42,8 +42,8 @@ class ScanToScan {
              Registrations& abstentions);
 
   // Judges an alignment of scan `i` to scan `other` by planes alone, in whose frame it is: places that are
-  // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the scans
-  // see through these, it is accepted.
+  // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the
+  // scans see through these, it is accepted.
   void judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
 
   // Every scan's figures under its final pose.

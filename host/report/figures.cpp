@@ -52,7 +52,14 @@ constexpr float kLargestRadius_m = 0.02f;
 // About as many as the drawing has pixels; more take time and memory, and cannot be told apart.
 constexpr double kMostPoints = 2e6;
 
+// Without a model they are the surfaces.
+constexpr float kSurface_m = 0.1f;
+
 // Of every so many rows and columns one is drawn.
+int thinning(std::size_t samples) {
+  return static_cast<int>(std::ceil(std::sqrt(std::max(static_cast<double>(samples) / kMostPoints, 1.0))));
+}
+
 int thinning(const batch::SceneRun& run) {
   std::size_t drawn = 0;
   for (std::size_t i = 0; i < run.products.size(); ++i) {
@@ -60,19 +67,24 @@ int thinning(const batch::SceneRun& run) {
     if (run.registrations[i])
       drawn += count_if_parallel(flags.size(), [&](std::size_t k) { return flags[k] != stages::kNotDrawn; });
   }
-  return static_cast<int>(std::ceil(std::sqrt(std::max(static_cast<double>(drawn) / kMostPoints, 1.0))));
+  return thinning(drawn);
 }
 
-Image8 draw(device::Queue& queue, const batch::SceneRun& run,
-            const std::vector<std::optional<batch::ScanRegistration>>& registrations) {
-  const int every = thinning(run);
-  auto scene = batch::build_render_scene(*run.model, run.products, registrations, {}, 0, every);
+constexpr int kWidth = 1280, kHeight = 900;
+
+using Registrations = std::vector<std::optional<batch::ScanRegistration>>;
+
+stages::RenderScene scene_of(const batch::SceneRun& run, const Registrations& registrations, int every) {
+  return batch::build_render_scene(*run.model, run.products, registrations, {}, 0, every);
+}
+
+Image8 draw(device::Queue& queue, stages::RenderScene scene, const Photograph& camera, float largest_m) {
   stages::ViewRequest request;
-  request.camera = batch::overview_camera(*run.model, 1280, 900);
+  request.camera = camera;
   request.texture = false;
   keep_fronts(request.camera.centre(), scene);
   for (auto& splat : scene.splats) {
-    splat.radius_m = std::min(splat.radius_m, kLargestRadius_m * static_cast<float>(every));
+    splat.radius_m = std::min(splat.radius_m, largest_m);
     splat.on_face = false;  // how they lie on the faces is what the figure is about
   }
   stages::RenderOptions options;
@@ -85,15 +97,80 @@ Image8 draw(device::Queue& queue, const batch::SceneRun& run,
   return batch::to_picture(view.colour);
 }
 
+// Without a model there are no surfaces but the scans': all their measured samples.
+stages::RenderScene scans_alone(const batch::SceneRun& run) {
+  std::size_t measured = 0;
+  std::vector<std::vector<std::uint8_t>> flags(run.products.size());
+  for (std::size_t i = 0; i < run.products.size(); ++i) {
+    if (!run.registrations[i]) continue;
+    const auto& product = run.products[i];
+    flags[i].assign(product.image.count(), stages::kNotDrawn);
+    parallel_for(
+        flags[i].size(),
+        [&](std::size_t k) {
+          if (product.image.mask[k] == kMeasured && product.stray[k] == stages::kNotStray)
+            flags[i][k] = stages::kDrawn;
+        },
+        4096);
+    measured +=
+        count_if_parallel(flags[i].size(), [&](std::size_t k) { return flags[i][k] == stages::kDrawn; });
+  }
+  const int every = thinning(measured);
+  stages::RenderScene scene;
+  for (std::size_t i = 0; i < run.products.size(); ++i) {
+    if (!run.registrations[i]) continue;
+    const Pose pose = run.registrations[i]->world_from_scan();
+    scene.scanners.push_back(pose.translation);
+    const auto splats = stages::make_splats(run.products[i].image, run.products[i].segmentation, flags[i],
+                                            pose, static_cast<std::uint32_t>(i), every);
+    scene.splats.insert(scene.splats.end(), splats.begin(), splats.end());
+  }
+  return scene;
+}
+
+// Where nine tenths of the samples are: stray planes run to the horizon.
+Eigen::AlignedBox3d box_of(const std::vector<stages::Splat>& splats) {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  std::vector<double> along(splats.size());
+  for (int axis = 0; axis < 3 && !splats.empty(); ++axis) {
+    for (std::size_t k = 0; k < splats.size(); ++k) along[k] = static_cast<double>(splats[k].centre_m[axis]);
+    const auto quantile = [&](double share) {
+      const auto at =
+          along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
+      std::nth_element(along.begin(), at, along.end());
+      return *at;
+    };
+    low[axis] = quantile(0.05);
+    high[axis] = quantile(0.95);
+  }
+  const Vec3 margin = 0.1 * (high - low) + Vec3::Constant(0.1);
+  return {low - margin, high + margin};
+}
+
+void draw_scans_alone(device::Queue& queue, const batch::SceneRun& run, const std::filesystem::path& folder) {
+  const auto scene = scans_alone(run);
+  const auto box = box_of(scene.splats);
+  io::write_png(folder / "registration-after.png",
+                draw(queue, scene, batch::overview_camera(box, kWidth, kHeight), kSurface_m));
+  io::write_png(folder / "registration-plan.png",
+                draw(queue, scene, batch::plan_camera(box, kWidth, kHeight), kSurface_m));
+}
+
 }  // namespace
 
 void write_registration_figures(device::Queue& queue, const batch::SceneRun& run,
                                 const std::filesystem::path& folder) {
+  if (!run.model) return draw_scans_alone(queue, run, folder);
+  const int every = thinning(run);
+  const float radius_m = kLargestRadius_m * static_cast<float>(every);
+  const auto camera = batch::overview_camera(*run.model, kWidth, kHeight);
   auto before = run.registrations;
   for (auto& registration : before)
     if (registration) registration->icp.world_from_scan = registration->start;
-  io::write_png(folder / "registration-before.png", draw(queue, run, before));
-  io::write_png(folder / "registration-after.png", draw(queue, run, run.registrations));
+  io::write_png(folder / "registration-before.png",
+                draw(queue, scene_of(run, before, every), camera, radius_m));
+  io::write_png(folder / "registration-after.png",
+                draw(queue, scene_of(run, run.registrations, every), camera, radius_m));
 }
 
 }  // namespace hybrid::report

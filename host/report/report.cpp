@@ -8,8 +8,8 @@
 namespace hybrid::report {
 
 void write_report(device::Queue& queue, const batch::SceneRun& run, const std::filesystem::path& out) {
-  if (run.model && std::any_of(run.registrations.begin(), run.registrations.end(),
-                               [](const auto& registration) { return registration.has_value(); }))
+  if (std::any_of(run.registrations.begin(), run.registrations.end(),
+                  [](const auto& registration) { return registration.has_value(); }))
     write_registration_figures(queue, run, out / "report");
   ScenePage page;
   page.out = out;

@@ -188,11 +188,16 @@ std::string pair_table(const ScenePage& page) {
 std::string registration_section(const ScenePage& page, Previews& previews) {
   const std::string figures = registration_table(page);
   if (figures.empty()) return "";
+  // One of them is there: the second without a model.
+  const std::string before = picture(previews, "report/registration-before.png",
+                                     "Before ICP: retained samples of every scan, each in its colour, on the "
+                                     "proxy");
+  const std::string after = picture(
+      previews, "report/registration-after.png",
+      before.empty() ? "The registered scans, each in its colour; what faces away is left out" : "After ICP");
+  const std::string plan = picture(previews, "report/registration-plan.png", "The same from above");
   return "<h2 id=\"registration\">Registration</h2>\n" + figures + pair_table(page) + landmark_table(page) +
-         "<div class=\"row\">\n" +
-         picture(previews, "report/registration-before.png",
-                 "Before ICP: retained samples of every scan, each in its colour, on the proxy") +
-         picture(previews, "report/registration-after.png", "After ICP") + "</div>\n";
+         "<div class=\"row\">\n" + before + after + plan + "</div>\n";
 }
 
 std::string pair_picture(Previews& previews, const Json& view) {

@@ -50,16 +50,17 @@ struct RivalPose {
   std::string words;      // how it differs, motion_in_words()
   Comparison comparison;  // of the chosen pose against it
   double strength = 0;    // below 1: too close
-  std::optional<double> seen_through;  // by the scans' samples (batch/scan_to_scan.hpp), where these were asked
+  std::optional<double>
+      seen_through;  // by the scans' samples (batch/scan_to_scan.hpp), where these were asked
 };
 
 struct AutomaticAlignment {
   bool accepted = false;
-  std::string reason;    // when not: in words, what is missing and what to do
-  bool only_rivals = false;  // nothing speaks against the best pose but that others are nearly as good
-  std::ptrdiff_t close_rivals = 0;     // of strength below 1, whether `rivals` names them or not
+  std::string reason;               // when not: in words, what is missing and what to do
+  bool only_rivals = false;         // nothing speaks against the best pose but that others are nearly as good
+  std::ptrdiff_t close_rivals = 0;  // of strength below 1, whether `rivals` names them or not
   std::optional<double> seen_through;  // as of rivals
-  Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
+  Pose world_from_scan;                // the best pose, accepted or not; to be refined by ICP
   bool has_pose = false;
   double doubt = 0;  // doubt() of it
   // Of the model, under it: with 3 % of the planar area and more on them each, those with 1 % and more half,

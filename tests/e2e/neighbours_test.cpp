@@ -88,6 +88,9 @@ TEST(Neighbours, scans_without_a_model_are_registered_to_the_first) {
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
   EXPECT_NE(io::read_text(out / "report/index.html").find("Scan to scan"), std::string::npos);
   EXPECT_GT(std::filesystem::file_size(out / "export/points.ply"), 100000u);
+  for (const char* picture : {"registration-after", "registration-plan"})
+    EXPECT_TRUE(fs::exists(out / "report" / (std::string(picture) + ".png"))) << picture;
+  EXPECT_FALSE(fs::exists(out / "report/registration-before.png"));
 }
 
 // A scene of these scans without a model, the second with this pose where there is one.
@@ -182,6 +185,79 @@ TEST(Neighbours, of_two_places_where_little_holds_a_scan_none_is_taken) {
   EXPECT_EQ(pose["status"], "abstained");
   EXPECT_NE(pose["reason"].get<std::string>().find("from beside it ICP finds another"), std::string::npos)
       << pose["reason"];
+}
+
+void make_scene(const fs::path& out, const std::string& kind, int seed, const std::string& options) {
+  const auto made = run(fmt::format("hybrid-synth {} --seed {} --preset tiny {} --quiet --out {}", kind, seed,
+                                    options, out.string()));
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+}
+
+// What `hybrid register` makes of the same scan of these scenes, as a folder.
+Outcome register_alike(const Scratch& scratch, const std::string& kind, const std::vector<int>& seeds,
+                       const std::string& scan, const std::string& megapixels) {
+  fs::create_directories(scratch / "both");
+  for (const int seed : seeds) {
+    const auto place = scratch / std::to_string(seed);
+    make_scene(place, kind, seed, "--only-scan " + scan + " --megapixels " + megapixels);
+    fs::copy_file(place / "scans" / (scan + ".ply"), scratch / "both" / (std::to_string(seed) + ".ply"));
+  }
+  return run("hybrid register " + (scratch / "both").string() + " --quiet --out " +
+             (scratch / "out").string());
+}
+
+// Turned by half a turn this nave's planes fit the chancel's nearly as well; there the scans see through each
+// other.
+TEST(Neighbours, what_scans_see_through_decides_between_rivals) {
+  const Scratch scratch;
+  const auto out = scratch / "out", church = scratch / "church";
+  make_scene(church, "church", 106, "--megapixels 0.3");
+  fs::remove(church / "scans/front.ply");
+  const auto outcome =
+      run("hybrid register " + (church / "scans").string() + " --quiet --out " + out.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto nave = json_of(out / "scans/nave/pose.json");
+  ASSERT_EQ(nave["status"], "accepted") << nave;
+  EXPECT_EQ(nave["aligned_to"], "chancel");
+  const auto& neighbour = nave["neighbour"];
+  EXPECT_LT(neighbour["seen_through"], 0.02);
+  EXPECT_LT(neighbour["rivals"][0]["strength"], 1);
+  EXPECT_GT(neighbour["rivals"][0]["seen_through"], 0.05);
+  const auto truth = json_of(church / "truth.json");
+  Pose in_truth[2];
+  for (const auto& scan : truth["scans"])
+    for (const int i : {0, 1})
+      if (scan["id"] == (i == 0 ? "chancel" : "nave"))
+        in_truth[i] = pose_from_row_major(scan["world_from_scan"].get<std::array<double, 16>>());
+  const auto off = difference(pose_from_row_major(nave["world_from_scan"].get<std::array<double, 16>>()),
+                              in_truth[0].inverse() * in_truth[1]);
+  EXPECT_LT(off.distance_m, 0.001);  // measured 0.03 mm
+  EXPECT_LT(off.angle_rad, 1e-4);
+}
+
+// Two churches of nearly one size: planes of the one fit those of the other.
+TEST(Neighbours, scans_of_two_places_that_are_alike_are_not_laid_on_each_other) {
+  const Scratch scratch;
+  const auto outcome = register_alike(scratch, "church", {103, 105}, "nave", "0.3");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;  // of a folder nobody says that it is one place
+  const auto pose = json_of(scratch / "out" / "scans/105/pose.json");
+  EXPECT_EQ(pose["status"], "abstained");
+  EXPECT_NE(pose["reason"].get<std::string>().find("its planes fit, but"), std::string::npos)
+      << pose["reason"];
+  EXPECT_GT(pose["neighbour"]["seen_through"], 0.05);
+}
+
+// Two rooms whose walls differ by less than what is called near: nothing tells them apart but how far their
+// scans lie from each other.
+TEST(Neighbours, places_that_are_alike_within_centimetres_are_told_by_a_warning) {
+  const Scratch scratch;
+  const auto outcome = register_alike(scratch, "room", {15, 18}, "east", "0.15");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto pose = json_of(scratch / "out" / "scans/18/pose.json");
+  if (pose["status"] == "abstained") return;  // even better
+  ASSERT_TRUE(pose.contains("warnings")) << pose;
+  EXPECT_NE(pose["warnings"][0].get<std::string>().find("times its noise"), std::string::npos)
+      << pose["warnings"];
 }
 
 // Registered files keep their frame: the first scan's pose in its file is the scene's, the others' are
