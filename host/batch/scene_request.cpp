@@ -49,6 +49,12 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
     fail_input("--view {}: {} has no view or path of that name", request.only_view, scene.path.string());
   if (request.leave_one_out && !scene.photographs)
     fail_input("--leave-one-out: {} has no [photographs]", scene.path.string());
+  std::error_code ignored;
+  if (scene.implied && fs::equivalent(request.out, scene.scans.front().file.parent_path() / ".", ignored))
+    fail_input(
+        "{}: holds the scans themselves, and where results lie nobody looks for scans; choose another "
+        "--out",
+        request.out.string());
   check_output_folder(request.out, scene.name, request.scene_file, request.force);
   return scene;
 }

@@ -48,8 +48,8 @@ SceneFile read_scene_in(const fs::path& folder) {
                scenes[0].filename().string(), scenes.size() - 1);
   const auto scans = scans_in_folder(folder);
   if (scans.empty())
-    fail_input("{}: expected a scene.toml or scans ({}) in this folder, found neither", folder.string(),
-               scan_extensions());
+    fail_input("{}: expected a scene file, found a folder with neither a scene.toml nor scans ({}) in it",
+               folder.string(), scan_extensions());
   return implied_scene(folder, scans);
 }
 

@@ -183,4 +183,18 @@ TEST(BadInput, an_unknown_command_or_option_is_a_usage_error) {
   EXPECT_EQ(run("hybrid planes x.ply --out /tmp/x --square 99").exit_code, 2);
 }
 
+TEST(BadInput, folders_that_are_no_scene_are_told) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "empty");
+  expect_error(run("hybrid run " + (scratch / "empty").string() + " --out " + (scratch / "out").string()), 4,
+               {(scratch / "empty").string(), "found a folder with neither a scene.toml nor scans ("});
+  const std::string scans = (copy_room(scratch) / "scans").string();
+  expect_error(run("hybrid run " + scans + " --out " + scans), 4,
+               {scans + ": holds the scans themselves", "choose another --out"});
+  EXPECT_FALSE(fs::exists(fs::path(scans) / "summary.json"));
+  expect_error(run("hybrid run " + scans + " --only render --out " + (scratch / "out").string()), 4,
+               {scans, "no [model]", "--only planes,register,report"});
+  EXPECT_FALSE(fs::exists(scratch / "out"));
+}
+
 }  // namespace hybrid::e2e

@@ -71,7 +71,7 @@ std::vector<SceneCase> scene_cases() {
          fs::create_directory(folder / "scene.toml");
        },
        4,
-       {"scene.toml: expected a regular file, found a folder"}},
+       {"scene.toml: expected a scene file, found a folder with neither a scene.toml nor scans"}},
       {"pipe",
        [](const fs::path& folder) {
          fs::remove(folder / "scene.toml");

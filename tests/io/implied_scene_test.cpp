@@ -62,7 +62,8 @@ TEST(ImpliedScene, gives_way_to_a_scene_file) {
 TEST(ImpliedScene, needs_scans) {
   const testing::TemporaryFolder folder;
   folder.write("x/readme.txt", "");
-  EXPECT_NE(error_of(folder.path() / "x").find("expected a scene.toml or scans (.e57"), std::string::npos)
+  EXPECT_NE(error_of(folder.path() / "x").find("found a folder with neither a scene.toml nor scans (.e57"),
+            std::string::npos)
       << error_of(folder.path() / "x");
   EXPECT_NE(error_of(folder.path() / "nowhere.ply").find("nowhere.ply"), std::string::npos);
 }
