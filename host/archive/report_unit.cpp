@@ -76,6 +76,7 @@ Json row_of(const Store& store, const Unit& unit, Outcomes& outcomes) {
   std::string units;
   for (const std::size_t need : unit.needs)
     if (!has_object(outcomes.of(need))) units += std::to_string(need) + ",";
+  if (units.empty() && has_object(outcome)) return row;  // the same again while its inputs are
   row["command"] = fmt::format("hybrid batch run --out STORE --unit {}{} --retry", units, unit.number);
   return row;
 }

@@ -152,10 +152,12 @@ std::string abstained_table(const Json& archive) {
         table.add({name, scan["id"], scan["registration"].value("reason", "")});
       }
   }
-  return table.empty() ? ""
-                       : "<h2 id=\"abstained\">Scans without a pose</h2>\n<p>Why stands "
-                         "beside each; its scene's page shows the landmark sheet to fill in.</p>\n" +
-                             table.html();
+  return table.empty()
+             ? ""
+             : "<h2 id=\"abstained\">Scans without a pose</h2>\n<p>Why stands "
+               "beside each; where the scene has a model, its page shows the landmark sheet to fill "
+               "in.</p>\n" +
+                   table.html();
 }
 
 std::string failure_list(const Json& archive) {
@@ -168,6 +170,9 @@ std::string failure_list(const Json& archive) {
     if (row.contains("command"))
       html += fmt::format("<br>run it again: <code data-store>{}</code>",
                           escape(row["command"].get<std::string>()));
+    else
+      html +=
+          "<br>again once its input is mended: <code>hybrid batch plan</code>, <code>hybrid batch run</code>";
     html += "</li>\n";
   }
   if (!html.empty())
