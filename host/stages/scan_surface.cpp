@@ -71,10 +71,18 @@ struct Thinned {
   }
 };
 
-// Rows and columns of a pinhole that looks along x of its frame: z / x and -y / x.
+// Rows and columns of a pinhole that looks along x of its frame: z / x, and -y / x, of which columns go one
+// way or, as those of images whose azimuth increases, the other.
 struct PinholeTables {
   std::vector<double> row, col;
+  bool mirrored() const { return col.front() > col.back(); }
 };
+
+// Columns in the order in which -y / x increases.
+std::vector<double> ascending(std::vector<double> col) {
+  if (col.front() > col.back()) std::reverse(col.begin(), col.end());
+  return col;
+}
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -114,14 +122,15 @@ std::optional<PinholeTables> pinhole_tables(const RangeImage& image, const Pose&
     return line_through(medians, static_cast<int>(values.size()));
   };
   auto row = line(of_row), col = line(of_col);
-  if (!row || !col || !(row->front() > row->back()) || !(col->front() < col->back())) return std::nullopt;
+  if (!row || !col || !(row->front() > row->back()) || col->front() == col->back()) return std::nullopt;
   return PinholeTables{std::move(*row), std::move(*col)};
 }
 
 // Share of the samples whose own node these edges lead to, give or take one.
 template <typename Row, typename Col>
 double share_on_its_node(const RangeImage& image, const Pose& grid_from_scan, const std::vector<float>& rows,
-                         const std::vector<float>& cols, const Row& row_measure, const Col& col_measure) {
+                         const std::vector<float>& cols, bool mirrored, const Row& row_measure,
+                         const Col& col_measure) {
   const auto stride = static_cast<std::size_t>(1 + image.count() / 20000);
   std::size_t on = 0, all = 0;
   for (std::size_t i = 0; i < image.count(); i += stride) {
@@ -131,7 +140,8 @@ double share_on_its_node(const RangeImage& image, const Pose& grid_from_scan, co
         std::upper_bound(rows.begin(), rows.end(), row_measure(p), std::greater<>()) - rows.begin() - 1;
     const auto col = std::upper_bound(cols.begin(), cols.end(), col_measure(p)) - cols.begin() - 1;
     const auto own_row = static_cast<std::ptrdiff_t>(i) / image.cols,
-               own_col = static_cast<std::ptrdiff_t>(i) % image.cols;
+               along = static_cast<std::ptrdiff_t>(i) % image.cols,
+               own_col = mirrored ? image.cols - 1 - along : along;
     const auto apart = std::abs(col - own_col);
     on += std::abs(row - own_row) <= 1 && (apart <= 1 || (image.wraps && apart >= image.cols - 2));
     ++all;
@@ -142,7 +152,7 @@ double share_on_its_node(const RangeImage& image, const Pose& grid_from_scan, co
 bool spherical_grid(const RangeImage& image) {
   const auto rows = row_edges(image.elevation_rad), cols = col_edges(image.azimuth_rad);
   return share_on_its_node(
-             image, Pose(), rows, cols,
+             image, Pose(), rows, cols, false,
              [](const Vec3& p) { return elevation_measure(std::atan2(p.z(), std::hypot(p.x(), p.y()))); },
              [&](const Vec3& p) {
                const double measure = azimuth_measure(std::atan2(p.y(), p.x()));
@@ -152,7 +162,8 @@ bool spherical_grid(const RangeImage& image) {
 
 bool pinhole_grid(const RangeImage& image, const PinholeTables& tables, const Pose& grid_from_scan) {
   return share_on_its_node(
-             image, grid_from_scan, edges(tables.row, -kLoneStep, as_is), edges(tables.col, kLoneStep, as_is),
+             image, grid_from_scan, edges(tables.row, -kLoneStep, as_is),
+             edges(ascending(tables.col), kLoneStep, as_is), tables.mirrored(),
              [](const Vec3& p) { return p.z() / p.x(); },
              [](const Vec3& p) { return -p.y() / p.x(); }) >= kOnItsNode;
 }
@@ -197,6 +208,7 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
   if (image.rows < 1 || image.cols < 1) return;
   const Thinned thinned(image);
   std::vector<double> row, col;
+  bool mirrored = false;
   if (spherical_grid(image)) {
     known_ = true;
     params_.lens = GRID_SPHERICAL;
@@ -210,7 +222,8 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
       known_ = true;
       params_.lens = GRID_PINHOLE;
       grid_from_scan_ = frame;
-      row = thinned.rows_of(tables->row), col = thinned.cols_of(tables->col);
+      mirrored = tables->mirrored();
+      row = thinned.rows_of(tables->row), col = ascending(thinned.cols_of(tables->col));
       row_edges_ = queue.array(edges(row, -kLoneStep, as_is)),
       col_edges_ = queue.array(edges(col, kLoneStep, as_is));
       break;
@@ -240,7 +253,8 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
         point -= plane.distance(point) * plane.normal;
       }
       point = grid_from_scan_ * point;
-      const std::size_t node = r * static_cast<std::size_t>(thinned.cols) + static_cast<std::size_t>(c);
+      const std::size_t node = r * static_cast<std::size_t>(thinned.cols) +
+                               static_cast<std::size_t>(mirrored ? thinned.cols - 1 - c : c);
       for (std::size_t k = 0; k < 3; ++k) {
         columns[k][node] = static_cast<float>(point(static_cast<Eigen::Index>(k)));
         if (!normal.isZero()) columns[3 + k][node] = static_cast<float>(normal(static_cast<Eigen::Index>(k)));

@@ -1,10 +1,13 @@
 // Depth images and photographs of one camera in one room (skipped where the data are absent).
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "geometry/pose.hpp"
 #include "io/output.hpp"
+#include "io/scene_file.hpp"
 #include "places.hpp"
 #include "program.hpp"
 
@@ -20,7 +23,48 @@ bool redwood_present() {
   return fs::exists(data / "photos/redwood-livingroom/depth/00015.png");
 }
 
+// The scene's frames without a model, all but the first moved by so much along x.
+std::string frames_moved_by(double moved_m) {
+  const auto scene = io::read_scene_file(kScene);
+  std::string text = "[scene]\nname = \"frames\"\n";
+  for (std::size_t k = 0; k < scene.scans.size(); ++k) {
+    const auto& scan = scene.scans[k];
+    auto pose = *scan.pose;
+    if (k > 0) pose[3] += moved_m;
+    text += fmt::format(
+        "[[scan]]\nid = \"{}\"\nfile = \"{}\"\nintrinsics = [525, 525, 319.5, 239.5]\npose = {}\n", scan.id,
+        scan.file.string(), nlohmann::json(pose).dump());
+  }
+  return text;
+}
+
 }  // namespace
+
+// Their trajectory's own poses lie up to 2 cm and 0.7 degrees from where the frames fall together.
+TEST(Redwood, depth_frames_without_a_model_are_laid_on_each_other) {
+  if (!redwood_present()) GTEST_SKIP() << "photos/redwood-livingroom is not in the data folder";
+  const Scratch scratch;
+  const auto pose_json = [&](const std::string& out, const std::string& scan) {
+    return nlohmann::json::parse(io::read_text(scratch / out / "scans" / scan / "pose.json"));
+  };
+  for (const auto& [out, moved_m] : {std::pair("near", 0.0), std::pair("far", 0.2)}) {
+    io::write_text(scratch / "scene.toml", frames_moved_by(moved_m));
+    const auto made = run("hybrid register " + (scratch / "scene.toml").string() + " --quiet --out " +
+                          (scratch / out).string());
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  for (const char* scan : {"frame-045", "frame-075", "frame-105", "frame-135"}) {
+    const auto pose = pose_json("far", scan);
+    EXPECT_EQ(pose["how"], "scan-icp") << scan;
+    EXPECT_GT(pose["on_scans"]["overlap"], 0.8) << scan;  // measured 0.87 to 1.00
+    EXPECT_LT(pose["on_scans"]["rms_m"], 0.001) << scan;  // 0.18 to 0.24 mm
+    EXPECT_LT(pose["on_scans"]["seen_through"], 0.01) << scan;
+    const auto apart = difference(
+        pose_from_row_major(pose["world_from_scan"].get<std::array<double, 16>>()),
+        pose_from_row_major(pose_json("near", scan)["world_from_scan"].get<std::array<double, 16>>()));
+    EXPECT_LT(apart.distance_m, 0.0002) << scan;
+  }
+}
 
 TEST(Redwood, depth_frames_lie_on_the_proxy_and_fill_what_it_lacks) {
   if (!redwood_present()) GTEST_SKIP() << "photos/redwood-livingroom is not in the data folder";

@@ -8,6 +8,8 @@
 
 #include "cases/trial_room.hpp"
 #include "device.hpp"
+#include "room_scan.hpp"
+#include "stages/organised_grid.hpp"
 
 namespace hybrid {
 namespace {
@@ -89,6 +91,57 @@ TEST(ScanIcp, starts_of_30_cm_and_10_degrees_converge) {
 TEST(ScanIcp, samples_without_planes_converge) {
   const auto tally = trials(0.05, 2, false, trial_count());
   EXPECT_GE(tally.converged, tally.count * 0.95);
+}
+
+// A depth camera's image of the room with a pillar, in the frame of io::read_depth_image(): columns go
+// against its azimuth.
+RangeImage depth_image(const Pose& world_from_scan) {
+  constexpr int kRows = 120, kCols = 160;
+  constexpr double kFocal = 130;
+  testing::Room room;
+  for (Vec3* corner : {&room.low, &room.high, &room.pillar_low, &room.pillar_high})
+    *corner -= world_from_scan.translation;
+  Scan scan;
+  scan.grid_rows = kRows;
+  scan.grid_cols = kCols;
+  scan.row_by_row = true;
+  for (int row = 0; row < kRows; ++row)
+    for (int col = 0; col < kCols; ++col) {
+      const Vec3 ray(1, -(col - 79.5) / kFocal, -(row - 59.5) / kFocal);
+      const Vec3 point = room.cast(world_from_scan.rotate(ray)).range_m * ray;
+      scan.points.push_back(
+          {static_cast<float>(point.x()), static_cast<float>(point.y()), static_cast<float>(point.z())});
+    }
+  return stages::arrange_grid(scan);
+}
+
+TEST(ScanIcp, depth_images_are_laid_on_each_other) {
+  const auto looking = [](double yaw_deg, double pitch_deg, const Vec3& eye) {
+    return Pose{1,
+                Eigen::AngleAxisd(yaw_deg * kDegree, Vec3::UnitZ()) *
+                    Eigen::AngleAxisd(pitch_deg * kDegree, Vec3::UnitY()),
+                eye};
+  };
+  const Pose pose_a = looking(12, 8, {-1.5, -0.6, 0.1}), pose_b = looking(20, 12, {-1.2, -0.9, 0.3});
+  const RangeImage image_a = depth_image(pose_a), image_b = depth_image(pose_b);
+  ASSERT_EQ(image_a.cols, 160);
+  const auto scan = [](const RangeImage& image) {
+    PlaneSegmentation none;
+    none.sample_label.assign(image.count(), 0);
+    return std::make_unique<stages::IcpScan>(queue(),
+                                             stages::choose_scan_samples(image, none, {}, kSamples, 1), image,
+                                             none, std::vector<std::uint8_t>());
+  };
+  const auto a = scan(image_a), b = scan(image_b);
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const auto found = stages::register_to_scans(queue(), *b, {{a.get(), pose_a}},
+                                                 testing::moved_at_random(pose_b, 0.05, 2, seed));
+    const auto off = difference(pose_b, found.icp.world_from_scan);
+    EXPECT_LT(off.distance_m, 0.001) << seed;
+    EXPECT_LT(off.angle_rad, 0.03 * kDegree) << seed;
+    EXPECT_GT(found.icp.overlap, 0.5) << seed;
+    EXPECT_LT(found.seen_through, 0.02) << seed;
+  }
 }
 
 // What tells a wrong pose: the scans see through each other's surfaces, or hardly overlap.
