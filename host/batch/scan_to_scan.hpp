@@ -55,6 +55,8 @@ class ScanToScan {
     std::vector<stages::PlacedScan> scans;
     std::vector<std::string> ids;
   };
+  // ICP from a start, and from beside what it finds as long as that finds better.
+  stages::ScanIcp best_from(std::size_t i, const Others& others, const Pose& start);
   // Another place that ICP finds from beside this one, in words; "" = none.
   std::string rival_of(std::size_t i, const Others& others, const Pose& found);
   bool place_one(std::size_t i, double least_overlap, ScanStart& start, Registrations& registrations,
