@@ -158,6 +158,8 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
   std::size_t by = 0;
   for (std::size_t other = 0; other < products_.size(); ++other) {
     if (!registrations[other] || seen(other).polygons.faces.empty()) continue;
+    // What others contradict is not laid on what none of them can judge.
+    if (!abstentions[scan]->refusal.empty() && registrations[other]->unjudged) continue;
     const auto& found = aligned(*abstentions[scan], scan, other);
     const bool better =
         best == nullptr || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);

@@ -57,6 +57,7 @@ struct ScanRegistration {
   // abstained.
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
+  bool unjudged = false;  // without a model: a given or recorded pose that no other scan tells anything of
   std::optional<OnScans> on_scans;  // without a model, where another scan has a pose
   nlohmann::ordered_json written;   // files of the registered scan (registered_scans.hpp), or null
   bool held_by_model = true;        // by what it sees of the model; else by its neighbours alone

@@ -149,6 +149,9 @@ stages::ScanIcp ScanToScan::best_from(std::size_t i, const Others& others, const
   };
   const auto end_of = [&](const Pose& from) {
     End end{stages::register_to_scans(queue_, scan(i), others.scans, from, icp_)};
+    for (int more = 0; more < kRounds && !end.found.icp.converged; ++more)
+      end.found =
+          stages::register_to_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, icp_);
     end.close = stages::assess_on_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, tight)
                     .icp.overlap;
     return end;
@@ -224,6 +227,7 @@ void ScanToScan::settle(std::size_t i, const ScanStart& start, Registrations& re
   }
   one.how = start.from;
   one.abstained = false;
+  one.unjudged = true;
   one.automatic.reset();
   one.start = one.icp.world_from_scan = start.world_from_scan;
   one.icp.converged = true;
