@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/log.hpp"
 #include "stages/joint_priors.hpp"
@@ -237,7 +238,7 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
     registrations[frame] = std::exchange(*first, std::nullopt);
     carry_all(registrations, abstentions);
   }
-  registrations = std::move(islands[largest]);
+  registrations = std::exchange(islands[largest], {});
   for (auto& island : islands)
     for (std::size_t i = 0; i < island.size(); ++i)
       if (island[i]) {

@@ -32,7 +32,7 @@ constexpr int kRounds = 3;
 constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
 // Scans of one place lie on each other within their noise: 0.3 to 1 times it in rooms and churches of
 // hybrid-synth, 5 where the instrument is not calibrated, 10 where two rooms are alike within centimetres.
-constexpr double kTimesNoise = 4, kFarOff_m = 0.005;
+constexpr double kTimesNoise = 4, kFarOff_m = 0.005, kLeastNoise_m = 1e-4;
 constexpr double kSame_m = 1e-3, kSameRad = 1e-4;  // poses in files that are one
 
 std::string refused_in_words(const OnScans& on, const std::string& from, const std::string& contradiction) {
@@ -303,7 +303,7 @@ void ScanToScan::describe(Registrations& registrations) {
            fmt::format(
                "it lies on other scans with an rms of {:.1f} mm, {:.0f} times its noise: the instrument "
                "is not calibrated, something moved, or they are of places that are alike",
-               1000 * rms_m, rms_m / noise_m),
+               1000 * rms_m, rms_m / std::max(noise_m, kLeastNoise_m)),
            one);
   }
 }

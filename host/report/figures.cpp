@@ -160,6 +160,8 @@ void draw_scans_alone(device::Queue& queue, const batch::SceneRun& run, const st
 
 void write_registration_figures(device::Queue& queue, const batch::SceneRun& run,
                                 const std::filesystem::path& folder) {
+  // Of an earlier run of a scene that had a model, or none, since.
+  std::filesystem::remove(folder / (run.model ? "registration-plan.png" : "registration-before.png"));
   if (!run.model) return draw_scans_alone(queue, run, folder);
   const int every = thinning(run);
   const float radius_m = kLargestRadius_m * static_cast<float>(every);
