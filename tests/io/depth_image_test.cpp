@@ -9,6 +9,7 @@
 #include "geometry/image.hpp"
 #include "io/files.hpp"
 #include "io/picture.hpp"
+#include "places.hpp"
 #include "stages/organised_grid.hpp"
 
 namespace hybrid::io {
@@ -17,7 +18,8 @@ namespace fs = std::filesystem;
 
 fs::path redwood() {
   const char* data = std::getenv("HYBRID_DATA");
-  return fs::path(data ? data : "../shared/data") / "photos/redwood-livingroom";
+  return (data ? fs::path(data) : fs::path(HYBRID_PROJECT_DIR) / ".." / "shared" / "data") /
+         "photos/redwood-livingroom";
 }
 
 constexpr DepthCamera kCamera{525, 525, 319.5, 239.5, 0.001};
