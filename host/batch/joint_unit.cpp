@@ -230,7 +230,7 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
   for (;;) {
     islands.push_back(std::exchange(registrations, Registrations(products_.size())));
     if (count_of(islands.back()) > count_of(islands[largest])) largest = islands.size() - 1;
-    if (count_of(abstentions) <= count_of(islands[largest])) break;  // no more can hang together
+    if (count_of(abstentions) < 2) break;  // no more can hang together
     const auto first =
         std::find_if(abstentions.begin(), abstentions.end(), [](const auto& one) { return one.has_value(); });
     const auto frame = static_cast<std::size_t>(first - abstentions.begin());
@@ -239,29 +239,31 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
     carry_all(registrations, abstentions);
   }
   registrations = std::exchange(islands[largest], {});
-  for (auto& island : islands)
+  for (const Registrations& island : islands)
     for (std::size_t i = 0; i < island.size(); ++i)
       if (island[i]) {
-        make_unplaced(*island[i]);
         abstentions[i] = island[i];
+        make_unplaced(*abstentions[i]);
       }
   carry_all(registrations, abstentions);  // of the others some may lie on what they did not carry
-  for (const auto& island : islands) describe_island(island, abstentions);
+  for (const Registrations& island : islands) describe_island(island, abstentions);
 }
 
-// What of an island is left over is told of the others there.
+// What of an island is left over is told of the others there, and how they lie.
 void NeighbourRegistration::describe_island(const Registrations& island, Registrations& abstentions) const {
-  for (std::size_t i = 0; i < island.size(); ++i) {
-    if (!island[i] || !abstentions[i]) continue;
-    std::vector<std::string> others;
-    for (std::size_t k = 0; k < island.size(); ++k)
-      if (k != i && island[k] && abstentions[k]) others.push_back(products_[k].id);
-    if (others.empty()) continue;
-    std::string& reason = abstentions[i]->neighbour_reason;
-    reason = fmt::format(
-        "it hangs together with {}, but these with no more of the others: process them on "
-        "their own{}{}",
-        fmt::join(others, ", "), reason.empty() ? "" : "; ", reason);
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < island.size(); ++i)
+    if (island[i] && abstentions[i]) left.push_back(i);
+  if (left.size() < 2) return;
+  const Pose frame_from_world = island[left.front()]->world_from_scan().inverse();
+  for (const std::size_t i : left) {
+    ScanRegistration& one = *abstentions[i];
+    one.island = Island{products_[left.front()].id, frame_from_world * island[i]->world_from_scan(), {}};
+    for (const std::size_t k : left)
+      if (k != i) one.island->others.push_back(products_[k].id);
+    one.neighbour_reason = fmt::format(
+        "it hangs together with {}, but these with no more of the others: process them on their own{}{}",
+        fmt::join(one.island->others, ", "), one.neighbour_reason.empty() ? "" : "; ", one.neighbour_reason);
   }
 }
 

@@ -178,6 +178,10 @@ Json abstained_json(const ScanRegistration& registration) {
   if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.automatic) json.update(automatic_json(*registration.automatic));
   json["reason"] = reason_of(registration);
+  if (registration.island)
+    json["island"] = {{"frame", registration.island->frame},
+                      {"frame_from_scan", row_major(registration.island->frame_from_scan)},
+                      {"others", registration.island->others}};
   if (registration.on_scans)
     json["refused"] = {{"world_from_scan", row_major(registration.on_scans->icp.icp.world_from_scan)},
                        {"on_scans", on_scans_json(*registration.on_scans)}};

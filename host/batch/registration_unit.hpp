@@ -30,6 +30,13 @@ struct OnScans {
   std::vector<std::string> others;  // whose figures icp.others are
 };
 
+// The scans that a scan without a pose hangs together with, which have none either.
+struct Island {
+  std::string frame;     // one of them, or itself
+  Pose frame_from_scan;  // by planes, before any joint refinement
+  std::vector<std::string> others;
+};
+
 struct ScanRegistration {
   // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "scan-icp" (from a given or recorded
   // pose), "frame" (the first, without a model)
@@ -58,6 +65,7 @@ struct ScanRegistration {
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
   bool unjudged = false;  // without a model: a given or recorded pose that no other scan tells anything of
+  std::optional<Island> island;     // without a model, of a scan without a pose
   std::optional<OnScans> on_scans;  // without a model, where another scan has a pose
   nlohmann::ordered_json written;   // files of the registered scan (registered_scans.hpp), or null
   bool held_by_model = true;        // by what it sees of the model; else by its neighbours alone

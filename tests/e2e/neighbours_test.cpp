@@ -247,6 +247,32 @@ TEST(Neighbours, scans_of_two_places_that_are_alike_are_not_laid_on_each_other) 
   EXPECT_GT(pose["neighbour"]["seen_through"], 0.05);
 }
 
+// Of two rooms in one folder one is the scene; how the other's scans lie among themselves is told.
+TEST(Neighbours, of_scans_of_two_places_the_smaller_group_is_told_how_it_lies) {
+  const Scratch scratch;
+  const auto out = scratch / "out", both = scratch / "both";
+  make_scene(scratch / "thirteen", "room", 13, "--megapixels 0.15");
+  fs::create_directories(both);
+  for (const char* scan : {"west", "east"}) {
+    fs::copy_file(scan_of_room(scan), both / (std::string("b-") + scan + ".ply"));
+    fs::copy_file(scratch / "thirteen/scans" / (std::string(scan) + ".ply"),
+                  both / (std::string("a-") + scan + ".ply"));
+  }
+  const auto outcome = run("hybrid register " + both.string() + " --quiet --out " + out.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* scan : {"a-west", "a-east"})
+    EXPECT_EQ(json_of(out / "scans" / scan / "pose.json")["status"], "accepted") << scan;
+  const auto west = json_of(out / "scans/b-west/pose.json");
+  EXPECT_EQ(west["status"], "abstained");
+  EXPECT_NE(west["reason"].get<std::string>().find("it hangs together with b-east"), std::string::npos)
+      << west["reason"];
+  EXPECT_EQ(west["island"]["frame"], "b-east");
+  const auto found = pose_from_row_major(west["island"]["frame_from_scan"].get<std::array<double, 16>>());
+  const auto off = difference(found, east_in_west().inverse());
+  EXPECT_LT(off.distance_m, 0.005);
+  EXPECT_LT(off.angle_rad, 0.001);
+}
+
 // Two rooms whose walls differ by less than what is called near: nothing tells them apart but how far their
 // scans lie from each other.
 TEST(Neighbours, places_that_are_alike_within_centimetres_are_told_by_a_warning) {
