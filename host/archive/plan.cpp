@@ -352,10 +352,7 @@ class Planner {
   std::optional<LooseFile> list_loose(const fs::path& file, const std::vector<fs::path>& beside) {
     if (used_.count(file.string()) > 0) return std::nullopt;
     const std::string name = named(file), extension = file.extension().string();
-    if (file.filename() == "extra.ply" &&
-        std::any_of(beside.begin(), beside.end(),
-                    [](const fs::path& other) { return other.extension() == ".exr"; }))
-      return std::nullopt;  // of the range image beside it
+    if (io::belongs_to_range_image(file, beside)) return std::nullopt;
     LooseFile one{file, cache_.list(file, profile_.settings_of(name).salvage.value_or(false))};
     if (one.listing.problem.empty()) return one;
     if (extension == ".exr" || extension == ".laz") {

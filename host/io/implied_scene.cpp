@@ -72,13 +72,16 @@ SceneFile implied_scene(const fs::path& place, const std::vector<fs::path>& scan
   return scene;
 }
 
+bool belongs_to_range_image(const fs::path& file, const std::vector<fs::path>& beside) {
+  return file.filename() == "extra.ply" && std::any_of(beside.begin(), beside.end(), is_range_image);
+}
+
 std::vector<fs::path> scans_in_folder(const fs::path& folder) {
   const auto entries = entries_of(folder);
-  const bool range_images = std::any_of(entries.begin(), entries.end(), is_range_image);
   std::vector<fs::path> scans;
   for (const fs::path& file : entries)
     if (has_scan_extension(file) && !file.filename().string().starts_with(".") &&
-        !(range_images && file.filename() == "extra.ply") && (!is_range_image(file) || can_be_listed(file)))
+        !belongs_to_range_image(file, entries) && (!is_range_image(file) || can_be_listed(file)))
       scans.push_back(file);
   return scans;
 }

@@ -15,6 +15,10 @@ SceneFile implied_scene(const std::filesystem::path& place, const std::vector<st
 // what belongs to a range image beside it.
 std::vector<std::filesystem::path> scans_in_folder(const std::filesystem::path& folder);
 
+// extra.ply, where one of the files beside it is a range image.
+bool belongs_to_range_image(const std::filesystem::path& file,
+                            const std::vector<std::filesystem::path>& beside);
+
 // What read_scene_file() takes for a scene file: a folder stands for its scene.toml or for the scans in it,
 // a scan file for its scans. Throws ErrorKind::input for a folder that has none, or several scene files.
 SceneFile read_scene_of(const std::filesystem::path& folder_or_scan);
