@@ -8,6 +8,10 @@ void add_render(CLI::App& program, int& exit_code) {
   scene.command->add_flag(
       "--leave-one-out", scene.request->leave_one_out,
       "instead of the scene's views, every photograph's made from all the others, scored");
+  scene.command
+      ->add_option("--show", scene.request->show,
+                   "what every view shows, instead of what the scene file says: proxy, scan or both")
+      ->check(CLI::IsMember({"proxy", "scan", "both"}));
   scene.command->callback([=, &exit_code] {
     scene.request->stages = {"render"};
     scene.request->scene_views = !scene.request->leave_one_out;

@@ -316,6 +316,7 @@ class Run {
         views.push_back(view);
     if (request_.leave_one_out)
       for (auto& view : leave_one_out_views(run_.photographs)) views.push_back(std::move(view));
+    for (auto& view : views) view.show = request_.show.value_or(view.show);
     return views;
   }
 

@@ -30,6 +30,7 @@ struct RunRequest {
   std::string only_view;                 // render: this view alone
   bool scene_views = true;               // render: the scene file's views
   bool leave_one_out = false;            // render: then every photograph from the others
+  std::optional<std::string> show;       // of every view, over the scene file: "proxy" | "scan" | "both"
   std::vector<std::string> assignments;  // SECTION.KEY=VALUE, override the scene file
   std::optional<OptionValue> square;     // overrides the scene file
   int tile = 1024;
