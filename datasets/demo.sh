@@ -14,7 +14,7 @@ if [ -z "$scene" ]; then
   "$build/bin/hybrid-synth" church --out out/church-synthetic/scene --seed 1 --preset demo
   scene=out/church-synthetic/scene/scene.toml
   out=out/church-synthetic/result
-  edits=(--set edit.openings=cut --set render.unseen_m=0.1)  # its proxy has no openings, its columns open backs
+  edits=(--set edit.openings=cut)  # its proxy has no openings
 else
   out="out/$(basename "$(dirname "$(realpath "$scene")")")/result"
 fi

@@ -49,6 +49,17 @@ TilePixels read_tile(device::Queue& queue, const SurfaceTile& tile) {
   return pixels;
 }
 
+// What `show` comes to in this scene.
+std::string what_is_shown(const RenderScene& scene, const std::string& show) {
+  if (show != "both") return show;
+  if (scene.proxy.faces.empty()) return "scan";
+  return scene.splats.empty() && scene.contours.faces.empty() ? "proxy" : "both";
+}
+
+bool has_curtains(const RenderScene& scene, const std::string& shown) {
+  return shown != "proxy" && !scene.curtains.empty();
+}
+
 std::array<double, 3> plain_srgb(std::uint32_t id, const RenderScene& scene) {
   if (id & kSplatId) return pastel_srgb(scene.splats[id & ~kSplatId].scan);
   if (id & kMarkerId) return {1.0, 0.55, 0.1};
@@ -199,15 +210,32 @@ void colour_from_photographs(RenderState& state, ViewPass& pass, TilePixels& pix
       4096);
 }
 
+// Red is what the view looks at through a place that no scan has seen: something may stand there.
+void redden_behind_curtains(RenderState& state, ViewPass& pass, const Tile& tile,
+                            const std::array<float, 2>& offset, TilePixels& pixels) {
+  const DeviceBvh* curtains = state.curtains(pass.request.show);
+  if (!curtains) return;
+  cast_tile(state.queue, *curtains, pass.camera, tile, offset, 0, pass.surface);
+  const auto curtain_m = read_first(state.queue, pass.surface.distance, pixels.distance.size());
+  const auto tolerance_m = static_cast<float>(state.options.surface_tolerance_m);
+  for (std::size_t i = 0; i < curtain_m.size(); ++i) {
+    if (pixels.id[i] == 0 || !(curtain_m[i] < pixels.distance[i] - tolerance_m)) continue;
+    pixels.seen[i] = 0;
+    pixels.best[i] = -1;
+    for (std::size_t k = 0; k < 3; ++k) pixels.colour[3 * i + k] = k == 0 ? 1.0f : 0.0f;
+  }
+}
+
 TilePixels render_tile(RenderState& state, ViewPass& pass, const Tile& tile,
                        const std::array<float, 2>& offset) {
   const double tolerance_m = state.options.surface_tolerance_m;
   const Vec3f eye(pass.camera.centre[0], pass.camera.centre[1], pass.camera.centre[2]);
   cast_tile(state.queue, pass.shown, pass.camera, tile, offset, tolerance_m, pass.surface);
   TilePixels pixels = read_tile(state.queue, pass.surface);
-  if (pass.request.texture)
+  if (pass.request.texture) {
     colour_from_photographs(state, pass, pixels);
-  else
+    redden_behind_curtains(state, pass, tile, offset, pixels);
+  } else
     parallel_for(
         pixels.id.size(),
         [&](std::size_t i) {
@@ -301,7 +329,7 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        0,
        100,
        "so far behind its outline, where no scan has seen the place empty, what is scanned hides what "
-       "photographs see",
+       "photographs and textured views see",
        {}},
       {"equalise",
        "",
@@ -364,13 +392,17 @@ void RenderState::use_sigma(double sigma_px) {
 }
 
 const DeviceBvh& RenderState::geometry(const std::string& show, bool curtains) {
-  std::string built = show;
-  if (show == "both" && scene.splats.empty() && scene.contours.faces.empty()) built = "proxy";
-  if (show == "both" && scene.proxy.faces.empty()) built = "scan";
-  const std::pair key{built, curtains && built != "proxy" && !scene.curtains.empty()};
+  const std::string built = what_is_shown(scene, show);
+  const std::pair key{built, curtains && has_curtains(scene, built)};
   const auto found = geometries.find(key);
   if (found != geometries.end()) return found->second;
   return geometries.emplace(key, make_render_geometry(queue, scene, built, origin, key.second)).first->second;
+}
+
+const DeviceBvh* RenderState::curtains(const std::string& show) {
+  if (!has_curtains(scene, what_is_shown(scene, show))) return nullptr;
+  if (!curtain_geometry) curtain_geometry = make_curtains(queue, scene, origin);
+  return &*curtain_geometry;
 }
 
 Renderer::Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options)

@@ -36,8 +36,9 @@ struct RenderOptions {
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
   double grazing_deg = 2;  // a photograph that meets a surface at no more than this does not see it
-  double unseen_m = 0;     // so far behind its outline what is scanned hides what photographs see, where no
-                           // scan has seen the place empty (curtains.hpp); 0: all that is unseen is empty
+  double unseen_m = 0.1;   // so far behind its outline what is scanned hides what photographs and textured
+                           // views see, where no scan has seen the place empty (curtains.hpp); 0: all that is
+                           // unseen is empty
   bool equalise = true;    // gains per photograph and channel that make the photographs' overlaps agree; a
                            // view comes at the exposure of those it shows, all else at one of them all
   std::string tone = "auto";  // "linear": what is lighter than white is cut off; "shoulder": it is brought
@@ -69,7 +70,7 @@ struct RenderScene {
   PolygonModel contours;                    // of superclusters that no proxy face explains (METHOD 10)
   std::vector<std::uint32_t> contour_scan;  // per face of `contours`: index of its scan
   std::vector<Splat> splats;
-  std::vector<Curtain> curtains;  // hide what is behind them from photographs
+  std::vector<Curtain> curtains;  // hide what is behind them from photographs and textured views
   std::vector<Vec3> scanners;     // where scans were made from
   std::vector<Photograph> photographs;
   std::vector<Image8> photograph_pixels;  // RGB or RGBA 8-bit sRGB, one per photograph; alpha 0: masked, not

@@ -166,6 +166,12 @@ DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, c
   return upload_bvh(queue, bvh, surfaces);
 }
 
+DeviceBvh make_curtains(device::Queue& queue, const RenderScene& scene, const Vec3& origin) {
+  std::vector<TriangleRecord> triangles;
+  append_curtains(scene.curtains, origin, triangles);
+  return upload_bvh(queue, build_bvh(triangles, {}), {});
+}
+
 DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, const Vec3& origin,
                               const Vec3& eye, double most_m) {
   std::vector<TriangleRecord> triangles;

@@ -42,6 +42,9 @@ float pixel_angle_rad(const Camera& camera);
 DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
                                const Vec3& origin, bool curtains = false);
 
+// The curtains alone.
+DeviceBvh make_curtains(device::Queue& queue, const RenderScene& scene, const Vec3& origin);
+
 // Pyramids at the photographs' centres, opening along their views; `most_m` long, less where photographs
 // stand close to each other and near `eye`, so that they hide little of what it looks at; none for
 // photographs so near to it that it would look out of their marker.

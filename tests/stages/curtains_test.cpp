@@ -85,6 +85,43 @@ TEST(Curtains, none_where_surfaces_are_one_or_another_scan_saw_through) {
   EXPECT_TRUE(together.empty());
 }
 
+TEST(Curtains, no_view_looks_through_them) {
+  const RangeImage image = scan_of(thing_and_wall);
+  stages::RenderScene scene;
+  scene.splats =
+      stages::make_splats(image, {}, std::vector<std::uint8_t>(image.count(), stages::kDrawn), {}, 0);
+  // The photograph looks straight at a piece of the wall, the view at the same piece through the thing.
+  const Vec3 piece(-2, 4, 0);
+  Photograph before = look_at({-2, 1, 0}, piece, {0, 0, 1}, 40, 96, 96);
+  before.name = "before";
+  scene.photographs = {before};
+  scene.photograph_pixels = {Image8(96, 96, 3, 255)};
+  stages::ViewRequest through, beside;
+  through.camera = look_at({1, 2.1, 0}, piece, {0, 0, 1}, 3, 24, 24);
+  beside.camera = look_at({1, 3, 0}, piece, {0, 0, 1}, 3, 24, 24);
+  const auto show = [&](const stages::ViewRequest& request) {
+    return stages::Renderer(queue(), scene).render(request);
+  };
+  const auto open = show(through), open_beside = show(beside);
+  scene.curtains = stages::hang_curtains({{&image, nullptr, nullptr, {}}}, {0.6, 0.02});
+  const auto closed = show(through), closed_beside = show(beside);
+  EXPECT_EQ(closed_beside.colour.pixels, open_beside.colour.pixels);
+  EXPECT_EQ(closed.id, open.id);
+  EXPECT_EQ(closed.depth_m, open.depth_m);
+  for (std::size_t i = 0; i < open.id.size(); ++i) {
+    EXPECT_EQ(open.coverage[i], 1u);
+    EXPECT_EQ(closed.coverage[i], 0u);
+    EXPECT_EQ(closed.best[i], -1);
+    EXPECT_EQ(closed.colour.pixels[3 * i], 1);
+    EXPECT_EQ(closed.colour.pixels[3 * i + 1], 0);
+    EXPECT_EQ(closed.colour.pixels[3 * i + 2], 0);
+  }
+  through.texture = false;  // plain views show what is there
+  const auto plain = show(through);
+  scene.curtains.clear();
+  EXPECT_EQ(plain.colour.pixels, show(through).colour.pixels);
+}
+
 TEST(Curtains, no_photograph_looks_through_them_and_no_view_shows_them) {
   // The front of a column and the wall behind it, as one scan saw them; its back is open.
   const RangeImage image = scan_of(thing_and_wall);
