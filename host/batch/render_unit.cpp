@@ -285,6 +285,7 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
       std::count_if(rendered.coverage.begin(), rendered.coverage.end(), [](auto n) { return n > 0; });
   const double pixels = static_cast<double>(rendered.id.size());
   Json figures = {{"name", view.name},
+                  {"show", view.show},
                   {"size", {rendered.colour.width, rendered.colour.height}},
                   {"surface_share", static_cast<double>(hit) / pixels}};
   if (!view.path.empty()) figures["path"] = view.path;

@@ -1,7 +1,9 @@
 // Every photograph of the tiny room from the others, and options given on the command line.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "io/output.hpp"
 #include "program.hpp"
@@ -38,6 +40,26 @@ TEST(LeaveOneOut, scores_every_photograph_and_their_mean_and_shows_the_pairs) {
   EXPECT_NEAR(scores["mean"]["psnr_db"].get<double>(), psnr, 1e-9);
   EXPECT_NEAR(scores["mean"]["share_seen"].get<double>(), seen, 1e-9);
   EXPECT_NE(made.out.find("mean of 6 photographs left out"), std::string::npos) << made.out;
+}
+
+TEST(LeaveOneOut, shows_the_proxy_or_the_scans_alone_where_the_command_says_so) {
+  const Scratch scratch;
+  std::map<std::string, nlohmann::json> means;
+  for (const std::string show : {"proxy", "scan", "both"}) {
+    const auto made = run("hybrid render " + scene() + " --leave-one-out --show " + show + " --quiet --out " +
+                          (scratch / show).string());
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const auto document = nlohmann::json::parse(io::read_text(scratch / show / "summary.json"));
+    for (const auto& view : document["views"]) EXPECT_EQ(view["show"], show);
+    means[show] = document["leave_one_out"]["mean"];
+  }
+  // What the scans alone show has holes where planes were; what the proxy lacks is painted on its walls.
+  EXPECT_LT(means["scan"]["share_seen"], 0.8 * means["both"]["share_seen"].get<double>());
+  EXPECT_LT(means["proxy"]["psnr_db"], means["both"]["psnr_db"].get<double>() - 1);
+  const auto wrong = run("hybrid render " + scene() + " --show roof --out " + (scratch / "roof").string());
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("roof"), std::string::npos) << wrong.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch / "roof"));
 }
 
 TEST(LeaveOneOut, chooses_sigma_where_it_is_asked_to_and_says_what_it_tried) {
