@@ -47,7 +47,7 @@ Renderer::BakedChart Renderer::bake(const AtlasChart& chart, const std::vector<s
   out.colour.assign(3 * mask.size(), 0.0f);
   out.coverage.assign(mask.size(), 0);
   out.best.assign(mask.size(), -1);
-  const DeviceBvh& occluders = s.occluders("both");
+  const DeviceBvh& occluders = s.geometry("both");
   std::vector<std::size_t> used(s.scene.photographs.size());
   std::iota(used.begin(), used.end(), std::size_t{0});
   const double far_m = kFar * s.diagonal_m;

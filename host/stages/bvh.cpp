@@ -362,8 +362,9 @@ BinaryTree build_binary_tree(const std::vector<TriangleRecord>& triangles,
   return tree;
 }
 
-Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres) {
-  return collapse(build_binary_tree(triangles, spheres), triangles, spheres);
+Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres,
+              const Bvh& beside) {
+  return collapse(build_binary_tree(triangles, spheres), triangles, spheres, beside);
 }
 
 DeviceBvh upload_bvh(device::Queue& queue, const Bvh& bvh, const std::vector<SphereSurface>& surfaces) {
@@ -372,8 +373,13 @@ DeviceBvh upload_bvh(device::Queue& queue, const Bvh& bvh, const std::vector<Sph
   // The last leaf's spheres are read as those of a full one.
   auto spheres = queue.array<SphereRecord>(bvh.spheres.size() + kLargestLeaf - 1);
   queue.write(spheres, std::span<const SphereRecord>(bvh.spheres));
-  return {queue.array(bvh.nodes), queue.array(bvh.triangles), std::move(spheres), queue.array(ordered),
-          bvh.root};
+  return {queue.array(bvh.nodes),
+          queue.array(bvh.triangles),
+          std::move(spheres),
+          queue.array(ordered),
+          bvh.root,
+          bvh.root,
+          BVH_EMPTY};
 }
 
 }  // namespace hybrid::stages

@@ -20,7 +20,9 @@ struct Bvh {
 // Binned surface area heuristic (Wald 2007) over triangles and clusters of spheres (bvh_clusters.hpp), then
 // within each cluster, in parallel; the same tree for any number of threads. Speed: bench/bvh/bvh_speed.cpp.
 // Coordinates must be finite, radii positive. Throws ErrorKind::input beyond 2^26 primitives.
-Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres);
+// `beside`: a tree that there is to be room for (bvh_join.hpp).
+Bvh build_bvh(const std::vector<TriangleRecord>& triangles, const std::vector<SphereRecord>& spheres,
+              const Bvh& beside = {});
 
 // The same on the device. surfaces[i] belongs to spheres[i].
 struct DeviceBvh {
@@ -28,7 +30,9 @@ struct DeviceBvh {
   device::Array<TriangleRecord> triangles;
   device::Array<SphereRecord> spheres;  // and BVH_LARGEST_LEAF - 1 of no meaning
   device::Array<SphereSurface> surfaces;
-  std::uint32_t root = BVH_EMPTY;
+  std::uint32_t root = BVH_EMPTY;           // of what primary rays meet
+  std::uint32_t occluder_root = BVH_EMPTY;  // of that and the curtains: what shadow rays meet
+  std::uint32_t curtain_root = BVH_EMPTY;   // of the curtains alone
 };
 
 // `surfaces`: one per sphere of the input build_bvh had.

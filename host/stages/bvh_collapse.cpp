@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/parallel.hpp"
+#include "stages/bvh_join.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -75,15 +76,6 @@ class Collapse {
     }
   }
 
-  static BvhNode empty_node() {
-    BvhNode node;
-    for (float* low : {node.low_x, node.low_y, node.low_z}) std::fill(low, low + BVH_WIDTH, BVH_NOWHERE);
-    for (float* high : {node.high_x, node.high_y, node.high_z})
-      std::fill(high, high + BVH_WIDTH, -BVH_NOWHERE);
-    std::fill(node.child, node.child + BVH_WIDTH, BVH_EMPTY);
-    return node;
-  }
-
   std::uint32_t leaf(std::uint32_t code) {
     if (code & BVH_SPHERES) return code;  // spheres lie in the order of their leaves already
     const std::size_t begin = code & BVH_FIRST_MASK, first = out_.triangles.size();
@@ -98,20 +90,6 @@ class Collapse {
   std::vector<Branch>* branches_;
   Bvh& out_;
 };
-
-// Puts a branch behind what `out` holds. Returns the code of its root.
-std::uint32_t append_branch(const Bvh& branch, Bvh& out) {
-  const auto nodes = static_cast<std::uint32_t>(out.nodes.size()),
-             triangles = static_cast<std::uint32_t>(out.triangles.size());
-  for (BvhNode node : branch.nodes) {
-    for (std::uint32_t& child : node.child)
-      if (child != BVH_EMPTY && !(child & BVH_SPHERES && child & BVH_LEAF))
-        child += child & BVH_LEAF ? triangles : nodes;
-    out.nodes.push_back(node);
-  }
-  out.triangles.insert(out.triangles.end(), branch.triangles.begin(), branch.triangles.end());
-  return nodes + branch.root;
-}
 
 }  // namespace
 
@@ -140,7 +118,7 @@ float BinaryBox::area() const {
 }
 
 Bvh collapse(BinaryTree tree, const std::vector<TriangleRecord>& triangles,
-             const std::vector<SphereRecord>& spheres) {
+             const std::vector<SphereRecord>& spheres, const Bvh& beside) {
   Bvh out;
   if (tree.root == BVH_EMPTY) return out;
   std::vector<Branch> branches;
@@ -151,10 +129,11 @@ Bvh collapse(BinaryTree tree, const std::vector<TriangleRecord>& triangles,
   });
   tbb::concurrent_vector<BinaryNode>().swap(tree.nodes);  // of millions of spheres the most memory of all
   const auto nodes = [](std::size_t sum, const Bvh& part) { return sum + part.nodes.size(); };
-  out.nodes.reserve(std::accumulate(parts.begin(), parts.end(), out.nodes.size(), nodes));
-  out.triangles.reserve(triangles.size());
+  out.nodes.reserve(std::accumulate(parts.begin(), parts.end(), out.nodes.size(), nodes) +
+                    beside.nodes.size() + 1);
+  out.triangles.reserve(triangles.size() + beside.triangles.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    out.nodes[branches[i].node].child[branches[i].child] = append_branch(parts[i], out);
+    out.nodes[branches[i].node].child[branches[i].child] = append_tree(parts[i], out);
     parts[i] = {};
   }
   out.sphere_source = std::move(tree.sphere_order);

@@ -49,8 +49,9 @@ BinaryTree build_binary_tree(const std::vector<TriangleRecord>& triangles,
 
 // Pulls binary nodes together into nodes of up to BVH_WIDTH children as their choices say. Nodes lie depth
 // first, the uppermost ones and then each subtree below them, so that the result does not depend on the order
-// of the tree's nodes; triangles lie in the order of the nodes' leaves, spheres in the tree's.
+// of the tree's nodes; triangles lie in the order of the nodes' leaves, spheres in the tree's. `beside`: a
+// tree that there is room for, to be joined (bvh_join.hpp).
 Bvh collapse(BinaryTree tree, const std::vector<TriangleRecord>& triangles,
-             const std::vector<SphereRecord>& spheres);
+             const std::vector<SphereRecord>& spheres, const Bvh& beside = {});
 
 }  // namespace hybrid::stages

@@ -52,7 +52,7 @@ Renderer::ColouredRange Renderer::colour_range_image(const RangeImage& image,
   out.colour = ImageF(image.cols, image.rows, 3, std::numeric_limits<float>::quiet_NaN());
   out.coverage.assign(image.count(), 0);
   out.shoulder = common_shoulder();
-  const DeviceBvh& occluders = s.occluders("both");
+  const DeviceBvh& occluders = s.geometry("both");
   Pose local_from_scan = world_from_scan;
   local_from_scan.translation -= s.origin;
   const Vec3f eye = local_from_scan.translation.cast<float>();
@@ -70,7 +70,7 @@ Renderer::ColouredRange Renderer::colour_range_image(const RangeImage& image,
     const std::vector<float> planes = tile_surface(image, segmentation, local_from_scan, part);
     s.queue.write(surface.surface, std::span<const float>(planes));
     const PhotoBlendView view{{eye.x(), eye.y(), eye.z()}, scan_step_rad(image)};
-    blend.blend(s.store, occluders, s.geometry("both"), surface, view, used, s.store.linear());
+    blend.blend(s.store, occluders, occluders, surface, view, used, s.store.linear());
     const device::Rect rect{static_cast<std::size_t>(part.row), static_cast<std::size_t>(part.col),
                             static_cast<std::size_t>(part.rows), static_cast<std::size_t>(part.cols)};
     const auto cols = static_cast<std::size_t>(image.cols);

@@ -169,7 +169,7 @@ std::array<double, 3> view_exposure(RenderState& state, const ViewRequest& reque
   const auto tables = log_gain_tables(state);
   const PhotoBlendView view{{camera.centre[0], camera.centre[1], camera.centre[2]},
                             pixel_angle_rad(request.camera.camera)};
-  blend.blend(state.store, state.occluders(request.show), state.everything(shown), tile, view, used, tables);
+  blend.blend(state.store, shown, state.everything(shown), tile, view, used, tables);
   const std::vector<float> logs = state.queue.read(blend.colour());
   const std::vector<std::uint32_t> seen = state.queue.read(blend.seen());
 

@@ -87,7 +87,7 @@ void PhotoBlend::add(std::size_t index, const PhotographStore::Entry& photograph
   params.feather_px = photograph.pixel_scale * static_cast<float>(options_.feather_px);
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
   params.face_tolerance_m = kFaceTolerance_m;
-  params.root = occluders.root;
+  params.root = occluders.occluder_root;
   params.least_facing = least_facing(options_);
   launch("blend_photos", tile, params, occluders.nodes, occluders.triangles, occluders.spheres, tile.surface,
          photograph.pixels, photograph.low, light, sums_, seen_, best_);
@@ -106,7 +106,7 @@ void PhotoBlend::rank(PhotographStore& store, std::size_t index, const DeviceBvh
   params.feather_px = static_cast<float>(options_.feather_px);
   params.tolerance_m = static_cast<float>(options_.surface_tolerance_m);
   params.face_tolerance_m = kFaceTolerance_m;
-  params.root = occluders.root;
+  params.root = occluders.occluder_root;
   params.least_facing = least_facing(options_);
   params.resolution_cost = static_cast<float>(options_.ulr_resolution);
   params.field_of_view_cost = static_cast<float>(options_.ulr_field_of_view);

@@ -49,17 +49,6 @@ TilePixels read_tile(device::Queue& queue, const SurfaceTile& tile) {
   return pixels;
 }
 
-// What `show` comes to in this scene.
-std::string what_is_shown(const RenderScene& scene, const std::string& show) {
-  if (show != "both") return show;
-  if (scene.proxy.faces.empty()) return "scan";
-  return scene.splats.empty() && scene.contours.faces.empty() ? "proxy" : "both";
-}
-
-bool has_curtains(const RenderScene& scene, const std::string& shown) {
-  return shown != "proxy" && !scene.curtains.empty();
-}
-
 std::array<double, 3> plain_srgb(std::uint32_t id, const RenderScene& scene) {
   if (id & kSplatId) return pastel_srgb(scene.splats[id & ~kSplatId].scan);
   if (id & kMarkerId) return {1.0, 0.55, 0.1};
@@ -196,8 +185,8 @@ struct ViewPass {
 void colour_from_photographs(RenderState& state, ViewPass& pass, TilePixels& pixels) {
   const auto& c = pass.camera.centre;
   const PhotoBlendView view{{c[0], c[1], c[2]}, pixel_angle_rad(pass.request.camera.camera)};
-  pass.blend.blend(state.store, state.occluders(pass.request.show), state.everything(pass.shown),
-                   pass.surface, view, pass.used, state.store.linear());
+  pass.blend.blend(state.store, pass.shown, state.everything(pass.shown), pass.surface, view, pass.used,
+                   state.store.linear());
   pixels.colour = read_first(state.queue, pass.blend.colour(), pixels.colour.size());
   pixels.seen = read_first(state.queue, pass.blend.seen(), pixels.seen.size());
   pixels.best = read_first(state.queue, pass.blend.best(), pixels.best.size());
@@ -213,9 +202,8 @@ void colour_from_photographs(RenderState& state, ViewPass& pass, TilePixels& pix
 // Red is what the view looks at through a place that no scan has seen: something may stand there.
 void redden_behind_curtains(RenderState& state, ViewPass& pass, const Tile& tile,
                             const std::array<float, 2>& offset, TilePixels& pixels) {
-  const DeviceBvh* curtains = state.curtains(pass.request.show);
-  if (!curtains) return;
-  cast_tile(state.queue, *curtains, pass.camera, tile, offset, 0, pass.surface);
+  if (pass.shown.curtain_root == BVH_EMPTY) return;
+  cast_curtains(state.queue, pass.shown, pass.camera, tile, offset, pass.surface);
   const auto curtain_m = read_first(state.queue, pass.surface.distance, pixels.distance.size());
   const auto tolerance_m = static_cast<float>(state.options.surface_tolerance_m);
   for (std::size_t i = 0; i < curtain_m.size(); ++i) {
@@ -391,18 +379,13 @@ void RenderState::use_sigma(double sigma_px) {
   store.use_sigmas(band_sigmas(options));
 }
 
-const DeviceBvh& RenderState::geometry(const std::string& show, bool curtains) {
-  const std::string built = what_is_shown(scene, show);
-  const std::pair key{built, curtains && has_curtains(scene, built)};
-  const auto found = geometries.find(key);
+const DeviceBvh& RenderState::geometry(const std::string& show) {
+  std::string built = show;
+  if (show == "both" && scene.splats.empty() && scene.contours.faces.empty()) built = "proxy";
+  if (show == "both" && scene.proxy.faces.empty()) built = "scan";
+  const auto found = geometries.find(built);
   if (found != geometries.end()) return found->second;
-  return geometries.emplace(key, make_render_geometry(queue, scene, built, origin, key.second)).first->second;
-}
-
-const DeviceBvh* RenderState::curtains(const std::string& show) {
-  if (!has_curtains(scene, what_is_shown(scene, show))) return nullptr;
-  if (!curtain_geometry) curtain_geometry = make_curtains(queue, scene, origin);
-  return &*curtain_geometry;
+  return geometries.emplace(built, make_render_geometry(queue, scene, built, origin)).first->second;
 }
 
 Renderer::Renderer(device::Queue& queue, const RenderScene& scene, const RenderOptions& options)

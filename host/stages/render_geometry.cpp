@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/free_memory.hpp"
+#include "stages/bvh_join.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -38,14 +39,15 @@ void append_triangles(const PolygonModel& model, const Vec3& origin, std::uint32
                                       model.vertices[t.vertices[2]] - origin, first_id + t.face, radius_m));
 }
 
-void append_curtains(const std::vector<Curtain>& curtains, const Vec3& origin,
-                     std::vector<TriangleRecord>& records) {
+Bvh curtain_tree(const std::vector<Curtain>& curtains, const Vec3& origin) {
+  std::vector<TriangleRecord> records;
   for (const Curtain& curtain : curtains) {
     std::array<Vec3, 4> corners;
     for (std::size_t k = 0; k < 4; ++k) corners[k] = curtain[k] - origin;
     for (const std::size_t k : {1, 2})
       records.push_back(triangle_record(corners[0], corners[k], corners[k + 1], 0));
   }
+  return build_bvh(records, {});
 }
 
 RayCastParams cast_params(const DeviceBvh& geometry, const CameraRecord& camera, double tolerance_m) {
@@ -55,6 +57,18 @@ RayCastParams cast_params(const DeviceBvh& geometry, const CameraRecord& camera,
   params.tolerance_m = static_cast<float>(tolerance_m);
   params.root = geometry.root;
   params.use_camera = 1;
+  return params;
+}
+
+RayCastParams tile_params(const DeviceBvh& geometry, const CameraRecord& camera, const Tile& tile,
+                          const std::array<float, 2>& offset, double tolerance_m, SurfaceTile& out) {
+  RayCastParams params = cast_params(geometry, camera, tolerance_m);
+  params.cols = out.cols = static_cast<std::uint32_t>(tile.cols);
+  params.rows = out.rows = static_cast<std::uint32_t>(tile.rows);
+  params.first_col = static_cast<std::uint32_t>(tile.col);
+  params.first_row = static_cast<std::uint32_t>(tile.row);
+  params.offset_x = offset[0];
+  params.offset_y = offset[1];
   return params;
 }
 
@@ -137,14 +151,13 @@ float pixel_angle_rad(const Camera& camera) {
 }
 
 DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
-                               const Vec3& origin, bool curtains) {
+                               const Vec3& origin) {
   std::vector<TriangleRecord> triangles;
   std::vector<SphereRecord> spheres;
   std::vector<SphereSurface> surfaces;
   if (show != "scan") append_triangles(scene.proxy, origin, 1, 0, triangles);
   if (show != "proxy") {
     append_triangles(scene.contours, origin, kContourId, kContourRadius_m, triangles);
-    if (curtains) append_curtains(scene.curtains, origin, triangles);
     spheres.reserve(scene.splats.size());
     surfaces.reserve(scene.splats.size());
     for (std::size_t i = 0; i < scene.splats.size(); ++i) {
@@ -161,15 +174,15 @@ DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, c
       surfaces.push_back(known ? SphereSurface{{n[0], n[1], n[2]}, id} : SphereSurface{{0, 0, 0}, id});
     }
   }
-  const Bvh bvh = build_bvh(triangles, spheres);
+  const Bvh curtains = show == "proxy" ? Bvh() : curtain_tree(scene.curtains, origin);
+  Bvh bvh = build_bvh(triangles, spheres, curtains);
   free_memory(spheres);
-  return upload_bvh(queue, bvh, surfaces);
-}
-
-DeviceBvh make_curtains(device::Queue& queue, const RenderScene& scene, const Vec3& origin) {
-  std::vector<TriangleRecord> triangles;
-  append_curtains(scene.curtains, origin, triangles);
-  return upload_bvh(queue, build_bvh(triangles, {}), {});
+  const std::uint32_t curtain_root = append_tree(curtains, bvh);
+  const std::uint32_t occluder_root = join_trees(bvh.root, curtain_root, bvh);
+  DeviceBvh geometry = upload_bvh(queue, bvh, surfaces);
+  geometry.curtain_root = curtain_root;
+  geometry.occluder_root = occluder_root;
+  return geometry;
 }
 
 DeviceBvh make_camera_markers(device::Queue& queue, const RenderScene& scene, const Vec3& origin,
@@ -216,14 +229,15 @@ SurfaceTile::SurfaceTile(device::Queue& queue, std::size_t capacity)
 
 void cast_tile(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera, const Tile& tile,
                const std::array<float, 2>& offset, double tolerance_m, SurfaceTile& out) {
-  RayCastParams params = cast_params(geometry, camera, tolerance_m);
-  params.cols = out.cols = static_cast<std::uint32_t>(tile.cols);
-  params.rows = out.rows = static_cast<std::uint32_t>(tile.rows);
-  params.first_col = static_cast<std::uint32_t>(tile.col);
-  params.first_row = static_cast<std::uint32_t>(tile.row);
-  params.offset_x = offset[0];
-  params.offset_y = offset[1];
+  RayCastParams params = tile_params(geometry, camera, tile, offset, tolerance_m, out);
   params.want_surface = 1;
+  launch(queue, geometry, params, out.distance, out.id, out.surface);
+}
+
+void cast_curtains(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera,
+                   const Tile& tile, const std::array<float, 2>& offset, SurfaceTile& out) {
+  RayCastParams params = tile_params(geometry, camera, tile, offset, 0, out);
+  params.root = geometry.curtain_root;
   launch(queue, geometry, params, out.distance, out.id, out.surface);
 }
 

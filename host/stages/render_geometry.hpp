@@ -36,14 +36,10 @@ CameraRecord camera_record(const Photograph& photograph, const Vec3& origin);
 float pixel_angle_rad(const Camera& camera);
 
 // Primary and shadow geometry of what is shown ("proxy" | "scan" | "both"); contours and splats are of the
-// scans, and so are curtains, where they are asked for: they hide and are no surface, so no primary ray may
-// meet them. Splats that are not finite or have no radius are left out, and beside the proxy those on its
-// faces.
+// scans, and so are curtains, which hide and are no surface: only occluder_root and curtain_root lead to
+// them. Splats that are not finite or have no radius are left out, and beside the proxy those on its faces.
 DeviceBvh make_render_geometry(device::Queue& queue, const RenderScene& scene, const std::string& show,
-                               const Vec3& origin, bool curtains = false);
-
-// The curtains alone.
-DeviceBvh make_curtains(device::Queue& queue, const RenderScene& scene, const Vec3& origin);
+                               const Vec3& origin);
 
 // Pyramids at the photographs' centres, opening along their views; `most_m` long, less where photographs
 // stand close to each other and near `eye`, so that they hide little of what it looks at; none for
@@ -63,6 +59,10 @@ struct SurfaceTile {
 // Casts the camera's rays through the pixels of `tile` at `offset` in each pixel. Kernel: ray_cast.
 void cast_tile(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera, const Tile& tile,
                const std::array<float, 2>& offset, double tolerance_m, SurfaceTile& out);
+
+// Distances to the curtains alone.
+void cast_curtains(device::Queue& queue, const DeviceBvh& geometry, const CameraRecord& camera,
+                   const Tile& tile, const std::array<float, 2>& offset, SurfaceTile& out);
 
 // Distance and id of every pixel of a camera. Kernel: ray_cast.
 struct DistanceMap {

@@ -17,20 +17,15 @@ struct RenderState {
   Vec3 origin;        // of the local frame, world
   double diagonal_m;  // of the scene's box
   PhotographStore store;
-  std::map<std::pair<std::string, bool>, DeviceBvh> geometries;  // by what is shown, with curtains
-  std::optional<DeviceBvh> curtain_geometry;
-  std::vector<std::array<double, 3>> gains;  // per photograph and channel
+  std::map<std::string, DeviceBvh> geometries;  // by what is shown
+  std::vector<std::array<double, 3>> gains;     // per photograph and channel
   std::optional<SigmaChoice> sigma;
 
   RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o);
 
   void use_sigma(double sigma_px);
   // Built when first shown. "both" of a scene that has only one of the two is that one.
-  const DeviceBvh& geometry(const std::string& show, bool curtains = false);
-  // What hides points of it from photographs: all that is shown, and curtains.
-  const DeviceBvh& occluders(const std::string& show) { return geometry(show, true); }
-  // What views do not look through either: curtains alone; null where none hang before what is shown.
-  const DeviceBvh* curtains(const std::string& show);
+  const DeviceBvh& geometry(const std::string& show);
   // Whose visibility edges the low bands respect; anything when there are none.
   const DeviceBvh& everything(const DeviceBvh& shown) {
     return !band_sigmas(options).empty() ? geometry("both") : shown;

@@ -28,7 +28,7 @@ device::Array<float> upload(device::Queue& queue, const std::vector<SurfacePoint
 void add_seen(RenderState& s, const CameraRecord& camera, int index,
               const device::Array<std::uint8_t>& pixels, const device::Array<float>& surface,
               std::size_t count, device::Array<std::uint32_t>& seen) {
-  const DeviceBvh& occluders = s.occluders("both");
+  const DeviceBvh& occluders = s.geometry("both");
   RankPhotosParams params{};
   params.camera = camera;
   for (std::size_t k = 0; k < 3; ++k) params.eye[k] = camera.centre[k];
@@ -38,7 +38,7 @@ void add_seen(RenderState& s, const CameraRecord& camera, int index,
   params.photograph = index;
   params.tolerance_m = static_cast<float>(s.options.surface_tolerance_m);
   params.face_tolerance_m = kFaceTolerance_m;
-  params.root = occluders.root;
+  params.root = occluders.occluder_root;
   params.least_facing = least_facing(s.options);
   const int width = s.queue.vector_width();
   s.queue.launch("rank_photos", s.queue.kernel("rank_photos", {{"VW", width}}), packet_grid(width, count, 1),
