@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <string_view>
 #include <tuple>
 
 #include "core/error.hpp"
@@ -27,16 +28,18 @@ const PictureLibrary& load() {
       break;
     }
   void* const library = dlopen(found.c_str(), RTLD_LAZY | RTLD_LOCAL);
-  const void* const table = library ? dlsym(library, "hybrid_picture_library") : nullptr;
-  if (!table) {
-    const char* const reason = dlerror();
+  const auto* const table =
+      library ? static_cast<const PictureLibrary*>(dlsym(library, "hybrid_picture_library")) : nullptr;
+  const bool other = table && table->interface != std::string_view(kPictureInterface);
+  if (!table || other) {
+    const char* const reason = other ? "it is of another build" : dlerror();
     fail(ErrorKind::failed,
          "{}: what reads and writes pictures cannot be loaded: {}; keep this library of the same build "
          "beside the "
          "program, and install the packages of datasets/setup.sh",
          found.string(), reason ? reason : "no reason given");
   }
-  return *static_cast<const PictureLibrary*>(table);
+  return *table;
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace hybrid::io {
 // picture is read, or written as anything but PNG (io/png.cpp): it brings 240 others with it, whose loading
 // takes a process a quarter of a second.
 struct PictureLibrary {
+  const char* interface;  // of which build: kPictureInterface there
   decltype(&io::read_photograph) read_photograph;
   decltype(&io::check_photograph) check_photograph;
   decltype(&io::decode_photograph) decode_photograph;
@@ -23,7 +24,11 @@ struct PictureLibrary {
   decltype(&io::read_depth_image) read_depth_image;
 };
 
-// Throws ErrorKind::failed where it is not beside the program, or OpenImageIO is not installed.
+// A hash of the headers that program and library must have in common (host/CMakeLists.txt).
+inline constexpr const char* kPictureInterface = HYBRID_PICTURE_INTERFACE;
+
+// Throws ErrorKind::failed where it is not beside the program or of another build, or OpenImageIO is not
+// installed.
 const PictureLibrary& picture_library();
 
 }  // namespace hybrid::io

@@ -171,6 +171,15 @@ TEST(BadMachine, no_device) {
   }
 }
 
+TEST(BadMachine, the_picture_library_of_another_build) {
+  const Scratch scratch;
+  const std::string folder = scratch.path().string();
+  const auto outcome = run("cp \"$(command -v hybrid)\" " + folder + " && cp " HYBRID_OTHER_PICTURES " " +
+                           folder + "/libhybrid_pictures.so && " + folder + "/hybrid render " + scene_file() +
+                           " --quiet --out " + folder + "/out");
+  expect_failure(outcome, 1, {folder + "/libhybrid_pictures.so", "of another build", "beside the program"});
+}
+
 TEST(BadMachine, an_unusable_kernel_cache) {
   const Scratch scratch;
   io::write_text(scratch / "file", "not a folder");

@@ -10,6 +10,7 @@
 #include "device.hpp"
 #include "stages/bvh_clusters.hpp"
 #include "stages/bvh_collapse.hpp"
+#include "stages/bvh_join.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -106,6 +107,29 @@ TEST(Bvh, holds_every_primitive_once_within_its_boxes) {
     const RayScene scene = RayScene::make(triangles, spheres, 2);
     expect_sound(build_bvh(scene.triangles, scene.spheres), triangles, spheres);
   }
+}
+
+// Each of two trees keeps its own root and what lies below it; a third root has all.
+TEST(Bvh, two_trees_lie_in_one_under_three_roots) {
+  for (const auto& [triangles, spheres] :
+       {std::pair<std::size_t, std::size_t>{0, 0}, {3, 0}, {0, 2}, {204, 5003}})
+    for (const std::size_t more : {0, 1, 7, 900}) {
+      const RayScene scene = RayScene::make(triangles, spheres, 2), beside = RayScene::make(more, 0, 3);
+      const Bvh other = build_bvh(beside.triangles, {});
+      Bvh bvh = build_bvh(scene.triangles, scene.spheres, other);
+      const std::uint32_t own = bvh.root, others = stages::append_tree(other, bvh);
+      expect_sound(bvh, triangles, spheres);
+      const std::uint32_t both = stages::join_trees(own, others, bvh);
+      for (const auto& [root, count, balls] : {std::tuple{own, triangles, spheres},
+                                               {others, more, std::size_t{0}},
+                                               {both, triangles + more, spheres}}) {
+        Walk walk{bvh};
+        if (root != BVH_EMPTY) walk.visit(root, 1);
+        EXPECT_EQ(walk.triangles, count);
+        EXPECT_EQ(walk.spheres, balls);
+        EXPECT_LT(walk.stack + 1, BVH_STACK);
+      }
+    }
 }
 
 TEST(Bvh, survives_coincident_and_exponentially_spaced_primitives) {
