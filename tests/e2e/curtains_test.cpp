@@ -20,11 +20,11 @@ nlohmann::json rendered(const fs::path& out, const std::string& options) {
   return nlohmann::json::parse(io::read_text(out / "summary.json"));
 }
 
-double red_share(const nlohmann::json& summary, const std::string& name) {
+nlohmann::json view_of(const nlohmann::json& summary, const std::string& name) {
   for (const auto& view : summary["views"])
-    if (view["name"] == name) return view["red_share"];
+    if (view["name"] == name) return view;
   ADD_FAILURE() << "no view " << name;
-  return 0;
+  return {};
 }
 
 }  // namespace
@@ -33,8 +33,13 @@ TEST(Curtains, hide_things_in_views_and_exports_with_the_same_bytes_for_any_tile
   const Scratch scratch;
   const auto open = rendered(scratch / "open", "--set render.unseen_m=0");
   const auto closed = rendered(scratch / "closed", "");  // 0.1
-  // measured: 0.0443, 0.0517
-  EXPECT_GT(red_share(closed, "leave-one-out"), red_share(open, "leave-one-out") + 0.003);
+  const auto with = view_of(closed, "leave-one-out"), without = view_of(open, "leave-one-out");
+  // measured: 0.0705, 0.0487
+  EXPECT_GT(with["red_share"], without["red_share"].get<double>() + 0.01);
+  EXPECT_GT(without["left_out"]["share_seen"], 0.95);  // 0.9513
+  EXPECT_GT(without["left_out"]["psnr_db"], 24.0);     // 26.00
+  // What is lost was wrong: 26.87.
+  EXPECT_GT(with["left_out"]["psnr_db"], without["left_out"]["psnr_db"].get<double>() + 0.5);
   // 0.78501, 0.78534
   EXPECT_GT(closed["export"]["atlas"]["red_share"], open["export"]["atlas"]["red_share"]);
   rendered(scratch / "tiled", "--set render.tile=64 --threads 1");

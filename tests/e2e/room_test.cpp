@@ -98,9 +98,10 @@ TEST(TinyRoom, a_left_out_photograph_is_predicted) {
   const auto document = summary();
   const auto* score = left_out(document);
   ASSERT_NE(score, nullptr);
-  EXPECT_GT((*score)["psnr_db"], 24.0);     // measured: 24.97
-  EXPECT_GT((*score)["ssim"], 0.75);        // 0.784
-  EXPECT_GT((*score)["share_seen"], 0.95);  // 0.966
+  // With open backs (curtains_test.cpp) more is seen, and less of it is right.
+  EXPECT_GT((*score)["psnr_db"], 25.9);      // measured: 26.87
+  EXPECT_GT((*score)["ssim"], 0.785);        // 0.820
+  EXPECT_GT((*score)["share_seen"], 0.915);  // 0.930
 }
 
 TEST(TinyRoom, every_promised_file_is_there) {
