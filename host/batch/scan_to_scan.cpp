@@ -21,14 +21,14 @@ constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0
 constexpr double kMostOfBest = 0.02, kTimesBest = 4;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
 constexpr double kFarthest_m = 2, kFarthestDeg = 40, kNearer = 0.3;
-// Where little holds the scan ICP must come back from so far beside what it found, in overlap_m and turned
-// about each axis; to within so much.
 // Where the end of ICP is not plain, with nearly all that lies on others within kTight times overlap_m of
 // them and hardly anything seen through, it starts beside that, too, and takes what is better by kClearly, so
 // many times. Of depth frames and rooms right ends have shares of 0.96 and more, of frames that slid along a
 // wall 0.90 at most or 0.02 seen through.
 constexpr double kTight = 0.2, kPlainShare = 0.95, kPlainThrough = 0.005, kClearly = 0.02;
 constexpr int kRounds = 3;
+// Where little holds the scan ICP must come back from so far beside what it found, in overlap_m and turned
+// about each axis; to within so much.
 constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
 // Scans of one place lie on each other within their noise: 0.3 to 1 times it in rooms and churches of
 // hybrid-synth, 5 where the instrument is not calibrated, 10 where two rooms are alike within centimetres.
