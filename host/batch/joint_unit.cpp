@@ -246,20 +246,31 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
         make_unplaced(*abstentions[i]);
       }
   carry_all(registrations, abstentions);  // of the others some may lie on what they did not carry
-  for (const Registrations& island : islands) describe_island(island, abstentions);
+  for (Registrations& island : islands) {
+    for (std::size_t i = 0; i < island.size(); ++i)
+      if (!abstentions[i]) island[i].reset();
+    if (count_of(island) > 1) islands_.push_back(std::move(island));
+  }
 }
 
-// What of an island is left over is told of the others there, and how they lie.
-void NeighbourRegistration::describe_island(const Registrations& island, Registrations& abstentions) const {
-  std::vector<std::size_t> left;
+// The scans of an island, refined together, are told of each other, and how they lie.
+void NeighbourRegistration::tell_island(Registrations& island, Registrations& abstentions) {
+  std::vector<std::size_t> scans;
   for (std::size_t i = 0; i < island.size(); ++i)
-    if (island[i] && abstentions[i]) left.push_back(i);
-  if (left.size() < 2) return;
-  const Pose frame_from_world = island[left.front()]->world_from_scan().inverse();
-  for (const std::size_t i : left) {
-    ScanRegistration& one = *abstentions[i];
-    one.island = Island{products_[left.front()].id, frame_from_world * island[i]->world_from_scan(), {}};
-    for (const std::size_t k : left)
+    if (island[i]) scans.push_back(i);
+  const std::size_t frame = scans.front();
+  island[frame]->fixed = true;
+  if (options_.joint) figures_["islands"].push_back(refine_all(island));
+  scan_to_scan_.describe(island);
+  const Pose frame_from_world = island[frame]->world_from_scan().inverse();
+  for (const std::size_t i : scans) {
+    ScanRegistration &one = *abstentions[i], &placed = *island[i];
+    one.warnings = std::move(placed.warnings);
+    one.to_scans = std::move(placed.to_scans);
+    one.residuals = std::move(placed.residuals);
+    one.island = Island{
+        products_[frame].id, frame_from_world * placed.world_from_scan(), {}, std::move(placed.on_scans)};
+    for (const std::size_t k : scans)
       if (k != i) one.island->others.push_back(products_[k].id);
     one.neighbour_reason = fmt::format(
         "it hangs together with {}, but these with no more of the others: process them on their own{}{}",
@@ -267,12 +278,13 @@ void NeighbourRegistration::describe_island(const Registrations& island, Registr
   }
 }
 
-void NeighbourRegistration::refine(Registrations& registrations) {
-  if (options_.joint && count_of(registrations) > 1) refine_all(registrations);
+void NeighbourRegistration::refine(Registrations& registrations, Registrations& abstentions) {
+  if (options_.joint && count_of(registrations) > 1) figures_ = refine_all(registrations);
   if (model_ == nullptr) scan_to_scan_.describe(registrations);
+  for (Registrations& island : islands_) tell_island(island, abstentions);
 }
 
-void NeighbourRegistration::refine_all(Registrations& registrations) {
+Json NeighbourRegistration::refine_all(Registrations& registrations) {
   std::vector<std::size_t> index;
   std::vector<stages::JointScan> scans;
   std::vector<std::string> ids;
@@ -304,13 +316,13 @@ void NeighbourRegistration::refine_all(Registrations& registrations) {
     if (one.faces) stages::add_pose_sigma(one.icp.covariance, *one.faces);
   }
   for (const auto& pair : joint.pairs) pairs.push_back(pair_json(pair, ids));
-  figures_ = {{"scans", ids},
-              {"frame", model_ ? "model" : ids.front()},
-              {"iterations", joint.iterations},
-              {"converged", joint.converged},
-              {"plane_sigma_m", joint.sigma_m},
-              {"moved", moved},
-              {"pairs", pairs}};
+  return {{"scans", ids},
+          {"frame", model_ ? "model" : ids.front()},
+          {"iterations", joint.iterations},
+          {"converged", joint.converged},
+          {"plane_sigma_m", joint.sigma_m},
+          {"moved", moved},
+          {"pairs", pairs}};
 }
 
 }  // namespace hybrid::batch

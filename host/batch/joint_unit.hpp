@@ -30,7 +30,7 @@ class NeighbourRegistration {
                            Registrations& registrations, Registrations& abstentions);
   void carry(Registrations& registrations, Registrations& abstentions);
   // Where [register] joint = true and at least two scans have a pose. Without a model also what lies on what.
-  void refine(Registrations& registrations);
+  void refine(Registrations& registrations, Registrations& abstentions);
 
   // summary.json's "joint": null when refine() did nothing.
   nlohmann::ordered_json figures() const { return figures_; }
@@ -44,13 +44,13 @@ class NeighbourRegistration {
     const stages::ModelShapes& shapes() const { return polygons.faces.empty() ? no_shapes : model.shapes(); }
   };
   const Seen& seen(std::size_t scan);
-  void refine_all(Registrations& registrations);
+  nlohmann::ordered_json refine_all(Registrations& registrations);
   const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
                                             std::size_t other);
   bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
   void carry_all(Registrations& registrations, Registrations& abstentions);
   void keep_largest_island(Registrations& registrations, Registrations& abstentions);
-  void describe_island(const Registrations& island, Registrations& abstentions) const;
+  void tell_island(Registrations& island, Registrations& abstentions);
 
   device::Queue& queue_;
   const stages::ProxyModel* model_;
@@ -60,6 +60,7 @@ class NeighbourRegistration {
   ScanToScan scan_to_scan_;
   std::vector<std::optional<ScanStart>> starts_;
   std::vector<std::optional<Pose>> recorded_;  // in the scans' files, without the scene's shift
+  std::vector<Registrations> islands_;         // that keep_largest_island() left without a pose
   bool frame_is_free_ = false;  // nothing but its place in the list makes the first scan the frame
   std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_;  // by scan, to others' planes
   nlohmann::ordered_json figures_;

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batch/automatic_json.hpp"
-#include "batch/face_json.hpp"
+#include "batch/registration_json.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel_blocks.hpp"
@@ -19,8 +18,6 @@
 
 namespace hybrid::batch {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // Normals of a scan plane and a face that may be one surface differ by at most this.
 constexpr double kCompatibleDeg = 30;
@@ -138,59 +135,6 @@ void give_back_unexplained(const ScanRegistration& registration, const StageOpti
       stages::unexplained_contours(product.image, product.segmentation, explained, product.stray,
                                    product.sigma_m, options.contour_faces, registration.world_from_scan());
   stages::discard_covered(product.contour_faces.covered, product.decimation);
-}
-
-Json share_json(const WallShare& share) {
-  return {{"samples", share.samples}, {"within_5cm", share.within_5cm}, {"within_10cm", share.within_10cm}};
-}
-
-Json landmark_json(const stages::LandmarkFit& fit) {
-  Json json = {
-      {"rms_m", fit.rms_m}, {"residual_m", fit.residual_m}, {"leave_one_out_m", fit.leave_one_out_m}};
-  if (fit.left_out) json["left_out"] = *fit.left_out + 1;  // as messages count them
-  return json;
-}
-
-Json on_scans_json(const OnScans& on) {
-  const auto& icp = on.icp.icp;
-  Json others = Json::array();
-  for (std::size_t k = 0; k < on.others.size(); ++k) {
-    const auto& other = on.icp.others[k];
-    if (other.on_m2 > 0 || other.through_m2 > 0)
-      others.push_back({{"scan", on.others[k]},
-                        {"overlap", other.overlap},
-                        {"rms_m", other.rms_m},
-                        {"on_m2", other.on_m2},
-                        {"seen_through_m2", other.through_m2}});
-  }
-  Json json = {{"rms_m", icp.rms_m},
-               {"overlap", icp.overlap},
-               {"seen_through", on.icp.seen_through},
-               {"degenerate", icp.degenerate},
-               {"scans", others}};
-  if (!on.start.empty()) json["start"] = on.start;
-  return json;
-}
-
-// What pose.json and summary.json say alike of a scan without a pose.
-Json abstained_json(const ScanRegistration& registration) {
-  Json json = {{"how", registration.how}, {"status", "abstained"}};
-  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
-  if (registration.automatic) json.update(automatic_json(*registration.automatic));
-  json["reason"] = reason_of(registration);
-  if (registration.island)
-    json["island"] = {{"frame", registration.island->frame},
-                      {"frame_from_scan", row_major(registration.island->frame_from_scan)},
-                      {"others", registration.island->others}};
-  if (registration.on_scans)
-    json["refused"] = {{"world_from_scan", row_major(registration.on_scans->icp.icp.world_from_scan)},
-                       {"on_scans", on_scans_json(*registration.on_scans)}};
-  if (registration.planar_area)
-    json["refused"] = {{"world_from_scan", row_major(registration.world_from_scan())},
-                       {"rms_m", registration.icp.rms_m},
-                       {"overlap", registration.icp.overlap},
-                       {"planar_area", planar_area_json(*registration.planar_area)}};
-  return json;
 }
 
 void warn(const ScanProduct& product, const std::string& warning, ScanRegistration& registration) {
@@ -392,7 +336,7 @@ void finish_registration(device::Queue& queue, const stages::ProxyModel& model, 
     const float distance = std::abs(result.signed_distance_m[i]);  // comparing is false for NaN
     return (distance <= kNear_m) + (distance <= kNearer_m);
   });
-  result.residuals = residual_histogram(product, result.signed_distance_m);
+  result.residuals = residual_histogram({product.image, product.segmentation, result.signed_distance_m});
   give_back_unexplained(result, options, product);
   if (!result.fixed && !result.icp.degenerate.empty())
     warn(product,
@@ -404,95 +348,24 @@ void finish_registration(device::Queue& queue, const stages::ProxyModel& model, 
          result);
 }
 
+std::optional<RegisteredNodes> residual_nodes(const ScanProduct& product,
+                                              const ScanRegistration& registration) {
+  if (!registration.signed_distance_m.empty())
+    return RegisteredNodes{{product.image, product.segmentation, registration.signed_distance_m}, "model"};
+  if (!registration.to_scans) return std::nullopt;
+  const auto& to_scans = *registration.to_scans;
+  return RegisteredNodes{{to_scans.image, to_scans.segmentation, to_scans.signed_m}, "scans"};
+}
+
 void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& product,
                         const ScanRegistration& registration) {
   const auto picture = folder / "residuals.png";
-  if (registration.signed_distance_m.empty())
-    std::filesystem::remove(picture);  // of an earlier run
+  if (const auto found = residual_nodes(product, registration))
+    io::write_png(picture, residual_picture(found->nodes, registration.residuals,
+                                            found->to == "model" ? "the face" : "other scans"));
   else
-    io::write_png(picture, residual_picture(product, registration.signed_distance_m, registration.residuals));
+    std::filesystem::remove(picture);  // of an earlier run
   io::write_text(folder / "pose.json", json_text(pose_json(product, registration)) + "\n");
-}
-
-Json pose_json(const ScanProduct& product, const ScanRegistration& registration) {
-  if (registration.abstained) {
-    Json json = {{"scan", product.id}, {"world_from_scan", nullptr}};
-    json.update(abstained_json(registration));
-    if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
-    if (registration.neighbour) json["neighbour"] = automatic_json(*registration.neighbour);
-    return json;
-  }
-  const auto& icp = registration.icp;
-  Json json = {{"scan", product.id},
-               {"world_from_scan", row_major(registration.world_from_scan())},
-               {"scale", registration.world_from_scan().scale},
-               {"how", registration.how},
-               {"status", "accepted"},
-               {"start_world_from_scan", row_major(registration.start)}};
-  if (!registration.carried_by.empty()) json["aligned_to"] = registration.carried_by;
-  if (registration.neighbour) {
-    json["neighbour"] = automatic_json(*registration.neighbour);
-    json["held_by_model"] = registration.held_by_model && registration.faces.has_value();
-  }
-  if (!registration.fixed && !registration.faces) json["covariance"] = icp.covariance;
-  if (registration.on_scans) json["on_scans"] = on_scans_json(*registration.on_scans);
-  if (!registration.fixed && registration.faces) {
-    json["rms_m"] = icp.rms_m;
-    json["overlap"] = icp.overlap;
-    json["iterations"] = icp.iterations;
-    json["converged"] = icp.converged;
-    json["covariance"] = icp.covariance;
-    json["degenerate"] = icp.degenerate;
-  }
-  if (registration.planar_area) json["planar_area"] = planar_area_json(*registration.planar_area);
-  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
-  if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
-  if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
-  if (registration.faces)
-    json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
-  if (!registration.signed_distance_m.empty()) json["residuals"] = histogram_json(registration.residuals);
-  return json;
-}
-
-Json registration_figures(const ScanRegistration& registration) {
-  if (registration.abstained) {
-    Json json = abstained_json(registration);
-    if (!registration.neighbour_reason.empty()) json["neighbours"] = registration.neighbour_reason;
-    return json;
-  }
-  const auto moved = difference(registration.start, registration.world_from_scan());
-  Json json = {{"how", registration.how},
-               {"status", "accepted"},
-               {"moved_by_icp", {{"deg", moved.angle_rad * 180 / M_PI}, {"m", moved.distance_m}}}};
-  if (!registration.carried_by.empty()) json["aligned_to"] = registration.carried_by;
-  if (registration.faces) {
-    json["wall_before_icp"] = share_json(registration.wall_before);
-    json["wall_after_icp"] = share_json(registration.wall_after);
-  }
-  if (registration.on_scans) {
-    json["icp_rms_m"] = registration.on_scans->icp.icp.rms_m;
-    json["overlap"] = registration.on_scans->icp.icp.overlap;
-    json["seen_through"] = registration.on_scans->icp.seen_through;
-    json["degenerate"] = registration.on_scans->icp.icp.degenerate;
-    if (!registration.on_scans->start.empty()) {
-      json["icp_iterations"] = registration.icp.iterations;
-      json["icp_converged"] = registration.icp.converged;
-    }
-  }
-  if (registration.automatic) json["automatic"] = automatic_json(*registration.automatic);
-  if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
-  if (registration.landmarks) json["landmark_rms_m"] = registration.landmarks->rms_m;
-  if (!registration.fixed && registration.faces) {
-    json["icp_rms_m"] = registration.icp.rms_m;
-    json["icp_iterations"] = registration.icp.iterations;
-    json["icp_converged"] = registration.icp.converged;
-    json["overlap"] = registration.icp.overlap;
-    json["degenerate"] = registration.icp.degenerate;
-  }
-  if (registration.faces)
-    json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
-  if (!registration.written.is_null()) json["written"] = registration.written;
-  return json;
 }
 
 }  // namespace hybrid::batch

@@ -6,6 +6,7 @@
 #include "batch/residuals.hpp"
 #include "batch/scan_unit.hpp"
 #include "io/scene_file.hpp"
+#include "stages/distances_to_scans.hpp"
 #include "stages/face_offsets.hpp"
 #include "stages/scan_icp.hpp"
 
@@ -32,9 +33,10 @@ struct OnScans {
 
 // The scans that a scan without a pose hangs together with, which have none either.
 struct Island {
-  std::string frame;     // one of them, or itself
-  Pose frame_from_scan;  // by planes, before any joint refinement
+  std::string frame;  // one of them, or itself
+  Pose frame_from_scan;
   std::vector<std::string> others;
+  std::optional<OnScans> on_scans;
 };
 
 struct ScanRegistration {
@@ -59,7 +61,8 @@ struct ScanRegistration {
   // Per node, to the closest compatible face, under the final pose, below 0 behind it; NaN where not
   // measured, or outside superclusters and not within kFreeReach_m.
   std::vector<float> signed_distance_m;
-  ResidualHistogram residuals;
+  std::optional<stages::DistancesToScans> to_scans;  // without a model, where other scans have a pose
+  ResidualHistogram residuals;                       // of the one or the other
   // Aligned to another scan, not to the model: to which, and what spoke for it; why not, where that
   // abstained.
   std::string carried_by, neighbour_reason;
@@ -100,13 +103,16 @@ void assess(device::Queue& queue, const stages::ProxyModel& model, const StageOp
 void finish_registration(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                          ScanProduct& product, ScanRegistration& registration, Progress& progress);
 
+// The distances of `residuals`, if there are any, and what they are to: "model" | "scans".
+struct RegisteredNodes {
+  ResidualNodes nodes;
+  std::string to;
+};
+std::optional<RegisteredNodes> residual_nodes(const ScanProduct& product,
+                                              const ScanRegistration& registration);
+
 // pose.json and residuals.png.
 void write_pose_outputs(const std::filesystem::path& folder, const ScanProduct& product,
                         const ScanRegistration& registration);
-
-// pose.json of SCENE.md.
-nlohmann::ordered_json pose_json(const ScanProduct& product, const ScanRegistration& registration);
-// The registration's figures for summary.json.
-nlohmann::ordered_json registration_figures(const ScanRegistration& registration);
 
 }  // namespace hybrid::batch

@@ -4,13 +4,17 @@
 
 namespace hybrid::batch {
 
-nlohmann::ordered_json residual_figures(const ScanProduct& product, const ScanRegistration& registration) {
+nlohmann::ordered_json residual_figures(const RegisteredNodes& found) {
   using Histogram = stages::ResidualHistogram;
-  const auto histogram =
-      stages::residual_histogram(product.image, product.segmentation, registration.signed_distance_m);
-  return {{"median_m", histogram.median_m},         {"p95_m", histogram.p95_m},
-          {"without_face", histogram.without_face}, {"from_m", Histogram::kFrom_m},
-          {"per_decade", Histogram::kPerDecade},    {"counts", histogram.counts}};
+  const auto& [image, segmentation, signed_m] = found.nodes;
+  const auto histogram = stages::residual_histogram(image, segmentation, signed_m);
+  return {{"to", found.to},
+          {"median_m", histogram.median_m},
+          {"p95_m", histogram.p95_m},
+          {"without_face", histogram.without_face},
+          {"from_m", Histogram::kFrom_m},
+          {"per_decade", Histogram::kPerDecade},
+          {"counts", histogram.counts}};
 }
 
 }  // namespace hybrid::batch

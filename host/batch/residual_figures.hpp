@@ -3,8 +3,8 @@
 
 namespace hybrid::batch {
 
-// "residuals" of a scan's registration in summary.json: how far its planar samples lie from the model's faces
-// after ICP (stages::ResidualHistogram).
-nlohmann::ordered_json residual_figures(const ScanProduct& product, const ScanRegistration& registration);
+// "residuals" of a scan's registration in summary.json: how far its planar samples lie from the model's
+// faces, or from other scans, under its final pose (stages::ResidualHistogram).
+nlohmann::ordered_json residual_figures(const RegisteredNodes& found);
 
 }  // namespace hybrid::batch

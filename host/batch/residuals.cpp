@@ -54,7 +54,8 @@ void fill(Image8& picture, int x0, int y0, int x1, int y1, const Ink& ink) {
 // Scale and histogram, their left edge at `left`, the bins' tops from `top` on.
 constexpr int kBinWidth = 14, kBars = 110, kScaleHeight = 14, kCell = 2, kLegend = 200;
 
-void draw_legend(Image8& picture, int left, int top, const ResidualHistogram& histogram) {
+void draw_legend(Image8& picture, int left, int top, const ResidualHistogram& histogram,
+                 const std::string& of) {
   const auto bins = static_cast<int>(histogram.counts.size());
   const double most = static_cast<double>(
       std::max<std::int64_t>(1, *std::max_element(histogram.counts.begin(), histogram.counts.end())));
@@ -77,18 +78,19 @@ void draw_legend(Image8& picture, int left, int top, const ResidualHistogram& hi
     const std::string text = std::to_string(mm);
     draw_text(picture, x - text_width(text, kCell) / 2, below, text, kCell, kText);
   }
-  draw_text(picture, left, below + 22, "mm behind the face", kCell, kText);
-  const std::string front = "mm in front of the face";
+  draw_text(picture, left, below + 22, "mm behind " + of, kCell, kText);
+  const std::string front = "mm in front of " + of;
   draw_text(picture, left + bins * kBinWidth - text_width(front, kCell), below + 22, front, kCell, kText);
 }
 
 }  // namespace
 
-ResidualHistogram residual_histogram(const ScanProduct& product, const std::vector<float>& distance_m) {
+ResidualHistogram residual_histogram(const ResidualNodes& nodes) {
+  const auto& distance_m = nodes.signed_m;
   const auto counted = [&](std::size_t i) {
-    return product.image.mask[i] == kMeasured && product.segmentation.sample_label[i] != 0;
+    return nodes.image.mask[i] == kMeasured && nodes.segmentation.sample_label[i] != 0;
   };
-  const Counts counts = sum_blocks<Counts>(product.image.count(), [&](std::size_t begin, std::size_t end) {
+  const Counts counts = sum_blocks<Counts>(nodes.image.count(), [&](std::size_t begin, std::size_t end) {
     Counts own;
     for (std::size_t i = begin; i < end; ++i) {
       if (!counted(i)) continue;
@@ -132,10 +134,10 @@ nlohmann::ordered_json histogram_json(const ResidualHistogram& histogram) {
           {"without_face", histogram.without_face}};
 }
 
-Image8 residual_picture(const ScanProduct& product, const std::vector<float>& distance_m,
-                        const ResidualHistogram& histogram) {
+Image8 residual_picture(const ResidualNodes& nodes, const ResidualHistogram& histogram,
+                        const std::string& of) {
   constexpr int kWidth = 1600, kMargin = 20;
-  const RangeImage& image = product.image;
+  const RangeImage& image = nodes.image;
   const int thin = std::max(1, image.cols / kWidth), enlarge = std::max(1, kWidth / std::max(image.cols, 1));
   const int cols = (image.cols + thin - 1) / thin, rows = (image.rows + thin - 1) / thin;
   const int legend = static_cast<int>(histogram.counts.size()) * kBinWidth;
@@ -147,13 +149,13 @@ Image8 residual_picture(const ScanProduct& product, const std::vector<float>& di
     const int row = static_cast<int>(r);
     for (int col = 0; col < cols; ++col) {
       const std::size_t i = image.index(row * thin, col * thin);
-      const double d = distance_m[i];
+      const double d = nodes.signed_m[i];
       const Ink ink = image.mask[i] != kMeasured ? kNone : std::abs(d) <= kNear_m ? ink_of(d) : kFar;
       fill(picture, left + col * enlarge, row * enlarge, left + (col + 1) * enlarge, (row + 1) * enlarge,
            ink);
     }
   });
-  draw_legend(picture, (width - legend) / 2, rows * enlarge + kMargin, histogram);
+  draw_legend(picture, (width - legend) / 2, rows * enlarge + kMargin, histogram, of);
   return picture;
 }
 

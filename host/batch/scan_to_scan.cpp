@@ -33,6 +33,7 @@ constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
 // Scans of one place lie on each other within their noise: 0.3 to 1 times it in rooms and churches of
 // hybrid-synth, 5 where the instrument is not calibrated, 10 where two rooms are alike within centimetres.
 constexpr double kTimesNoise = 4, kFarOff_m = 0.005, kLeastNoise_m = 1e-4;
+constexpr double kReach = 2;                       // of distances that are measured, in overlap_m
 constexpr double kSame_m = 1e-3, kSameRad = 1e-4;  // poses in files that are one
 
 std::string refused_in_words(const OnScans& on, const std::string& from, const std::string& contradiction) {
@@ -286,6 +287,20 @@ void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignm
   found.reason.clear();
 }
 
+void ScanToScan::measure_distances(std::size_t i, const Others& others, ScanRegistration& one) {
+  std::vector<stages::PlacedScan> near;
+  for (std::size_t k = 0; k < others.scans.size(); ++k)
+    if (const auto& with = one.on_scans->icp.others[k]; with.on_m2 > 0 || with.through_m2 > 0)
+      near.push_back(others.scans[k]);
+  if (near.empty()) return;
+  const ScanProduct& product = products_[i];
+  one.to_scans =
+      stages::distances_to_scans(queue_, product.image, product.segmentation, one.world_from_scan(), near,
+                                 kReach * icp_.overlap_m, icp_.normal_deg);
+  one.residuals =
+      residual_histogram({one.to_scans->image, one.to_scans->segmentation, one.to_scans->signed_m});
+}
+
 void ScanToScan::describe(Registrations& registrations) {
   for (std::size_t i = 0; i < registrations.size(); ++i) {
     if (!registrations[i]) continue;
@@ -296,6 +311,7 @@ void ScanToScan::describe(Registrations& registrations) {
     one.on_scans =
         OnScans{start, stages::assess_on_scans(queue_, scan(i), others.scans, one.world_from_scan(), icp_),
                 others.ids};
+    measure_distances(i, others, one);
     const double rms_m = one.on_scans->icp.icp.rms_m, noise_m = products_[i].sigma_m;
     if (rms_m > std::max(kFarOff_m, kTimesNoise * noise_m) &&
         largest_overlap(one.on_scans->icp) >= kFirmOverlap)

@@ -46,7 +46,7 @@ class ScanToScan {
   // scans see through these, it is accepted.
   void judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
 
-  // Every scan's figures under its final pose.
+  // Every scan's figures and distances to the others under its final pose.
   void describe(Registrations& registrations);
 
  private:
@@ -65,6 +65,8 @@ class ScanToScan {
               Registrations& abstentions);
   void warn(std::size_t i, std::string text, ScanRegistration& one) const;
   Others others_than(std::size_t i, const Registrations& registrations);
+  // To those others that it has to do with, under its pose.
+  void measure_distances(std::size_t i, const Others& others, ScanRegistration& one);
 
   device::Queue& queue_;
   const StageOptions& options_;

@@ -197,7 +197,7 @@ class Run {
     unit("joint registration", [&] {
       progress_.step("joint registration", all);
       neighbours.carry(run_.registrations, run_.abstentions);
-      neighbours.refine(run_.registrations);
+      neighbours.refine(run_.registrations, run_.abstentions);
       joint_ = neighbours.figures();
     });
     for (std::size_t i = 0; i < run_.products.size(); ++i)

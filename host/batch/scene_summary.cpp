@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "batch/planes_json.hpp"
+#include "batch/registration_json.hpp"
 #include "batch/residual_figures.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
@@ -41,12 +42,11 @@ bool is_of_this_file(const SceneRun& run, const io::ScanTruth& truth, const Scan
 Json scan_summary(const SceneRun& run, const io::SceneTruth* truths, std::size_t i) {
   Json json = scan_figures(run.products[i]);
   const auto& registration = run.registrations[i];
-  if (registration) {
-    json["registration"] = registration_figures(*registration);
-    if (!registration->signed_distance_m.empty())
-      json["registration"]["residuals"] = residual_figures(run.products[i], *registration);
+  if (const auto& found = registration ? registration : run.abstentions[i]) {
+    json["registration"] = registration_figures(*found);
+    if (const auto nodes = residual_nodes(run.products[i], *found))
+      json["registration"]["residuals"] = residual_figures(*nodes);
   }
-  if (run.abstentions[i]) json["registration"] = registration_figures(*run.abstentions[i]);
   if (truths == nullptr) return json;
   for (const auto& truth : truths->scans)
     if (truth.id == run.products[i].id && is_of_this_file(run, truth, run.products[i])) {

@@ -86,15 +86,20 @@ std::string supercluster_table(const fs::path& out, const std::string& folder, c
          table.sorted_by("area", true).html() + "</details>\n";
 }
 
+bool is_to_scans(const Json& scan) {
+  return scan.value("/registration/residuals/to"_json_pointer, "") == "scans";
+}
+
 std::string residual_section(const Json& scan) {
   if (!scan.contains("/registration/residuals"_json_pointer)) return "";
   const auto& residuals = scan["registration"]["residuals"];
   return fmt::format(
-      "<figure>{}<figcaption>Distance of planar samples from the model after ICP: half are within "
-      "{:.2f} mm, 95 % within {:.1f} mm of those that have a face; none: no face of a similar "
-      "direction is near.</figcaption></figure>\n",
-      residual_plot(residuals), 1000 * residuals["median_m"].get<double>(),
-      1000 * residuals["p95_m"].get<double>());
+      "<figure>{}<figcaption>Distance of planar samples from {}: half are within {:.2f} mm, 95 % within "
+      "{:.1f} "
+      "mm of those that have a {}; none: no {} of a similar direction is near.</figcaption></figure>\n",
+      residual_plot(residuals), is_to_scans(scan) ? "the other scans" : "the model after ICP",
+      1000 * residuals["median_m"].get<double>(), 1000 * residuals["p95_m"].get<double>(),
+      is_to_scans(scan) ? "surface" : "face", is_to_scans(scan) ? "surface" : "face");
 }
 
 // Per proxy face where the scan lies.
@@ -158,8 +163,10 @@ std::string scan_section(Previews& previews, const Json& scan, std::size_t index
               "Superclusters (pastel), locally planar but too small (dark blue), non-planar (dark green), "
               "undersampled (black)") +
       picture(previews, folder + "residuals.png",
-              "Signed distances to the proxy: blue behind its faces, red in front, grey farther than 10 cm, "
-              "black no return") +
+              is_to_scans(scan) ? "Signed distances to the other scans: blue behind their surfaces, red in "
+                                  "front, grey where none is near, black no return"
+                                : "Signed distances to the proxy: blue behind its faces, red in front, grey "
+                                  "farther than 10 cm, black no return") +
       picture(previews, folder + "range.png", "Range image: near is bright") +
       picture(previews, folder + "intersections.png",
               "Lines in which planes meet: corners red, edges that stand out blue");

@@ -166,9 +166,8 @@ std::string landmark_table(const ScenePage& page) {
   return table.empty() ? "" : "<details><summary>Landmarks</summary>\n" + table.html() + "</details>\n";
 }
 
-// The table of registration reports: how each two scans lie against each other.
-std::string pair_table(const ScenePage& page) {
-  if (!page.summary.contains("joint")) return "";
+// How each two scans lie against each other.
+std::string pair_table(const Json& joint) {
   Table table;
   table.text("scan")
       .text("and")
@@ -178,11 +177,24 @@ std::string pair_table(const ScenePage& page) {
       .number("after", "mm", 2, "the same after it")
       .number("median", "mm", 2)
       .number("strength", "%", 0, "100: held alike in all directions, 0: free to slide along one");
-  for (const auto& pair : page.summary["joint"]["pairs"])
+  for (const auto& pair : joint["pairs"])
     table.add({pair["a"], pair["b"], cell(pair, "/overlap", 100), pair["planes"],
                cell(pair, "/distance_before_m", 1000), cell(pair, "/distance_m", 1000),
                cell(pair, "/median_m", 1000), cell(pair, "/strength", 100)});
-  return table.empty() ? "" : "<h3>Scan to scan, all poses refined together</h3>\n" + table.html();
+  return table.empty() ? "" : table.html();
+}
+
+// The tables of registration reports.
+std::string pair_tables(const ScenePage& page) {
+  if (!page.summary.contains("joint")) return "";
+  const Json& joint = page.summary["joint"];
+  const std::string all = pair_table(joint);
+  std::string html = all.empty() ? "" : "<h3>Scan to scan, all poses refined together</h3>\n" + all;
+  for (const Json& island : joint.value("islands", Json::array()))
+    html += fmt::format("<h3>{} scans that hang together with none of these, in the frame of {}</h3>\n",
+                        island["scans"].size(), escape(island["frame"].get<std::string>())) +
+            pair_table(island);
+  return html;
 }
 
 std::string registration_section(const ScenePage& page, Previews& previews) {
@@ -196,7 +208,7 @@ std::string registration_section(const ScenePage& page, Previews& previews) {
       previews, "report/registration-after.png",
       before.empty() ? "The registered scans, each in its colour; what faces away is left out" : "After ICP");
   const std::string plan = picture(previews, "report/registration-plan.png", "The same from above");
-  return "<h2 id=\"registration\">Registration</h2>\n" + figures + pair_table(page) + landmark_table(page) +
+  return "<h2 id=\"registration\">Registration</h2>\n" + figures + pair_tables(page) + landmark_table(page) +
          "<div class=\"row\">\n" + before + after + plan + "</div>\n";
 }
 

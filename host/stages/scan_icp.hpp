@@ -22,6 +22,7 @@ class IcpScan {
   // Samples of superclusters, and the others: their own areas and queries on the device.
   struct Samples {
     SearchQueries queries;
+    std::vector<std::array<float, 4>> points;  // and area, square metres
     device::Array<float> area;
     std::vector<float> area_m2;
     std::vector<std::array<float, 4>> normals;

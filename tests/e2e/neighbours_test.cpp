@@ -80,6 +80,15 @@ TEST(Neighbours, scans_without_a_model_are_registered_to_the_first) {
   EXPECT_EQ(summary["joint"]["frame"], "west");
   EXPECT_LT(summary["scans"][1]["truth"]["pose_error_mm"], 0.2);  // measured 0.032
   EXPECT_LT(summary["scans"][1]["truth"]["pose_error_deg"], 0.002);
+  for (const int i : {0, 1}) {
+    const auto& residuals = summary["scans"][i]["registration"]["residuals"];
+    EXPECT_EQ(residuals["to"], "scans");
+    EXPECT_LT(residuals["median_m"], 0.002) << i;
+    EXPECT_GT(residuals["median_m"], 0) << i;
+  }
+  for (const char* scan : {"west", "east"})
+    EXPECT_TRUE(fs::exists(out / "scans" / scan / "residuals.png")) << scan;
+  EXPECT_EQ(json_of(out / "scans/east/pose.json")["residuals"]["to"], "scans");
 
   // They are reported and exported as well.
   const auto whole =
@@ -269,8 +278,16 @@ TEST(Neighbours, of_scans_of_two_places_the_smaller_group_is_told_how_it_lies) {
   EXPECT_EQ(west["island"]["frame"], "b-east");
   const auto found = pose_from_row_major(west["island"]["frame_from_scan"].get<std::array<double, 16>>());
   const auto off = difference(found, east_in_west().inverse());
-  EXPECT_LT(off.distance_m, 0.005);
-  EXPECT_LT(off.angle_rad, 0.001);
+  EXPECT_LT(off.distance_m, 0.0002);  // measured 0.04 mm
+  EXPECT_LT(off.angle_rad, 0.00002);
+  EXPECT_LT(west["island"]["on_scans"]["rms_m"], 0.003);
+  EXPECT_EQ(west["residuals"]["to"], "scans");
+  EXPECT_TRUE(fs::exists(out / "scans/b-west/residuals.png"));
+  const auto joint = json_of(out / "summary.json")["joint"];
+  ASSERT_EQ(joint["islands"].size(), 1u);
+  EXPECT_EQ(joint["islands"][0]["frame"], "b-east");
+  ASSERT_EQ(joint["islands"][0]["pairs"].size(), 1u);
+  EXPECT_LT(joint["islands"][0]["pairs"][0]["distance_m"], 0.001);
 }
 
 // Two rooms whose walls differ by less than what is called near: nothing tells them apart but how far their
