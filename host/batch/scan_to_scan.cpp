@@ -205,6 +205,14 @@ bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start
   one.on_scans.emplace(*std::move(start.found));
   one.carried_by = nearest_of(*one.on_scans);
   one.icp = one.on_scans->icp.icp;
+  if (is_weak(one.on_scans->icp))
+    warn(i,
+         fmt::format(
+             "little holds it: at most {:.0f} % of it, or of a scan that had a pose, lie on each other, "
+             "so that it may be off by more than its covariance says; another scan between them, or a "
+             "model, would hold it",
+             100 * largest_overlap(one.on_scans->icp)),
+         one);
   if (!one.icp.converged)
     warn(i,
          fmt::format("ICP on the other scans did not converge in {} iterations: give a pose that is nearer",
