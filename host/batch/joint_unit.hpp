@@ -29,7 +29,8 @@ class NeighbourRegistration {
   void begin_without_model(const std::vector<io::SceneScan>& entries, const Vec3& shift,
                            Registrations& registrations, Registrations& abstentions);
   void carry(Registrations& registrations, Registrations& abstentions);
-  // Where [register] joint = true and at least two scans have a pose. Without a model also what lies on what.
+  // Where [register] joint = true and at least two scans have a pose. Without a model also what lies on what,
+  // and the smaller groups that have no pose, each in its own frame.
   void refine(Registrations& registrations, Registrations& abstentions);
 
   // summary.json's "joint": null when refine() did nothing.

@@ -95,8 +95,8 @@ std::string residual_section(const Json& scan) {
   const auto& residuals = scan["registration"]["residuals"];
   return fmt::format(
       "<figure>{}<figcaption>Distance of planar samples from {}: half are within {:.2f} mm, 95 % within "
-      "{:.1f} "
-      "mm of those that have a {}; none: no {} of a similar direction is near.</figcaption></figure>\n",
+      "{:.1f} mm of those that have a {}; none: no {} of a similar direction is "
+      "near.</figcaption></figure>\n",
       residual_plot(residuals), is_to_scans(scan) ? "the other scans" : "the model after ICP",
       1000 * residuals["median_m"].get<double>(), 1000 * residuals["p95_m"].get<double>(),
       is_to_scans(scan) ? "surface" : "face", is_to_scans(scan) ? "surface" : "face");

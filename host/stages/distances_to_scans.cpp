@@ -25,10 +25,12 @@ DistancesToScans distances_to_scans(device::Queue& queue, const RangeImage& imag
                                     const PlaneSegmentation& segmentation, const Pose& world_from_scan,
                                     const std::vector<PlacedScan>& others, double reach_m,
                                     double normal_deg) {
-  const int step = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(image.count()) / kMostNodes)));
-  const int every = std::max(step, 1);
+  const auto least = std::ceil(std::sqrt(static_cast<double>(image.count()) / kMostNodes));
+  const int every = std::max(static_cast<int>(least), 1);
   DistancesToScans result;
-  result.image = make_range_image((image.rows + every - 1) / every, (image.cols + every - 1) / every);
+  result.image.rows = (image.rows + every - 1) / every;
+  result.image.cols = (image.cols + every - 1) / every;
+  result.image.mask.assign(result.image.count(), kEmpty);
   result.segmentation.sample_label.assign(result.image.count(), 0);
   result.signed_m.assign(result.image.count(), kNone);
 
