@@ -11,8 +11,7 @@
 #include "archive/machine.hpp"
 #include "archive/outcome.hpp"
 #include "archive/run_progress.hpp"
-#include "archive/store_lock.hpp"
-#include "archive/worker_process.hpp"
+#include "archive/slot.hpp"
 #include "core/error.hpp"
 #include "core/fail_point.hpp"
 #include "core/interrupt.hpp"
@@ -31,26 +30,6 @@ constexpr int kTick_ms = 100;                              // between looks at t
 constexpr double kPatience_s = 15;                         // for units to end after an interrupt
 constexpr double kLongUnit_s = 5;                          // worth a new process with more threads
 constexpr std::uint64_t kFatWorker_bytes = 1'500'000'000;  // what a process may keep between units
-
-// How a unit's run ended, as the engine learns it.
-struct Ending {
-  bool ok = false;
-  bool worker_died = false;  // by itself: perhaps not the unit's fault
-  ErrorKind kind = ErrorKind::failed;
-  std::string error;
-};
-
-struct Slot {
-  std::unique_ptr<WorkerProcess> worker;
-  bool ready = false;
-  std::optional<std::size_t> unit;
-  std::string key;
-  fs::path work;
-  Timer timer;
-  std::string killed_for;  // why the engine ended it; "" when it did not
-  bool requeue = false;    // ended to make room
-  bool budget = false;     // its memory is kept near all that there is
-};
 
 class Engine {
  public:
@@ -156,6 +135,7 @@ class Engine {
 
   void start_units() {
     if (pause_.seconds() < pause_s_) return;
+    ready_.splice(ready_.end(), elsewhere_);
     while (static_cast<int>(running()) < jobs_) {
       const auto unit = take_next();
       if (!unit) return;
@@ -189,6 +169,16 @@ class Engine {
     return std::nullopt;
   }
 
+  // Null: another run makes it, so that it is looked at again at the next tick.
+  std::unique_ptr<KeyLock> lock_key(const Unit& unit) {
+    const std::string key = outcomes_.of(unit.index).key;
+    auto lock = KeyLock::try_lock(store_, key);
+    if (lock) return lock;
+    elsewhere_.push_back(unit.index);
+    if (said_.insert(key).second) log::info("unit {} ({}): another run makes it", unit.number, unit.id);
+    return nullptr;
+  }
+
   void start(std::size_t index) {
     const Unit& unit = manifest_.units[index];
     outcomes_.forget(index);
@@ -202,8 +192,16 @@ class Engine {
       users_[*same].push_back(index);
       return;
     }
+    std::unique_ptr<KeyLock> lock;
+    if (options_.units) {
+      lock = lock_key(unit);
+      if (!lock) return;
+      outcomes_.forget(index);
+      if (!is_to_run(unit)) return settle(index, outcomes_.of(index), 0);  // made since
+    }
     Slot& slot = slot_for(unit);
     slot.key = outcome.key;
+    slot.lock = std::move(lock);
     slot.work = store_.begin_object(outcome.key);
     slot.unit = index;
     slot.timer = Timer();
@@ -291,6 +289,7 @@ class Engine {
 
   void ended(Slot& slot, const Ending& ending) {
     const std::size_t unit = *slot.unit;
+    const auto lock = std::move(slot.lock);  // until all is noted
     slot.unit.reset();
     if (ending.ok) {
       ++computed_;
@@ -481,6 +480,8 @@ class Engine {
   std::set<std::size_t> pending_;                // not settled; some of them in flight
   std::set<std::size_t> alone_;                  // run with no other beside them
   std::list<std::size_t> ready_;                 // of pending_: need nothing more
+  std::list<std::size_t> elsewhere_;             // of pending_: another run makes them
+  std::set<std::string> said_;                   // keys of these, told already
   std::vector<std::vector<std::size_t>> users_;  // per unit: pending units that need it, or have its key
   std::vector<std::size_t> missing_;             // per unit: pending units that it needs
   std::map<std::size_t, int> attempts_;          // in this run

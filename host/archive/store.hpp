@@ -39,6 +39,7 @@ namespace hybrid::archive {
 //       <scene folder>/scene, <scan file>/planes-<scan id>, and report
 //     work/                    units in flight; emptied by the next run
 //     lock                     held by a run, a plan or a pruning (store_lock.hpp)
+//     lock.keys                held, a byte for each key, by runs of single units
 //
 // Sealed: a JSON document whose last member "xxh3" is the XXH3-128 of its text without that member.
 class Store {
@@ -59,6 +60,7 @@ class Store {
   std::filesystem::path plan_in_force() const;
   std::filesystem::path inputs_file() const { return folder_ / "inputs.json"; }
   std::filesystem::path lock_file() const { return folder_ / "lock"; }
+  std::filesystem::path key_lock_file() const { return folder_ / "lock.keys"; }
   std::filesystem::path object(const std::string& key) const;
   std::filesystem::path failure_file(const std::string& key) const;
   std::filesystem::path failure_log(const std::string& key) const;

@@ -22,6 +22,11 @@ std::string text_of(int descriptor) {
   return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "another process";
 }
 
+[[noreturn]] void fail_locking(const std::filesystem::path& file, int reason) {
+  fail(ErrorKind::failed, "{}: cannot be locked ({}); keep the store on a file system with locks",
+       file.string(), std::error_code(reason, std::generic_category()).message());
+}
+
 }  // namespace
 
 std::string utc_now() {
@@ -50,8 +55,7 @@ StoreLock::StoreLock(const Store& store, Sharing sharing, const std::string& wha
     if (reason == EINTR) continue;
     if (reason != EWOULDBLOCK) {
       close(descriptor_);
-      fail(ErrorKind::failed, "{}: cannot be locked ({}); keep the store on a file system with locks",
-           file.string(), std::error_code(reason, std::generic_category()).message());
+      fail_locking(file, reason);
     }
     const std::string holder = text_of(descriptor_);
     if (!wait) {
@@ -75,6 +79,26 @@ StoreLock::StoreLock(const Store& store, Sharing sharing, const std::string& wha
 
 StoreLock::~StoreLock() {
   if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::unique_ptr<KeyLock> KeyLock::try_lock(const Store& store, const std::string& key) {
+  const auto file = store.key_lock_file();
+  const int descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor < 0) io::fail_output(file, errno);
+  struct flock range {};
+  range.l_type = F_WRLCK;
+  range.l_whence = SEEK_SET;
+  range.l_start = static_cast<off_t>(std::stoull(key.substr(0, 15), nullptr, 16));
+  range.l_len = 1;
+  if (fcntl(descriptor, F_OFD_SETLK, &range) == 0) return std::unique_ptr<KeyLock>(new KeyLock(descriptor));
+  const int reason = errno;
+  close(descriptor);
+  if (reason != EAGAIN && reason != EACCES) fail_locking(file, reason);
+  return nullptr;
+}
+
+KeyLock::~KeyLock() {
+  close(descriptor_);
 }
 
 }  // namespace hybrid::archive

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "archive/store.hpp"
@@ -20,6 +21,22 @@ class StoreLock {
 
  private:
   int descriptor_ = -1;
+};
+
+// A lock on one key of a store, by which one of the runs of single units makes it and the others wait. The
+// kernel drops it with its holder, too. A byte of one file for each key: two keys share one by chance in
+// 10^18, and then wait for each other.
+class KeyLock {
+ public:
+  // Null while another holds it. Throws ErrorKind::failed where the file cannot be locked.
+  static std::unique_ptr<KeyLock> try_lock(const Store& store, const std::string& key);
+  ~KeyLock();
+  KeyLock(const KeyLock&) = delete;
+  KeyLock& operator=(const KeyLock&) = delete;
+
+ private:
+  explicit KeyLock(int descriptor) : descriptor_(descriptor) {}
+  int descriptor_;
 };
 
 // UTC, as "2026-11-21 20:15:00".

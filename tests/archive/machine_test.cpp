@@ -94,4 +94,31 @@ TEST(ArchiveMachine, single_units_run_side_by_side_and_say_what_they_need) {
   EXPECT_EQ(results_of(store), results_of(clean));
 }
 
+// Tasks of an array for the scans of two scenes that are one, and one more for the first: one of them makes
+// it.
+TEST(ArchiveMachine, of_equal_units_in_several_runs_one_is_made) {
+  const Scratch scratch;
+  const fs::path archive = scratch / "archive", store = scratch / "store";
+  write_small_archive(archive, 1);
+  fs::copy(archive / "a", archive / "b", fs::copy_options::recursive);
+  ASSERT_EQ(plan(archive, store).exit_code, 0);
+  const std::string line = "hybrid batch run --out " + store.string() + " --jobs 1 --quiet --json --unit ";
+  const auto outcome =
+      run("(for unit in 0 1 0; do " + line + "$unit & done; wait) | grep -o 'computed.*' | sort");
+  EXPECT_EQ(outcome.out, "computed\": 0,\ncomputed\": 0,\ncomputed\": 1,\n") << outcome.err;
+  EXPECT_EQ(run_store(store, "--unit 0-1").exit_code, 0);
+}
+
+// What a run that is killed had locked is free at once.
+TEST(ArchiveMachine, a_killed_run_leaves_no_unit_locked) {
+  const Scratch scratch;
+  const fs::path archive = scratch / "archive", store = scratch / "store";
+  write_small_archive(archive, 1);
+  ASSERT_EQ(plan(archive, store).exit_code, 0);
+  const std::string line = "hybrid batch run --out " + store.string() + " --jobs 1 --quiet --json --unit 0";
+  const auto killed = run("HYBRID_FAIL_AT=unit-sent:1 " + line + " >/dev/null; echo $?");
+  EXPECT_EQ(killed.out, "137\n") << killed.err;
+  EXPECT_EQ(json_of(run(line))["computed"], 1);
+}
+
 }  // namespace hybrid::e2e
