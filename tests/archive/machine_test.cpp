@@ -58,11 +58,19 @@ TEST(ArchiveMachine, a_read_only_store_is_said_and_can_be_looked_at) {
   EXPECT_NE(outcome.err.find("lock: cannot write: Read-only file system"), std::string::npos) << outcome.err;
 }
 
-TEST(ArchiveMachine, the_second_of_two_runs_refuses_or_waits) {
-  const Scratch scratch;
+// A small archive and a store with its plan.
+struct Planned {
+  Scratch scratch;
   const fs::path archive = scratch / "archive", store = scratch / "store";
-  write_small_archive(archive, 2);
-  ASSERT_EQ(plan(archive, store).exit_code, 0);
+  explicit Planned(int scenes) {
+    write_small_archive(archive, scenes);
+    EXPECT_EQ(plan(archive, store).exit_code, 0);
+  }
+};
+
+TEST(ArchiveMachine, the_second_of_two_runs_refuses_or_waits) {
+  const Planned planned(2);
+  const fs::path& store = planned.store;
   const std::string line = "hybrid batch run --out " + store.string() + " --jobs 1 --quiet";
   const auto outcome = run(line + " >/dev/null & pid=$!; while ! ls " + (store / "work").string() +
                            "/* >/dev/null 2>&1; do sleep 0.02; done; " + line + "; echo refused $?; " + line +
@@ -111,11 +119,9 @@ TEST(ArchiveMachine, of_equal_units_in_several_runs_one_is_made) {
 
 // What a run that is killed had locked is free at once.
 TEST(ArchiveMachine, a_killed_run_leaves_no_unit_locked) {
-  const Scratch scratch;
-  const fs::path archive = scratch / "archive", store = scratch / "store";
-  write_small_archive(archive, 1);
-  ASSERT_EQ(plan(archive, store).exit_code, 0);
-  const std::string line = "hybrid batch run --out " + store.string() + " --jobs 1 --quiet --json --unit 0";
+  const Planned planned(1);
+  const std::string line =
+      "hybrid batch run --out " + planned.store.string() + " --jobs 1 --quiet --json --unit 0";
   const auto killed = run("HYBRID_FAIL_AT=unit-sent:1 " + line + " >/dev/null; echo $?");
   EXPECT_EQ(killed.out, "137\n") << killed.err;
   EXPECT_EQ(json_of(run(line))["computed"], 1);
