@@ -13,8 +13,8 @@
 #include "batch/scene_request.hpp"
 #include "batch/scene_scan.hpp"
 #include "cases/trial_room.hpp"
-#include "stages/automatic.hpp"
-#include "stages/automatic_search.hpp"
+#include "stages/registration/automatic.hpp"
+#include "stages/registration/automatic_search.hpp"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include "core/free_memory.hpp"
 #include "core/parallel.hpp"
 #include "core/timer.hpp"
-#include "stages/render_geometry.hpp"
+#include "stages/rendering/render_geometry.hpp"
 
 namespace {
 using namespace hybrid;

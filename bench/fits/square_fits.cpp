@@ -13,10 +13,10 @@
 
 #include "core/error.hpp"
 #include "geometry/pose.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/output.hpp"
-#include "io/range_exr.hpp"
 #include "io/truth.hpp"
-#include "stages/square_planes.hpp"
+#include "stages/planes/square_planes.hpp"
 
 namespace {
 using namespace hybrid;

@@ -14,13 +14,13 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/timer.hpp"
-#include "io/decimal.hpp"
-#include "io/exr_parts.hpp"
-#include "io/exr_threads.hpp"
+#include "io/exr/exr_parts.hpp"
+#include "io/exr/exr_threads.hpp"
 #include "io/grid_scan.hpp"
 #include "io/input_file.hpp"
 #include "io/read_scan.hpp"
-#include "stages/organised_grid.hpp"
+#include "io/text/decimal.hpp"
+#include "stages/scan/organised_grid.hpp"
 
 namespace {
 using Json = nlohmann::ordered_json;

@@ -4,10 +4,10 @@
 
 #include "app/commands.hpp"
 #include "core/json_text.hpp"
+#include "io/cameras/read_cameras.hpp"
 #include "io/e57/e57_photographs.hpp"
-#include "io/model_info.hpp"
-#include "io/obj.hpp"
-#include "io/read_cameras.hpp"
+#include "io/models/model_info.hpp"
+#include "io/models/obj.hpp"
 #include "io/scan_info.hpp"
 
 namespace hybrid::app {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "archive/night.hpp"
-#include "io/threshold_file.hpp"
+#include "io/scene/threshold_file.hpp"
 
 namespace hybrid::archive {
 

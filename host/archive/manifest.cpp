@@ -1,7 +1,7 @@
 #include "archive/manifest.hpp"
 
 #include "core/error.hpp"
-#include "io/implied_scene.hpp"
+#include "io/scene/implied_scene.hpp"
 
 namespace hybrid::archive {
 namespace {

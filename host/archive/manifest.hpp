@@ -9,8 +9,8 @@
 #include "archive/input_cache.hpp"
 #include "archive/walk.hpp"
 #include "geometry/vectors.hpp"
-#include "io/profile_file.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/profile_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::archive {
 
@@ -32,7 +32,8 @@ struct Unit {
   std::vector<Input> inputs;
 
   std::filesystem::path scene;  // of scene units and of planes that belong to one, else ""
-  bool implied = false;  // `scene` is no file but a folder or file of loose scans (io/implied_scene.hpp)
+  bool implied =
+      false;  // `scene` is no file but a folder or file of loose scans (io/scene/implied_scene.hpp)
   std::vector<std::filesystem::path> scans;  // scene units that are implied: the scans' files
   std::filesystem::path file;                // planes: the scan's
   std::size_t scan_index = 0;                // planes: in the file

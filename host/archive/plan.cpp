@@ -13,7 +13,7 @@
 #include "batch/scene_scan.hpp"
 #include "batch/stage_options.hpp"
 #include "core/error.hpp"
-#include "io/implied_scene.hpp"
+#include "io/scene/implied_scene.hpp"
 
 namespace hybrid::archive {
 namespace {

@@ -13,7 +13,7 @@
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "io/output.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::archive {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "batch/render_unit.hpp"
 #include "core/error.hpp"
-#include "io/exr_e57.hpp"
+#include "io/exr/exr_e57.hpp"
 #include "io/output.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::archive {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::archive {
 

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "io/threshold_file.hpp"
+#include "io/scene/threshold_file.hpp"
 
 namespace hybrid::archive {
 

@@ -6,10 +6,10 @@
 
 #include "core/error.hpp"
 #include "core/log.hpp"
-#include "io/exr_e57.hpp"
-#include "io/las_records.hpp"
+#include "io/exr/exr_e57.hpp"
+#include "io/las/las_records.hpp"
 #include "io/read_scan.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::batch {
 namespace {

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/render_unit.hpp"
-#include "stages/coverage.hpp"
+#include "stages/rendering/coverage.hpp"
 
 namespace hybrid::batch {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "batch/registration_unit.hpp"
+#include "batch/registration/registration_unit.hpp"
 
 namespace hybrid::batch {
 

@@ -8,7 +8,7 @@
 #include "core/log.hpp"
 #include "io/e57/e57_photographs.hpp"
 #include "io/output.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::batch {
 namespace fs = std::filesystem;

@@ -6,7 +6,7 @@
 #include "core/parallel.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
-#include "stages/orthophoto.hpp"
+#include "stages/contours/orthophoto.hpp"
 
 namespace hybrid::batch {
 namespace {

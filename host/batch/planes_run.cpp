@@ -9,7 +9,7 @@
 #include "core/log.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::batch {
 namespace {

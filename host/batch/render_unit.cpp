@@ -8,7 +8,7 @@
 #include "core/parallel_blocks.hpp"
 #include "core/parallel_tasks.hpp"
 #include "geometry/colour.hpp"
-#include "io/exr.hpp"
+#include "io/exr/exr.hpp"
 #include "io/picture.hpp"
 
 namespace hybrid::batch {

@@ -5,8 +5,8 @@
 
 #include "batch/e57_images.hpp"
 #include "batch/kept_photographs.hpp"
-#include "batch/registration_unit.hpp"
-#include "io/scene_file.hpp"
+#include "batch/registration/registration_unit.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::batch {
 

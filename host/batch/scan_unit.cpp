@@ -10,15 +10,15 @@
 #include "core/parallel.hpp"
 #include "core/parallel_tasks.hpp"
 #include "geometry/colour.hpp"
-#include "io/exr.hpp"
+#include "io/exr/exr.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
-#include "io/ply.hpp"
-#include "io/range_exr.hpp"
-#include "stages/class_picture.hpp"
-#include "stages/interleaving.hpp"
-#include "stages/organised_grid.hpp"
-#include "stages/straight_contours.hpp"
+#include "io/ply/ply.hpp"
+#include "stages/contours/class_picture.hpp"
+#include "stages/contours/straight_contours.hpp"
+#include "stages/scan/interleaving.hpp"
+#include "stages/scan/organised_grid.hpp"
 
 namespace hybrid::batch {
 namespace {

@@ -11,11 +11,11 @@
 #include "geometry/image.hpp"
 #include "geometry/scan.hpp"
 #include "io/grid_scan.hpp"
-#include "io/ply.hpp"
+#include "io/ply/ply.hpp"
 #include "io/samples/sample_file.hpp"
-#include "stages/contour_faces.hpp"
-#include "stages/intersections.hpp"
-#include "stages/stray_samples.hpp"
+#include "stages/contours/contour_faces.hpp"
+#include "stages/contours/intersections.hpp"
+#include "stages/scan/stray_samples.hpp"
 
 namespace hybrid::batch {
 

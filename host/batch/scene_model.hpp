@@ -2,8 +2,8 @@
 #include <vector>
 
 #include "geometry/polygon_model.hpp"
-#include "io/obj.hpp"
-#include "io/scene_file.hpp"
+#include "io/models/obj.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::batch {
 

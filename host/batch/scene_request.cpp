@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "batch/edit_unit.hpp"
+#include "batch/editing/edit_unit.hpp"
 #include "batch/output_folder.hpp"
 #include "core/error.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batch/scene_run.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::batch {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "batch/registration_unit.hpp"
+#include "batch/registration/registration_unit.hpp"
 #include "batch/render_unit.hpp"
 #include "batch/scene_scan.hpp"
 #include "device/queue.hpp"

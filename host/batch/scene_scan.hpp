@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "batch/scan_unit.hpp"
-#include "io/scan_entry.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scan_entry.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::batch {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "batch/planes_json.hpp"
-#include "batch/registration_json.hpp"
-#include "batch/residual_figures.hpp"
+#include "batch/registration/registration_json.hpp"
+#include "batch/registration/residual_figures.hpp"
 #include "batch/truth_figures.hpp"
 #include "core/log.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "batch/registered_scans.hpp"
+#include "batch/registration/registered_scans.hpp"
 #include "core/suggest.hpp"
 
 namespace hybrid::batch {

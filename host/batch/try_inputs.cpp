@@ -2,15 +2,15 @@
 
 #include <fmt/ranges.h>
 
+#include "batch/editing/scene_editing.hpp"
 #include "batch/output_folder.hpp"
-#include "batch/scene_editing.hpp"
 #include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
 #include "core/error.hpp"
+#include "io/cameras/read_cameras.hpp"
 #include "io/depth_image.hpp"
 #include "io/e57/e57_photographs.hpp"
 #include "io/picture.hpp"
-#include "io/read_cameras.hpp"
 #include "io/read_scan.hpp"
 #include "io/truth.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "core/parallel.hpp"
 #include "io/scan_builder.hpp"
-#include "io/scan_entry.hpp"
 #include "io/scan_stream.hpp"
+#include "io/scene/scan_entry.hpp"
 
 namespace hybrid::io {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/scratch_file.hpp"
-#include "io/exr_record_tiles.hpp"
+#include "io/exr/exr_record_tiles.hpp"
 
 namespace hybrid::io {
 

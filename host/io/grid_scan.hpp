@@ -5,7 +5,7 @@
 
 #include "geometry/range_image.hpp"
 #include "geometry/scan.hpp"
-#include "io/scan_entry.hpp"
+#include "io/scene/scan_entry.hpp"
 
 namespace hybrid::io {
 

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "core/error.hpp"
-#include "io/exr_errors.hpp"
-#include "io/exr_parts.hpp"
-#include "io/exr_threads.hpp"
+#include "io/exr/exr_errors.hpp"
+#include "io/exr/exr_parts.hpp"
+#include "io/exr/exr_threads.hpp"
 #include "io/picture_library.hpp"
 
 namespace hybrid::io {

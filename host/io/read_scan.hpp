@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "geometry/scan.hpp"
-#include "io/scan_entry.hpp"
+#include "io/scene/scan_entry.hpp"
 
 namespace hybrid::io {
 

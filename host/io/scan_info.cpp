@@ -5,7 +5,7 @@
 #include "core/error.hpp"
 #include "io/read_scan.hpp"
 #include "io/stream_scan.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::io {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "core/error.hpp"
 #include "io/intensity_map.hpp"
-#include "io/las_crs.hpp"
-#include "io/las_steps.hpp"
-#include "io/text_cursor.hpp"
+#include "io/las/las_crs.hpp"
+#include "io/las/las_steps.hpp"
+#include "io/text/text_cursor.hpp"
 #include "io/write_scan.hpp"
 
 namespace hybrid::io {

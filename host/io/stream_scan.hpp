@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "io/scan_entry.hpp"
 #include "io/scan_stream.hpp"
+#include "io/scene/scan_entry.hpp"
 
 namespace hybrid::io {
 

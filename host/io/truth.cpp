@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
-#include "io/exr_errors.hpp"
-#include "io/exr_parts.hpp"
-#include "io/exr_threads.hpp"
-#include "io/plain_text.hpp"
+#include "io/exr/exr_errors.hpp"
+#include "io/exr/exr_parts.hpp"
+#include "io/exr/exr_threads.hpp"
+#include "io/text/plain_text.hpp"
 
 namespace hybrid::io {
 namespace {

@@ -1,5 +1,5 @@
-// The bounding volume hierarchy of triangles and spheres as the device sees it, built by host/stages/bvh.cpp.
-// All coordinates are metres relative to the scene's local origin.
+// The bounding volume hierarchy of triangles and spheres as the device sees it, built by
+// host/stages/rendering/bvh.cpp. All coordinates are metres relative to the scene's local origin.
 #ifndef HYBRID_SHARED_BVH_RECORDS_H
 #define HYBRID_SHARED_BVH_RECORDS_H
 #include "shared/layout.h"
@@ -19,7 +19,7 @@
 // Children of a node: their boxes are tested at once, in one vector, whatever VW is.
 #define BVH_WIDTH 16
 // Entries of the traversal's stack: wide nodes leave BVH_WIDTH - 1 pending each, those below BVH_WIDE_LEVELS
-// are binary and leave one (host/stages/bvh_collapse.cpp).
+// are binary and leave one (host/stages/rendering/bvh_collapse.cpp).
 #define BVH_STACK 256
 #define BVH_WIDE_LEVELS 12
 

@@ -12,8 +12,8 @@ typedef struct DecimateParams {
 } DecimateParams;
 LAYOUT_CHECK(DecimateParams, 32);
 
-// Values of enum SampleFate (host/stages/decimate.hpp) and SquareClass (host/geometry/superclusters.hpp);
-// host/stages/decimate.cpp checks that they agree.
+// Values of enum SampleFate (host/stages/planes/decimate.hpp) and SquareClass
+// (host/geometry/superclusters.hpp); host/stages/planes/decimate.cpp checks that they agree.
 #define FATE_NO_SAMPLE 0
 #define FATE_DISCARDED 1
 #define FATE_BOUNDARY 2

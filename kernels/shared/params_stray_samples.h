@@ -18,7 +18,7 @@ LAYOUT_CHECK(StraySamplesParams, 48);
 
 #define STRAY_WINDOW 2  // neighbours up to this many nodes away are looked at
 
-// Values of enum Stray (host/stages/stray_samples.hpp), which checks that they agree.
+// Values of enum Stray (host/stages/scan/stray_samples.hpp), which checks that they agree.
 #define STRAY_NONE 0
 #define STRAY_BETWEEN 1
 #define STRAY_ISOLATED 2

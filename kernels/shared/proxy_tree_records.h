@@ -1,5 +1,6 @@
 // The tree of boxes over the model's triangles as closest_point_tree sees it, built by
-// host/stages/proxy_tree.cpp. Children are coded as in shared/bvh_records.h; metres, local frame.
+// host/stages/registration/proxy_tree.cpp. Children are coded as in shared/bvh_records.h; metres, local
+// frame.
 #ifndef HYBRID_SHARED_PROXY_TREE_RECORDS_H
 #define HYBRID_SHARED_PROXY_TREE_RECORDS_H
 #include "shared/bvh_records.h"

@@ -2,11 +2,11 @@
 #include <tiny_gltf.h>
 #include <tiny_obj_loader.h>
 
-#include "batch/export_meshes.hpp"
+#include "batch/export/export_meshes.hpp"
 #include "cases/holed_room.hpp"
 #include "device.hpp"
 #include "io/files.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
 

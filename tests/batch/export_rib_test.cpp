@@ -1,4 +1,4 @@
-#include "batch/export_rib.hpp"
+#include "batch/export/export_rib.hpp"
 
 #include <OpenImageIO/imageio.h>
 

@@ -10,7 +10,7 @@
 #include "batch/scan_unit.hpp"
 #include "device.hpp"
 #include "io/files.hpp"
-#include "stages/rings_check.hpp"
+#include "stages/contours/rings_check.hpp"
 
 namespace hybrid::batch {
 namespace {

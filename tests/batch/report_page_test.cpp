@@ -9,7 +9,7 @@
 #include "io/picture.hpp"
 #include "report/previews.hpp"
 #include "report/scene_page.hpp"
-#include "stages/residual_histogram.hpp"
+#include "stages/registration/residual_histogram.hpp"
 
 namespace hybrid::report {
 namespace {

@@ -10,7 +10,7 @@
 #include "cases/ray_cast_case.hpp"
 #include "geometry/camera.hpp"
 #include "shared/params_blend_photos.h"
-#include "stages/blend_bands.hpp"
+#include "stages/rendering/blend_bands.hpp"
 
 namespace hybrid::testing {
 

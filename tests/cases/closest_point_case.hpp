@@ -7,9 +7,9 @@
 #include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
 #include "lib/random.h"
-#include "stages/proxy_search.hpp"
-#include "stages/proxy_tree.hpp"
-#include "stages/proxy_triangles.hpp"
+#include "stages/registration/proxy_search.hpp"
+#include "stages/registration/proxy_tree.hpp"
+#include "stages/registration/proxy_triangles.hpp"
 
 namespace hybrid::testing {
 

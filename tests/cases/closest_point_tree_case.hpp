@@ -1,6 +1,6 @@
 #pragma once
 #include "cases/closest_point_case.hpp"
-#include "stages/proxy_tree.hpp"
+#include "stages/registration/proxy_tree.hpp"
 
 namespace hybrid::testing {
 

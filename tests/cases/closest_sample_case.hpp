@@ -7,7 +7,7 @@
 #include "geometry/pose.hpp"
 #include "lib/random.h"
 #include "shared/params_closest_sample.h"
-#include "stages/scan_surface.hpp"
+#include "stages/registration/scan_surface.hpp"
 
 namespace hybrid::testing {
 

@@ -8,7 +8,7 @@
 #include "device/queue.hpp"
 #include "geometry/camera.hpp"
 #include "shared/params_project_points.h"
-#include "stages/render_geometry.hpp"
+#include "stages/rendering/render_geometry.hpp"
 
 namespace hybrid::testing {
 

@@ -8,8 +8,8 @@
 
 #include "device/queue.hpp"
 #include "shared/params_ray_cast.h"
-#include "stages/bvh.hpp"
-#include "stages/render_geometry.hpp"
+#include "stages/rendering/bvh.hpp"
+#include "stages/rendering/render_geometry.hpp"
 
 namespace hybrid::testing {
 

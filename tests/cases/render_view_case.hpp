@@ -9,8 +9,8 @@
 #include "cases/room_scene.hpp"
 #include "device/queue.hpp"
 #include "shared/params_rank_photos.h"
-#include "stages/blend_bands.hpp"
-#include "stages/render_geometry.hpp"
+#include "stages/rendering/blend_bands.hpp"
+#include "stages/rendering/render_geometry.hpp"
 
 namespace hybrid::testing {
 

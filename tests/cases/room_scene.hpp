@@ -6,7 +6,7 @@
 
 #include "geometry/colour.hpp"
 #include "reference/shadow.hpp"
-#include "stages/render.hpp"
+#include "stages/rendering/render.hpp"
 
 namespace hybrid::testing {
 

@@ -8,7 +8,7 @@
 #include "device/queue.hpp"
 #include "shared/params_square_planes.h"
 #include "shared/records.h"
-#include "stages/square_planes.hpp"
+#include "stages/planes/square_planes.hpp"
 
 namespace hybrid::testing {
 

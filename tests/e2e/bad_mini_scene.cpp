@@ -10,7 +10,7 @@
 #include "geometry/pose.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
-#include "io/ply.hpp"
+#include "io/ply/ply.hpp"
 #include "places.hpp"
 #include "program.hpp"
 

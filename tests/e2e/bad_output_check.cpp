@@ -7,7 +7,7 @@
 
 #include "bad_mini_scene.hpp"
 #include "io/output.hpp"
-#include "io/ply.hpp"
+#include "io/ply/ply.hpp"
 
 namespace hybrid::e2e {
 namespace fs = std::filesystem;

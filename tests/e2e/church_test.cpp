@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "exr_ids.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
 #include "io/truth.hpp"

@@ -6,10 +6,10 @@
 
 #include "bad_mini_scene.hpp"
 #include "geometry/face_frame.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
-#include "io/ply.hpp"
+#include "io/ply/ply.hpp"
 #include "io/read_scan.hpp"
 #include "program.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "io/colmap.hpp"
-#include "io/obj.hpp"
+#include "io/cameras/colmap.hpp"
+#include "io/models/obj.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
 #include "io/read_scan.hpp"

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "geometry/polygon_model.hpp"
-#include "io/obj.hpp"
-#include "io/scene_file.hpp"
+#include "io/models/obj.hpp"
+#include "io/scene/scene_file.hpp"
 #include "places.hpp"
 
 namespace hybrid::e2e {

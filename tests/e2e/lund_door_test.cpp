@@ -12,9 +12,9 @@
 
 #include "geometry/polygon_model.hpp"
 #include "geometry/pose.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "io/output.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 #include "places.hpp"
 #include "program.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "geometry/pose.hpp"
 #include "io/output.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 #include "places.hpp"
 #include "program.hpp"
 

@@ -1,10 +1,10 @@
-#include "io/bundler.hpp"
+#include "io/cameras/bundler.hpp"
 
 #include <gtest/gtest.h>
 
+#include "io/cameras/read_cameras.hpp"
 #include "io/files.hpp"
 #include "io/picture.hpp"
-#include "io/read_cameras.hpp"
 
 namespace hybrid::io {
 namespace {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "io/colmap.hpp"
+#include "io/cameras/colmap.hpp"
+#include "io/cameras/read_cameras.hpp"
 #include "io/colmap_bytes.hpp"
 #include "io/files.hpp"
-#include "io/read_cameras.hpp"
 
 namespace hybrid::io {
 namespace {

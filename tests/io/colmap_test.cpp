@@ -1,4 +1,4 @@
-#include "io/colmap.hpp"
+#include "io/cameras/colmap.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // parse_number against std::from_chars, bit for bit, on millions of numbers.
-#include "io/decimal.hpp"
+#include "io/text/decimal.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include "io/files.hpp"
 #include "io/picture.hpp"
 #include "places.hpp"
-#include "stages/organised_grid.hpp"
+#include "stages/scan/organised_grid.hpp"
 
 namespace hybrid::io {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "io/e57/e57_photographs.hpp"
 #include "io/e57_image_rows.hpp"
-#include "io/exr_e57.hpp"
+#include "io/exr/exr_e57.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/scratch_file.hpp"
 #include "io/e57/e57_source.hpp"
 #include "io/e57_scans.hpp"
-#include "io/exr_e57.hpp"
+#include "io/exr/exr_e57.hpp"
 #include "io/read_scan.hpp"
 #include "io/scan_files.hpp"
 

@@ -6,7 +6,7 @@
 #include "io/e57/e57_source.hpp"
 #include "io/e57_grids.hpp"
 #include "io/e57_scans.hpp"
-#include "io/exr_e57.hpp"
+#include "io/exr/exr_e57.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "io/e57_grids.hpp"
-#include "io/exr_e57.hpp"
+#include "io/exr/exr_e57.hpp"
 #include "io/files.hpp"
 #include "io/node_blocks.hpp"
 #include "io/read_scan.hpp"

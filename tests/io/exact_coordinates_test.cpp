@@ -7,7 +7,7 @@
 
 #include "io/e57_scans.hpp"
 #include "io/files.hpp"
-#include "io/las_records.hpp"
+#include "io/las/las_records.hpp"
 #include "io/read_scan.hpp"
 #include "io/scan_writers.hpp"
 #include "io/stream_scan.hpp"

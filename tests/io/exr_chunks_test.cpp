@@ -1,5 +1,5 @@
 // Tiles and blocks of lines whose data end too early, which the library takes for whole.
-#include "io/exr_chunks.hpp"
+#include "io/exr/exr_chunks.hpp"
 
 #include <gtest/gtest.h>
 #include <libdeflate.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "io/exr_header.hpp"
-#include "io/exr_scan.hpp"
+#include "io/exr/exr_header.hpp"
+#include "io/exr/exr_scan.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/scan_files.hpp"
 #include "io/truth.hpp"

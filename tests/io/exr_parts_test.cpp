@@ -1,4 +1,4 @@
-#include "io/exr_parts.hpp"
+#include "io/exr/exr_parts.hpp"
 
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
@@ -7,7 +7,7 @@
 #include <ImfTiledOutputPart.h>
 #include <gtest/gtest.h>
 
-#include "io/exr_scan.hpp"
+#include "io/exr/exr_scan.hpp"
 #include "io/scan_files.hpp"
 
 namespace hybrid::testing {

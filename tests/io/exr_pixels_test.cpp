@@ -1,12 +1,12 @@
 // Tiles and blocks that we unpack ourselves, against the library.
-#include "io/exr_pixels.hpp"
+#include "io/exr/exr_pixels.hpp"
 
 #include <ImfInputFile.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "io/exr_parts.hpp"
+#include "io/exr/exr_parts.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/scan_files.hpp"
 

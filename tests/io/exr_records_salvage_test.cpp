@@ -6,7 +6,7 @@
 
 #include "io/e57_grids.hpp"
 #include "io/e57_scans.hpp"
-#include "io/exr_e57.hpp"
+#include "io/exr/exr_e57.hpp"
 #include "io/read_scan.hpp"
 #include "io/same_in_blocks.hpp"
 #include "io/scan_files.hpp"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "io/exr_scan.hpp"
+#include "io/exr/exr_scan.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/scan_files.hpp"
 

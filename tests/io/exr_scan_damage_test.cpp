@@ -2,9 +2,9 @@
 #include <ImfVecAttribute.h>
 #include <gtest/gtest.h>
 
-#include "io/exr_scan.hpp"
+#include "io/exr/exr_scan.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/foreign_exr.hpp"
-#include "io/range_exr.hpp"
 #include "io/scan_files.hpp"
 
 namespace hybrid::testing {

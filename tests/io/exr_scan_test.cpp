@@ -1,15 +1,15 @@
-#include "io/exr_scan.hpp"
+#include "io/exr/exr_scan.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "io/exr/range_exr.hpp"
 #include "io/foreign_exr.hpp"
-#include "io/ply.hpp"
-#include "io/range_exr.hpp"
+#include "io/ply/ply.hpp"
 #include "io/scan_files.hpp"
-#include "stages/organised_grid.hpp"
+#include "stages/scan/organised_grid.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/exr.hpp"
+#include "io/exr/exr.hpp"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>

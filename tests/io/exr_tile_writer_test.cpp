@@ -1,4 +1,4 @@
-#include "io/exr_tile_writer.hpp"
+#include "io/exr/exr_tile_writer.hpp"
 
 #include <ImfChannelList.h>
 #include <ImfStringAttribute.h>
@@ -10,7 +10,7 @@
 #include <random>
 
 #include "core/error.hpp"
-#include "io/exr_parts.hpp"
+#include "io/exr/exr_parts.hpp"
 #include "io/scan_files.hpp"
 
 namespace hybrid::testing {

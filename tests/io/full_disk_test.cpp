@@ -9,13 +9,13 @@
 #include <functional>
 #include <utility>
 
-#include "io/exr.hpp"
+#include "io/exr/exr.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/files.hpp"
 #include "io/output.hpp"
 #include "io/output_file.hpp"
 #include "io/picture.hpp"
-#include "io/ply.hpp"
-#include "io/range_exr.hpp"
+#include "io/ply/ply.hpp"
 #include "io/write_scan.hpp"
 
 namespace hybrid::io {

@@ -9,12 +9,12 @@
 #include <random>
 
 #include "io/e57_scans.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/files.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/output.hpp"
-#include "io/range_exr.hpp"
 #include "io/read_scan.hpp"
-#include "stages/organised_grid.hpp"
+#include "stages/scan/organised_grid.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -6,9 +6,9 @@
 #include "io/allocation_watch.hpp"
 #include "io/e57/e57_xml.hpp"
 #include "io/e57_scans.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "io/read_scan.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -1,5 +1,5 @@
 // Scans without a scene file.
-#include "io/implied_scene.hpp"
+#include "io/scene/implied_scene.hpp"
 
 #include "files.hpp"
 

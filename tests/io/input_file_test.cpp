@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/files.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::testing {
 namespace {

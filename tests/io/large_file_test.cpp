@@ -7,10 +7,10 @@
 #include "io/allocation_watch.hpp"
 #include "io/files.hpp"
 #include "io/input_file.hpp"
-#include "io/pcd.hpp"
-#include "io/ply.hpp"
+#include "io/pcd/pcd.hpp"
+#include "io/ply/ply.hpp"
 #include "io/scan_samples.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::testing {
 namespace {

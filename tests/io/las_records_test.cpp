@@ -1,10 +1,10 @@
-#include "io/las_records.hpp"
+#include "io/las/las_records.hpp"
 
 #include <gtest/gtest.h>
 
 #include "io/e57_scans.hpp"
-#include "io/exr_e57.hpp"
-#include "io/las_header.hpp"
+#include "io/exr/exr_e57.hpp"
+#include "io/las/las_header.hpp"
 #include "io/las_samples.hpp"
 #include "io/read_scan.hpp"
 #include "io/scan_files.hpp"

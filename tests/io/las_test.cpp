@@ -1,8 +1,8 @@
-#include "io/las.hpp"
+#include "io/las/las.hpp"
 
 #include <gtest/gtest.h>
 
-#include "io/las_header.hpp"
+#include "io/las/las_header.hpp"
 #include "io/las_samples.hpp"
 #include "io/read_scan.hpp"
 #include "io/scan_files.hpp"

@@ -1,4 +1,4 @@
-#include "io/lzf.hpp"
+#include "io/pcd/lzf.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "io/model_info.hpp"
+#include "io/models/model_info.hpp"
 
 #include <gtest/gtest.h>
 
-#include "io/colmap.hpp"
+#include "io/cameras/colmap.hpp"
 #include "io/files.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 
 namespace hybrid::io {
 namespace {

@@ -1,12 +1,12 @@
-#include "io/nerfstudio.hpp"
+#include "io/cameras/nerfstudio.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "io/cameras/read_cameras.hpp"
 #include "io/files.hpp"
 #include "io/picture.hpp"
-#include "io/read_cameras.hpp"
 
 namespace hybrid::io {
 namespace {

@@ -1,5 +1,5 @@
 // Text parsed in pieces on all threads against the same text read line by line.
-#include "io/number_rows.hpp"
+#include "io/text/number_rows.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "io/files.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::io {
 namespace {

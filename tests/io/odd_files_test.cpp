@@ -5,12 +5,12 @@
 
 #include <map>
 
-#include "io/colmap.hpp"
+#include "io/cameras/colmap.hpp"
 #include "io/files.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "io/read_scan.hpp"
 #include "io/scan_info.hpp"
-#include "io/text_cursor.hpp"
+#include "io/text/text_cursor.hpp"
 #include "places.hpp"
 
 namespace hybrid::testing {

@@ -1,4 +1,4 @@
-#include "io/pcd.hpp"
+#include "io/pcd/pcd.hpp"
 
 #include <gtest/gtest.h>
 

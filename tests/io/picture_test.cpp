@@ -8,7 +8,7 @@
 #include <set>
 
 #include "geometry/colour.hpp"
-#include "io/exr_header.hpp"
+#include "io/exr/exr_header.hpp"
 #include "io/files.hpp"
 #include "io/output.hpp"
 

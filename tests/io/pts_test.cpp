@@ -1,4 +1,4 @@
-#include "io/pts.hpp"
+#include "io/text/pts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "io/ptx.hpp"
+#include "io/text/ptx.hpp"
 
 #include <gtest/gtest.h>
 

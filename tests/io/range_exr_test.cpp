@@ -1,4 +1,4 @@
-#include "io/range_exr.hpp"
+#include "io/exr/range_exr.hpp"
 
 #include <gtest/gtest.h>
 

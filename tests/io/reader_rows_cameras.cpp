@@ -1,9 +1,9 @@
-#include "io/bundler.hpp"
-#include "io/colmap.hpp"
+#include "io/cameras/bundler.hpp"
+#include "io/cameras/colmap.hpp"
+#include "io/cameras/nerfstudio.hpp"
+#include "io/cameras/strecha.hpp"
 #include "io/colmap_bytes.hpp"
-#include "io/nerfstudio.hpp"
 #include "io/reader_rows.hpp"
-#include "io/strecha.hpp"
 
 namespace hybrid::testing {
 namespace {

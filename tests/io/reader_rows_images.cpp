@@ -6,11 +6,11 @@
 #include <stdexcept>
 
 #include "io/e57_scans.hpp"
-#include "io/exr_e57.hpp"
-#include "io/exr_scan.hpp"
+#include "io/exr/exr_e57.hpp"
+#include "io/exr/exr_scan.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/foreign_exr.hpp"
 #include "io/picture.hpp"
-#include "io/range_exr.hpp"
 #include "io/reader_rows.hpp"
 #include "io/scan_samples.hpp"
 #include "io/truth.hpp"

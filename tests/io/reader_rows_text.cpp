@@ -1,6 +1,6 @@
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "io/reader_rows.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::testing {
 namespace {

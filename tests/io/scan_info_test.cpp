@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "io/range_exr.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/scan_files.hpp"
 
 namespace hybrid::testing {

@@ -1,4 +1,4 @@
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "core/error.hpp"
 #include "io/files.hpp"
-#include "io/scene_file.hpp"
+#include "io/scene/scene_file.hpp"
 
 namespace hybrid::io {
 namespace {

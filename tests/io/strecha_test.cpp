@@ -1,9 +1,9 @@
-#include "io/strecha.hpp"
+#include "io/cameras/strecha.hpp"
 
 #include <gtest/gtest.h>
 
+#include "io/cameras/read_cameras.hpp"
 #include "io/files.hpp"
-#include "io/read_cameras.hpp"
 
 namespace hybrid::io {
 namespace {

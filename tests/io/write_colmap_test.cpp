@@ -1,9 +1,9 @@
-#include "io/write_colmap.hpp"
+#include "io/cameras/write_colmap.hpp"
 
 #include <algorithm>
 
 #include "files.hpp"
-#include "io/colmap.hpp"
+#include "io/cameras/colmap.hpp"
 #include "io/output.hpp"
 
 namespace hybrid::testing {

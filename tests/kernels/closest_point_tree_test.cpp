@@ -2,7 +2,7 @@
 
 #include "cases/closest_point_tree_case.hpp"
 #include "device.hpp"
-#include "stages/proxy_model.hpp"
+#include "stages/registration/proxy_model.hpp"
 
 namespace hybrid::testing {
 namespace {

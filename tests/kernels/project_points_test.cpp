@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "device.hpp"
+#include "io/cameras/read_cameras.hpp"
 #include "io/colmap_tracks.hpp"
-#include "io/read_cameras.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "geometry/colour.hpp"
 #include "geometry/vectors.hpp"
-#include "stages/photograph_store.hpp"
+#include "stages/rendering/photograph_store.hpp"
 
 namespace hybrid::testing {
 namespace {

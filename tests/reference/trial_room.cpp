@@ -7,8 +7,8 @@
 #include "cases/closest_point_case.hpp"
 #include "lib/random.h"
 #include "shared/params_ray_cast.h"
-#include "stages/bvh.hpp"
-#include "stages/render_geometry.hpp"
+#include "stages/rendering/bvh.hpp"
+#include "stages/rendering/render_geometry.hpp"
 
 namespace hybrid::testing {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
-#include "stages/square_planes.hpp"
+#include "stages/planes/square_planes.hpp"
 
 namespace hybrid::testing {
 

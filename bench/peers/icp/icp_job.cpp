@@ -5,13 +5,13 @@
 #include <fstream>
 #include <random>
 
-#include "io/range_exr.hpp"
+#include "io/exr/range_exr.hpp"
 #include "io/truth.hpp"
 #include "shared/labels_exr.hpp"
 #include "shared/peer_report.hpp"
 #include "shared/points_ply.hpp"
 #include "shared/pose_json.hpp"
-#include "stages/icp.hpp"
+#include "stages/registration/icp.hpp"
 
 namespace hybrid::peers {
 namespace {

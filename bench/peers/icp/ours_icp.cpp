@@ -1,10 +1,10 @@
 // Our registration in the peers' frame: the stage that `hybrid register` runs, from the same samples and
 // start. "plane" is the default; "paper" is Besl and McKay's closest points with Horn's rotation, as in 2004.
 #include "core/parallel.hpp"
-#include "io/obj.hpp"
+#include "io/models/obj.hpp"
 #include "shared/icp_peer.hpp"
 #include "shared/pose_json.hpp"
-#include "stages/icp.hpp"
+#include "stages/registration/icp.hpp"
 
 int main(int argc, char** argv) {
   using namespace hybrid;

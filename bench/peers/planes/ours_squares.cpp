@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "core/parallel.hpp"
-#include "io/range_exr.hpp"
+#include "io/exr/range_exr.hpp"
 #include "shared/peer_report.hpp"
-#include "stages/square_planes.hpp"
+#include "stages/planes/square_planes.hpp"
 
 int main(int argc, char** argv) {
   using namespace hybrid;

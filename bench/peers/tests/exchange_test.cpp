@@ -7,7 +7,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "io/range_exr.hpp"
+#include "io/exr/range_exr.hpp"
 #include "shared/labels_exr.hpp"
 #include "shared/points_ply.hpp"
 #include "shared/pose_json.hpp"

@@ -9,7 +9,7 @@
 #include "io/e57/paged_file.hpp"
 #include "io/e57/table_reader.hpp"
 #include "io/grid_scan.hpp"
-#include "io/scan_entry.hpp"
+#include "io/scene/scan_entry.hpp"
 
 namespace hybrid::io {
 

@@ -7,7 +7,7 @@
 
 #include "core/error.hpp"
 #include "io/picture.hpp"
-#include "io/plain_text.hpp"
+#include "io/text/plain_text.hpp"
 
 namespace hybrid::io {
 namespace {

@@ -8,8 +8,8 @@
 #include "geometry/range_image.hpp"
 #include "geometry/scan.hpp"
 #include "geometry/superclusters.hpp"
-#include "io/scan_entry.hpp"
 #include "io/scan_stream.hpp"
+#include "io/scene/scan_entry.hpp"
 
 namespace hybrid::io {
 

@@ -1,0 +1,70 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "batch/registration/registration_unit.hpp"
+#include "batch/registration/scan_to_scan.hpp"
+#include "stages/registration/joint_poses.hpp"
+
+namespace hybrid::batch {
+
+// The scans of one scene among each other (METHOD 7). Without a model the first scan is the frame: its pose
+// is the scene file's, else that in its file, else none; the poses that these give others are where ICP on
+// the other scans starts (scan_to_scan.hpp). Where nothing gives a pose and more scans hang together without
+// the first than with it, the first of those is the frame. A scan without a pose of its own, because the
+// alignment to the model abstained or nothing gave one that holds, is aligned to the planes of those that
+// have one; what abstains there, too, stays without. Then all poses are refined together. Takes scans from
+// `abstentions` to `registrations`.
+class NeighbourRegistration {
+ public:
+  // `model` may be null. The references must outlive it.
+  NeighbourRegistration(device::Queue& queue, const stages::ProxyModel* model, const StageOptions& options,
+                        const std::vector<ScanProduct>& products);
+
+  // Without a model: the first scan's pose, and all others as not yet aligned. `shift`: the scene's, which
+  // poses in scan files contain.
+  void begin_without_model(const std::vector<io::SceneScan>& entries, const Vec3& shift,
+                           Registrations& registrations, Registrations& abstentions);
+  void carry(Registrations& registrations, Registrations& abstentions);
+  // Where [register] joint = true and at least two scans have a pose. Without a model also what lies on what,
+  // and the smaller groups that have no pose, each in its own frame.
+  void refine(Registrations& registrations, Registrations& abstentions);
+
+  // summary.json's "joint": null when refine() did nothing.
+  nlohmann::ordered_json figures() const { return figures_; }
+
+ private:
+  struct Seen {
+    PolygonModel polygons;  // of its superclusters, scan frame
+    stages::ProxyModel model{polygons};
+    stages::ModelShapes no_shapes{};
+    explicit Seen(PolygonModel made) : polygons(std::move(made)) {}
+    const stages::ModelShapes& shapes() const { return polygons.faces.empty() ? no_shapes : model.shapes(); }
+  };
+  const Seen& seen(std::size_t scan);
+  nlohmann::ordered_json refine_all(Registrations& registrations);
+  const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
+                                            std::size_t other);
+  bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
+  void carry_all(Registrations& registrations, Registrations& abstentions);
+  void keep_largest_island(Registrations& registrations, Registrations& abstentions);
+  void tell_island(Registrations& island, Registrations& abstentions);
+
+  device::Queue& queue_;
+  const stages::ProxyModel* model_;
+  const StageOptions& options_;
+  const std::vector<ScanProduct>& products_;
+  std::vector<std::unique_ptr<Seen>> seen_;
+  ScanToScan scan_to_scan_;
+  std::vector<std::optional<ScanStart>> starts_;
+  std::vector<std::optional<Pose>> recorded_;  // in the scans' files, without the scene's shift
+  std::vector<Registrations> islands_;         // that keep_largest_island() left without a pose
+  bool frame_is_free_ = false;  // nothing but its place in the list makes the first scan the frame
+  std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_;  // by scan, to others' planes
+  nlohmann::ordered_json figures_;
+};
+
+}  // namespace hybrid::batch

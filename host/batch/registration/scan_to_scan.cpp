@@ -1,0 +1,335 @@
+#include "batch/registration/scan_to_scan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/log.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+constexpr int kSamples = 40000;  // of each kind
+// Of the scan's area, or the other's, on each other's surfaces: what is held firmly is placed first.
+constexpr std::array<double, 4> kOverlaps = {0.5, 0.2, 0.05, 0.01};
+// Of what lies on surfaces or is seen through: more contradicts a pose. Over random rooms right ones have
+// 0.02 at most, wrong ones 0.08 and more (the test ScanIcp). Where little holds the scan, as through a
+// church's door, right ones have 0.012 at most, wrong ones 0.04 and more.
+constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0.025;
+// A pose that planes alone do not tell from rivals is told from them where it has so much at most, and each
+// rival so many times more.
+constexpr double kMostOfBest = 0.02, kTimesBest = 4;
+// From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
+constexpr double kFarthest_m = 2, kFarthestDeg = 40, kNearer = 0.3;
+// Where the end of ICP is not plain, with nearly all that lies on others within kTight times overlap_m of
+// them and hardly anything seen through, it starts beside that, too, and takes what is better by kClearly, so
+// many times. Of depth frames and rooms right ends have shares of 0.96 and more, of frames that slid along a
+// wall 0.90 at most or 0.02 seen through.
+constexpr double kTight = 0.2, kPlainShare = 0.95, kPlainThrough = 0.005, kClearly = 0.02;
+constexpr int kRounds = 3;
+// Where little holds the scan ICP must come back from so far beside what it found, in overlap_m and turned
+// about each axis; to within so much.
+constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
+// Scans of one place lie on each other within their noise: 0.3 to 1 times it in rooms and churches of
+// hybrid-synth, 5 where the instrument is not calibrated, 10 where two rooms are alike within centimetres.
+constexpr double kTimesNoise = 4, kFarOff_m = 0.005, kLeastNoise_m = 1e-4;
+constexpr double kReach = 2;                       // of distances that are measured, in overlap_m
+constexpr double kSame_m = 1e-3, kSameRad = 1e-4;  // poses in files that are one
+
+std::string refused_in_words(const OnScans& on, const std::string& from, const std::string& contradiction) {
+  return fmt::format(
+      "the other scans contradict the pose that ICP found from the {} pose: {}; its rms is {:.4g} m, {:.0f} "
+      "% of the "
+      "scan's area lie on surfaces of others, and of all that can be compared {:.0f} % are seen through. "
+      "Check the "
+      "pose (world_from_scan, row by row, metres){}; fixed = true keeps a given pose as it is",
+      from, contradiction, on.icp.icp.rms_m, 100 * on.icp.icp.overlap, 100 * on.icp.seen_through,
+      from == "recorded" ? " in the scan's file, or give one in the scene file" : "");
+}
+
+double largest_overlap(const stages::ScanIcp& found) {
+  double largest = 0;
+  for (const auto& other : found.others) largest = std::max(largest, other.overlap);
+  return largest;
+}
+
+bool is_weak(const stages::ScanIcp& found) {
+  return largest_overlap(found) < kFirmOverlap;
+}
+
+std::string contradiction_of(const stages::ScanIcp& found, const Pose& start) {
+  const bool weak = is_weak(found);
+  const double most = weak ? kMostWhereWeak : kMostSeenThrough;
+  if (found.seen_through > most)
+    return fmt::format("more than {:.1f} % are seen through{}", 100 * most,
+                       weak ? ", where little holds the scan" : "");
+  const auto moved = difference(start, found.icp.world_from_scan);
+  const double factor = weak ? kNearer : 1;
+  if (moved.distance_m > factor * kFarthest_m || moved.angle_rad > factor * kFarthestDeg * M_PI / 180)
+    return fmt::format("it lies {:.2f} m and {:.1f} degrees from it", moved.distance_m,
+                       moved.angle_rad * 180 / M_PI);
+  return "";
+}
+
+// Six starts around a pose: along each axis of the world, and turned about it.
+std::vector<Pose> beside(const Pose& pose, const Vec3& centre, double distance_m) {
+  std::vector<Pose> starts;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const Vec3 along = sign * Vec3::Unit(axis);
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(kBesideDeg * M_PI / 180, along));
+      Pose start = pose;
+      start.rotation = (turn * pose.rotation).normalized();
+      start.translation = pose * centre - start.rotate(start.scale * centre) + distance_m * along;
+      starts.push_back(start);
+    }
+  return starts;
+}
+
+std::string nearest_of(const OnScans& on) {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < on.others.size(); ++k)
+    if (on.icp.others[k].on_m2 > on.icp.others[best].on_m2) best = k;
+  return on.others[best];
+}
+
+}  // namespace
+
+std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
+                                        const Pose& world_from_frame) {
+  if (!recorded) return std::nullopt;
+  const auto apart = difference(*recorded, frame_recorded);
+  if (apart.distance_m < kSame_m && apart.angle_rad < kSameRad) return std::nullopt;
+  return ScanStart{world_from_frame * (frame_recorded.inverse() * *recorded), "recorded"};
+}
+
+ScanToScan::ScanToScan(device::Queue& queue, const StageOptions& options,
+                       const std::vector<ScanProduct>& products)
+    : queue_(queue), options_(options), products_(products), scans_(products.size()) {
+  // The scene's size is in what is near a face and clear of it.
+  icp_.overlap_m = options.alignment.tolerance_m;
+  icp_.clear_m = options.alignment.clear_m;
+  icp_.gate_m = 20 * icp_.overlap_m;
+  icp_.least_gate_m = 0.4 * icp_.overlap_m;
+}
+
+const stages::IcpScan& ScanToScan::scan(std::size_t i) {
+  if (!scans_[i]) {
+    const ScanProduct& product = products_[i];
+    const int most = options_.icp.max_samples;
+    scans_[i] = std::make_unique<stages::IcpScan>(
+        queue_,
+        stages::choose_scan_samples(product.image, product.segmentation, product.stray,
+                                    most > 0 ? std::min(most, kSamples) : kSamples, options_.icp.seed),
+        product.image, product.segmentation, product.stray);
+  }
+  return *scans_[i];
+}
+
+ScanToScan::Others ScanToScan::others_than(std::size_t i, const Registrations& registrations) {
+  Others others;
+  for (std::size_t k = 0; k < registrations.size(); ++k) {
+    if (k == i || !registrations[k]) continue;
+    others.scans.push_back({&scan(k), registrations[k]->world_from_scan()});
+    others.ids.push_back(products_[k].id);
+  }
+  return others;
+}
+
+stages::ScanIcp ScanToScan::best_from(std::size_t i, const Others& others, const Pose& start) {
+  stages::ScanIcpOptions tight = icp_;
+  tight.overlap_m *= kTight;
+  struct End {
+    stages::ScanIcp found;
+    double close = 0;  // share of the scan's area that lies closely on the others
+    // Walls alone let a scan slide along them; other things then lie beside their own.
+    double score() const { return close - found.seen_through; }
+    bool is_plain() const {
+      return close >= kPlainShare * found.icp.overlap && found.seen_through <= kPlainThrough;
+    }
+  };
+  const auto end_of = [&](const Pose& from) {
+    End end{stages::register_to_scans(queue_, scan(i), others.scans, from, icp_)};
+    for (int more = 0; more < kRounds && !end.found.icp.converged; ++more)
+      end.found =
+          stages::register_to_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, icp_);
+    end.close = stages::assess_on_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, tight)
+                    .icp.overlap;
+    return end;
+  };
+  End best = end_of(start);
+  for (int round = 0; round < kRounds && !best.is_plain(); ++round) {
+    const double before = best.score();
+    for (const Pose& from :
+         beside(best.found.icp.world_from_scan, scan(i).centre, kBeside * icp_.overlap_m)) {
+      if (best.is_plain()) break;
+      if (End other = end_of(from); other.score() >= best.score() + kClearly) best = std::move(other);
+    }
+    if (!(best.score() > before)) break;
+  }
+  return std::move(best.found);
+}
+
+std::string ScanToScan::rival_of(std::size_t i, const Others& others, const Pose& found) {
+  for (const Pose& start : beside(found, scan(i).centre, kBeside * icp_.overlap_m)) {
+    const auto rival = stages::register_to_scans(queue_, scan(i), others.scans, start, icp_);
+    const auto apart = difference(found, rival.icp.world_from_scan);
+    if (apart.distance_m < kBack * icp_.overlap_m && apart.angle_rad < kBackDeg * M_PI / 180) continue;
+    if (!contradiction_of(rival, found).empty()) continue;
+    return fmt::format(
+        "little holds the scan, and from beside it ICP finds another, {:.2f} m and {:.1f} degrees away, "
+        "which the scans contradict no more",
+        apart.distance_m, apart.angle_rad * 180 / M_PI);
+  }
+  return "";
+}
+
+bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start,
+                           Registrations& registrations, Registrations& abstentions) {
+  const Others others = others_than(i, registrations);
+  if (others.scans.empty()) return false;
+  if (!start.found || start.found->others != others.ids) {  // poses stay once they are found
+    start.found = OnScans{start.from, best_from(i, others, start.world_from_scan), others.ids};
+    start.contradiction = contradiction_of(start.found->icp, start.world_from_scan);
+    if (start.contradiction.empty() && is_weak(start.found->icp))
+      start.contradiction = rival_of(i, others, start.found->icp.icp.world_from_scan);
+  }
+  if (!start.contradiction.empty() || largest_overlap(start.found->icp) < least_overlap) return false;
+  ScanRegistration one = std::move(*abstentions[i]);
+  abstentions[i].reset();
+  one.how = "scan-icp";
+  one.abstained = false;
+  one.held_by_model = false;
+  one.automatic.reset();
+  one.start = start.world_from_scan;
+  one.on_scans.emplace(*std::move(start.found));
+  one.carried_by = nearest_of(*one.on_scans);
+  one.icp = one.on_scans->icp.icp;
+  if (is_weak(one.on_scans->icp))
+    warn(i,
+         fmt::format(
+             "little holds it: at most {:.0f} % of it, or of a scan that had a pose, lie on each other, "
+             "so that it may be off by more than its covariance says; another scan between them, or a "
+             "model, would hold it",
+             100 * largest_overlap(one.on_scans->icp)),
+         one);
+  if (!one.icp.converged)
+    warn(i,
+         fmt::format("ICP on the other scans did not converge in {} iterations: give a pose that is nearer",
+                     one.icp.iterations),
+         one);
+  log::info("scan {}: laid on scan {} from its {} pose", products_[i].id, one.carried_by, start.from);
+  registrations[i] = std::move(one);
+  return true;
+}
+
+// What the others contradict is refused, a guess dropped; what they do not tell of stays.
+void ScanToScan::settle(std::size_t i, const ScanStart& start, Registrations& registrations,
+                        Registrations& abstentions) {
+  if (start.from == kOneFrame) return;
+  ScanRegistration& one = *abstentions[i];
+  if (start.found && !start.contradiction.empty() && largest_overlap(start.found->icp) >= kOverlaps.back()) {
+    one.how = start.from;
+    one.on_scans = start.found;
+    one.refusal = refused_in_words(*one.on_scans, start.from, start.contradiction);
+    return;
+  }
+  one.how = start.from;
+  one.abstained = false;
+  one.unjudged = true;
+  one.automatic.reset();
+  one.start = one.icp.world_from_scan = start.world_from_scan;
+  one.icp.converged = true;
+  warn(i,
+       fmt::format("its {} pose is as it was: less than {:.0f} % of the scan lie on surfaces of others",
+                   start.from, 100 * kOverlaps.back()),
+       one);
+  registrations[i] = std::move(one);
+  abstentions[i].reset();
+}
+
+void ScanToScan::warn(std::size_t i, std::string text, ScanRegistration& one) const {
+  log::warning("scan {}: {}", products_[i].id, text);
+  one.warnings.push_back(std::move(text));
+}
+
+void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
+                       Registrations& abstentions) {
+  for (const double least : kOverlaps)
+    for (bool again = true; again;) {
+      again = false;
+      for (std::size_t i = 0; i < starts.size(); ++i) {
+        if (!starts[i] || !place_one(i, least, *starts[i], registrations, abstentions)) continue;
+        starts[i].reset();
+        again = true;
+      }
+    }
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    if (starts[i]) settle(i, *starts[i], registrations, abstentions);
+}
+
+void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
+  if (!found.accepted && !found.only_rivals) return;
+  const std::vector<stages::PlacedScan> placed = {{&scan(other), Pose()}};
+  const auto best = stages::assess_on_scans(queue_, scan(i), placed, found.world_from_scan, icp_);
+  found.seen_through = best.seen_through;
+  if (const auto words = contradiction_of(best, found.world_from_scan); !words.empty()) {
+    found.accepted = false;
+    found.reason = fmt::format(
+        "its planes fit, but {} ({:.1f} % of all that can be compared): is it of another "
+        "place that is alike?",
+        words, 100 * best.seen_through);
+    return;
+  }
+  if (found.accepted || is_weak(best) || best.seen_through > kMostOfBest ||
+      found.close_rivals > std::ssize(found.rivals))
+    return;
+  for (std::ptrdiff_t k = 0; k < found.close_rivals; ++k) {
+    // At its best, as the search may have left it decimetres off.
+    stages::RivalPose& rival = found.rivals[static_cast<std::size_t>(k)];
+    const auto at = stages::register_to_scans(queue_, scan(i), placed, rival.world_from_scan, icp_);
+    rival.seen_through = at.seen_through;
+    if (at.seen_through <= std::max(kMostSeenThrough, kTimesBest * best.seen_through)) return;
+  }
+  found.accepted = true;
+  found.reason.clear();
+}
+
+void ScanToScan::measure_distances(std::size_t i, const Others& others, ScanRegistration& one) {
+  std::vector<stages::PlacedScan> near;
+  for (std::size_t k = 0; k < others.scans.size(); ++k)
+    if (const auto& with = one.on_scans->icp.others[k]; with.on_m2 > 0 || with.through_m2 > 0)
+      near.push_back(others.scans[k]);
+  if (near.empty()) return;
+  const ScanProduct& product = products_[i];
+  one.to_scans =
+      stages::distances_to_scans(queue_, product.image, product.segmentation, one.world_from_scan(), near,
+                                 kReach * icp_.overlap_m, icp_.normal_deg);
+  one.residuals =
+      residual_histogram({one.to_scans->image, one.to_scans->segmentation, one.to_scans->signed_m});
+}
+
+void ScanToScan::describe(Registrations& registrations) {
+  for (std::size_t i = 0; i < registrations.size(); ++i) {
+    if (!registrations[i]) continue;
+    const Others others = others_than(i, registrations);
+    if (others.scans.empty()) continue;
+    ScanRegistration& one = *registrations[i];
+    const std::string start = one.on_scans ? one.on_scans->start : "";
+    one.on_scans =
+        OnScans{start, stages::assess_on_scans(queue_, scan(i), others.scans, one.world_from_scan(), icp_),
+                others.ids};
+    measure_distances(i, others, one);
+    const double rms_m = one.on_scans->icp.icp.rms_m, noise_m = products_[i].sigma_m;
+    if (rms_m > std::max(kFarOff_m, kTimesNoise * noise_m) &&
+        largest_overlap(one.on_scans->icp) >= kFirmOverlap)
+      warn(i,
+           fmt::format(
+               "it lies on other scans with an rms of {:.1f} mm, {:.0f} times its noise: the instrument "
+               "is not calibrated, something moved, or they are of places that are alike",
+               1000 * rms_m, rms_m / std::max(noise_m, kLeastNoise_m)),
+           one);
+  }
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,78 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batch/registration/registration_unit.hpp"
+
+namespace hybrid::batch {
+
+using Registrations = std::vector<std::optional<ScanRegistration>>;
+
+// The start of scans whose scanner positions the scene file gives: that their files' coordinates are of one
+// frame is a guess.
+inline constexpr const char* kOneFrame = "coordinates";
+
+// A pose that was given for a scan without a model.
+struct ScanStart {
+  Pose world_from_scan;
+  std::string from;  // "given" | "recorded" | kOneFrame
+  // What ICP made of it last, and what speaks against that: "" = nothing.
+  std::optional<OnScans> found{};
+  std::string contradiction{};
+};
+
+// The start that a scan's file gives: its pose there, relative to that of the frame, whose pose in the world
+// is known. The same pose as the frame's says nothing: scans that were never registered all have the
+// identity.
+std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
+                                        const Pose& world_from_frame);
+
+// Lays scans on each other by their samples, planar or not (METHOD 6, stages/registration/scan_icp.hpp).
+class ScanToScan {
+ public:
+  // The references must outlive it.
+  ScanToScan(device::Queue& queue, const StageOptions& options, const std::vector<ScanProduct>& products);
+
+  // ICP from these starts on the scans that have a pose, those that overlap most first; a pose that the scans
+  // contradict is refused, with the numbers. One that no other scan can judge stays as it is. Takes scans
+  // from `abstentions` to `registrations`, or leaves them there, refused.
+  void place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
+             Registrations& abstentions);
+
+  // Judges an alignment of scan `i` to scan `other` by planes alone, in whose frame it is: places that are
+  // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the
+  // scans see through these, it is accepted.
+  void judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
+
+  // Every scan's figures and distances to the others under its final pose.
+  void describe(Registrations& registrations);
+
+ private:
+  const stages::IcpScan& scan(std::size_t i);
+  struct Others {
+    std::vector<stages::PlacedScan> scans;
+    std::vector<std::string> ids;
+  };
+  // ICP from a start, and from beside what it finds as long as that finds better.
+  stages::ScanIcp best_from(std::size_t i, const Others& others, const Pose& start);
+  // Another place that ICP finds from beside this one, in words; "" = none.
+  std::string rival_of(std::size_t i, const Others& others, const Pose& found);
+  bool place_one(std::size_t i, double least_overlap, ScanStart& start, Registrations& registrations,
+                 Registrations& abstentions);
+  void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
+              Registrations& abstentions);
+  void warn(std::size_t i, std::string text, ScanRegistration& one) const;
+  Others others_than(std::size_t i, const Registrations& registrations);
+  // To those others that it has to do with, under its pose.
+  void measure_distances(std::size_t i, const Others& others, ScanRegistration& one);
+
+  device::Queue& queue_;
+  const StageOptions& options_;
+  stages::ScanIcpOptions icp_;
+  const std::vector<ScanProduct>& products_;
+  std::vector<std::unique_ptr<stages::IcpScan>> scans_;
+};
+
+}  // namespace hybrid::batch

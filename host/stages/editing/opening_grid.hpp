@@ -1,0 +1,18 @@
+#pragma once
+#include "stages/editing/opening_evidence.hpp"
+
+namespace hybrid::stages {
+
+// Evidence collected on a face's grid; sets face.cells, cols, rows, cell_m. `spacing_m`: of the samples.
+void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>& rings,
+               const FaceFrame& frame, double spacing_m, FaceEvidence& face);
+
+// Connected areas of a face's grid that lines of sight pass through, as rings in face coordinates along the
+// line half-way between what passes and what does not; largest first. Each holds a circle of 5 cm.
+std::vector<Ring2> open_areas(const FaceEvidence& face, const std::vector<Ring2>& rings);
+
+// Distance in cells from every cell to the nearest one that is set; infinite without any. Exact (Felzenszwalb
+// and Huttenlocher 2012).
+std::vector<float> distance_to_set(const std::vector<std::uint8_t>& set, int cols, int rows);
+
+}  // namespace hybrid::stages

@@ -1,0 +1,16 @@
+#pragma once
+#include <optional>
+
+#include "stages/editing/opening_evidence.hpp"
+
+namespace hybrid::stages {
+
+// The border as builders draw one, where the samples contradict that no more than they contradict `ring`: a
+// circle, or two upright jambs on a level sill under a lintel or an arch, segmental, round or pointed (two
+// arcs about the springing line). Its few numbers are fitted to all samples around it at once: lines of sight
+// that passed belong inside, samples on the face outside, each with a quarter of a cell to spare; what is on
+// the wrong side costs its distance, up to a few cells. So the border stays true where a part of it is hidden
+// or glass swallowed the rays, and lies finer than the samples' spacing. Nothing where no such shape fits.
+std::optional<Ring2> regular_border(const Ring2& ring, const std::vector<EvidenceMark>& marks, double cell_m);
+
+}  // namespace hybrid::stages

@@ -1,0 +1,138 @@
+#include "stages/editing/panes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/parallel.hpp"
+#include "stages/scan/stray_samples.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kThick_m = 0.06;    // within which beams return from one pane
+constexpr double kStep_m = 0.02;     // between depths that are tried
+constexpr double kDeepest_m = 1.0;   // farther behind a wall than its glass is
+constexpr double kRaysPerCell = 16;  // of the cells in which returns and passing beams are to be side by side
+constexpr double kMixedShare = 0.5;  // of the cells in which beams pass
+constexpr double kSamePane_m = 0.10;  // apart, of one pane seen from both sides of its wall
+
+// Cells of an opening where some beams return from within kThick_m of a depth, some pass it, or both.
+struct Mixture {
+  int passing = 0, both = 0;
+};
+
+Mixture mixture_at(const std::vector<PassedRay>& rays, double cell_m, double depth_m) {
+  std::map<std::pair<int, int>, int> cells;  // 1: some return, 2: some pass
+  for (const PassedRay& ray : rays) {
+    int& cell = cells[{static_cast<int>(std::floor(ray.at.x() / cell_m)),
+                       static_cast<int>(std::floor(ray.at.y() / cell_m))}];
+    if (std::abs(ray.depth_m - depth_m) <= kThick_m / 2) cell |= 1;
+    if (ray.depth_m > depth_m + kThick_m) cell |= 2;
+  }
+  Mixture mixture;
+  for (const auto& [place, kinds] : cells) {
+    mixture.passing += (kinds & 2) != 0;
+    mixture.both += kinds == 3;
+  }
+  return mixture;
+}
+
+double median_near(const std::vector<PassedRay>& rays, double depth_m) {
+  std::vector<double> near;
+  for (const PassedRay& ray : rays)
+    if (std::abs(ray.depth_m - depth_m) <= kThick_m / 2) near.push_back(ray.depth_m);
+  std::sort(near.begin(), near.end());
+  return near[near.size() / 2];
+}
+
+struct PaneShape {
+  FaceFrame frame;
+  Ring2 ring;
+};
+
+std::vector<PaneShape> shapes_of(const PolygonModel& model, const std::vector<std::size_t>& faces) {
+  std::vector<PaneShape> shapes;
+  for (const std::size_t f : faces) {
+    FaceFrame frame = face_frame(model, model.faces[f]);
+    Ring2 ring = flat_rings(frame, model, model.faces[f])[0];
+    shapes.push_back({std::move(frame), std::move(ring)});
+  }
+  return shapes;
+}
+
+bool behind(const PaneShape& pane, const Vec3& eye, const Vec3& point) {
+  const double from = pane.frame.plane.distance(eye), to = pane.frame.plane.distance(point);
+  if (from * to >= 0 || std::abs(to) <= kThick_m) return false;
+  return inside(pane.ring, pane.frame.flat(eye + from / (from - to) * (point - eye)));
+}
+
+}  // namespace
+
+std::optional<double> pane_depth(const std::vector<PassedRay>& rays, double area_m2) {
+  if (rays.empty()) return std::nullopt;
+  const double cell_m = std::sqrt(kRaysPerCell * area_m2 / static_cast<double>(rays.size()));
+  double depth_m = 0;
+  Mixture best;
+  for (int step = 1; step * kStep_m <= kDeepest_m; ++step) {
+    const Mixture mixture = mixture_at(rays, cell_m, step * kStep_m);
+    if (mixture.both > best.both) best = mixture, depth_m = step * kStep_m;
+  }
+  if (best.both == 0 || best.both < kMixedShare * best.passing) return std::nullopt;
+  return median_near(rays, depth_m);
+}
+
+std::vector<std::size_t> add_panes(const Openings& openings, PolygonModel& model) {
+  std::vector<const Opening*> order;
+  for (const Opening& opening : openings.openings)
+    if (opening.cut && opening.pane_m && !opening.carried_from) order.push_back(&opening);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Opening* a, const Opening* b) { return a->rays > b->rays; });
+  std::vector<std::size_t> added;
+  std::vector<PaneShape> shapes;
+  std::map<std::size_t, int> of_face;  // panes
+  for (const Opening* opening : order) {
+    const FaceFrame frame = face_frame(model, model.faces[opening->face]);
+    std::vector<Vec3> ring;
+    Vec3 centre = Vec3::Zero();
+    for (const Vec2& p : opening->ring) {
+      ring.push_back(frame.world(p, -*opening->pane_m));
+      centre += ring.back() / static_cast<double>(opening->ring.size());
+    }
+    if (std::any_of(shapes.begin(), shapes.end(), [&](const PaneShape& known) {
+          return std::abs(known.frame.plane.distance(centre)) < kSamePane_m &&
+                 inside(known.ring, known.frame.flat(centre));
+        }))
+      continue;
+    Face face;
+    face.name = fmt::format("{}-pane-{}", model.faces[opening->face].name, ++of_face[opening->face]);
+    for (const Vec3& point : ring) {
+      face.outer.push_back(static_cast<std::uint32_t>(model.vertices.size()));
+      model.vertices.push_back(point);
+    }
+    model.faces.push_back(std::move(face));
+    added.push_back(model.faces.size() - 1);
+    shapes.push_back(shapes_of(model, {added.back()})[0]);
+  }
+  return added;
+}
+
+void mark_through_glass(const RangeImage& image, const Pose& world_from_scan, const PolygonModel& model,
+                        const std::vector<std::size_t>& panes, std::vector<std::uint8_t>& stray) {
+  const std::vector<PaneShape> shapes = shapes_of(model, panes);
+  parallel_for(
+      image.count(),
+      [&](std::size_t i) {
+        if (image.mask[i] != kMeasured || stray[i] != kNotStray) return;
+        const Vec3 point = world_from_scan * image.point(i);
+        if (std::any_of(shapes.begin(), shapes.end(), [&](const PaneShape& pane) {
+              return behind(pane, world_from_scan.translation, point);
+            }))
+          stray[i] = kThroughGlass;
+      },
+      1 << 14);
+}
+
+}  // namespace hybrid::stages

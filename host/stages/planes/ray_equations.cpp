@@ -1,0 +1,220 @@
+#include "stages/planes/ray_equations.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/cpu_clones.hpp"
+
+// The sums of planes' last fits: the most arithmetic the host does of every sample. Plain loops over arrays
+// of fixed length, which the compiler turns into the widest vectors of the processor at hand; every processor
+// adds in the same order (HYBRID_CPU_CLONES; compiled with options of its own, host/CMakeLists.txt).
+namespace hybrid::stages {
+namespace {
+
+constexpr double kBiweight = 3.5;     // standard deviations beyond which a sample has no say
+constexpr double kBorderBias = 0.15;  // of their noise, by which the samples at a plane's border err alike
+constexpr double kLongestStep = 2;
+// Of a plane's border: so near to its edge a face that stands on it passes for the plane. More than two
+// samples leave too little of narrow planes.
+constexpr double kBorder_m = 0.0075, kMostBorder = 2;
+constexpr double kMostTangent = RANGE_NOISE_MOST_TAN;
+
+constexpr std::size_t kLanes = RayEquations::kLanes, kTerms = RayEquations::kTerms;
+using Values = std::array<double, kLanes>;
+
+#define HYBRID_INLINE [[gnu::always_inline]] inline  // into each of the clones
+
+// Samples side by side, a lane each; flags are 0 or 1. `near`, `far`: another surface begins 1 or 2 nodes
+// away.
+struct Samples {
+  alignas(64) Values x{}, y{}, z{};
+  alignas(64) Values measured{}, near{}, far{};
+};
+
+// Calls body(k) for the `count` lanes in use: mostly all of them.
+template <typename Body>
+HYBRID_INLINE void for_lanes(std::size_t count, const Body& body) {
+  if (count == kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) body(k);
+  else
+    for (std::size_t k = 0; k < count; ++k) body(k);
+}
+
+// Where a group of lanes is.
+struct Place {
+  const std::uint32_t* labels;
+  const std::uint8_t* masks;
+  std::ptrdiff_t rows, cols, row, col;
+  std::size_t count;
+};
+
+// Whether another surface is `by` nodes from each sample: which of the two a sample there belongs to depends
+// on where the planes were thought to be, so that it says little about where they are, and that with a bias.
+HYBRID_INLINE void mark_others(const Place& place, std::ptrdiff_t by, Values& flags) {
+  const std::ptrdiff_t first = place.row * place.cols + place.col;
+  const std::uint32_t own = place.labels[first], *const label = place.labels + first + by;
+  const std::uint8_t* const mask = place.masks + first + by;
+  for_lanes(place.count, [&](std::size_t k) {
+    const double other = label[k] != own ? 1.0 : 0.0, there = mask[k] != kEmpty ? 1.0 : 0.0;
+    flags[k] = std::max(flags[k], other * there);
+  });
+}
+
+HYBRID_INLINE void mark_border(const Place& place, std::ptrdiff_t reach, Values& flags) {
+  if (place.row >= reach) mark_others(place, -reach * place.cols, flags);
+  if (place.row + reach < place.rows) mark_others(place, reach * place.cols, flags);
+  if (place.col >= reach && place.col + static_cast<std::ptrdiff_t>(place.count) + reach <= place.cols) {
+    mark_others(place, -reach, flags);
+    mark_others(place, reach, flags);
+    return;
+  }
+  const std::ptrdiff_t begin = place.row * place.cols;
+  for (std::size_t k = 0; k < place.count; ++k) {  // across the seam
+    const std::ptrdiff_t col = place.col + static_cast<std::ptrdiff_t>(k);
+    for (const std::ptrdiff_t to : {(col + place.cols - reach) % place.cols, (col + reach) % place.cols})
+      if (place.labels[begin + to] != place.labels[begin + col] && place.masks[begin + to] != kEmpty)
+        flags[k] = 1;
+  }
+}
+
+HYBRID_INLINE Samples load(const RangeImage& image, const Place& place) {
+  Samples samples;
+  const std::ptrdiff_t first = place.row * place.cols + place.col;
+  const float *const x = image.x.data() + first, *const y = image.y.data() + first,
+                     *const z = image.z.data() + first;
+  for_lanes(place.count, [&](std::size_t k) {
+    samples.x[k] = x[k];
+    samples.y[k] = y[k];
+    samples.z[k] = z[k];
+    samples.measured[k] = 1;
+  });
+  mark_border(place, 1, samples.near);
+  mark_border(place, 2, samples.far);
+  return samples;
+}
+
+// What is the same for all samples of a plane.
+struct Equation {
+  Mat3 axes;
+  Vec3 m;
+  RangeNoise noise;
+  double border_nodes_m;
+};
+
+HYBRID_INLINE void add_samples(const Equation& equation, const Samples samples, RayEquations::Lanes& inner,
+                               RayEquations::Lanes& border) {
+  const Mat3 axes = equation.axes;
+  const Vec3 m = equation.m;
+  const RangeNoise noise = equation.noise;
+  const double border_nodes_m = equation.border_nodes_m;
+  alignas(64) std::array<Values, kTerms> terms;
+  alignas(64) Values inside, at_border, of_inside, of_border;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const double x = samples.x[k], y = samples.y[k], z = samples.z[k];
+    const double range = std::sqrt(x * x + (y * y + z * z));
+    const double along = axes(0, 0) * x + (axes(0, 1) * y + axes(0, 2) * z);
+    const double r = range * (1 - (m[0] * x + (m[1] * y + m[2] * z)));
+    const double cosine = std::abs(along) / range;
+    const double tangent =
+        std::min(std::sqrt(std::max(1 - cosine * cosine, 0.0)) / std::max(cosine, 1e-6), kMostTangent);
+    const double sigma =
+        noise.base_m + noise.per_m * range + (noise.per_tan_m + noise.per_m_tan * range) * tangent;
+    const double u = r / (kBiweight * sigma), within = 1 - u * u;
+    const double weight = within * within / (sigma * sigma), newton = (1 - (5 * u) * u) / within;
+    const double measured = samples.measured[k], near = samples.near[k], far = samples.far[k];
+    const double counts = within > 0 ? measured : 0.0;  // not of NaN
+    // Two nodes away where two are less than the border's width.
+    const double beside = border_nodes_m >= (kMostBorder - 0.5) * range ? far : near;
+    const double a = range * along, b = range * (axes(1, 0) * x + (axes(1, 1) * y + axes(1, 2) * z)),
+                 c = range * (axes(2, 0) * x + (axes(2, 1) * y + axes(2, 2) * z));
+    terms[0][k] = a * a;
+    terms[1][k] = a * b;
+    terms[2][k] = a * c;
+    terms[3][k] = b * b;
+    terms[4][k] = b * c;
+    terms[5][k] = c * c;
+    terms[6][k] = a * r;
+    terms[7][k] = b * r;
+    terms[8][k] = c * r;
+    terms[9][k] = 1;
+    terms[10][k] = counts > 0 ? newton : 0.0;
+    inside[k] = counts * (1 - beside);
+    at_border[k] = counts * beside;
+    of_inside[k] = inside[k] > 0 ? weight : 0.0;
+    of_border[k] = at_border[k] > 0 ? weight : 0.0;
+  }
+  double any = 0;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    inner.samples[k] += inside[k];
+    any += at_border[k];
+  }
+  for (std::size_t t = 0; t < kTerms; ++t)
+    for (std::size_t k = 0; k < kLanes; ++k) inner.of[t][k] += of_inside[k] * terms[t][k];
+  if (!(any > 0)) return;
+  for (std::size_t k = 0; k < kLanes; ++k) border.samples[k] += at_border[k];
+  for (std::size_t t = 0; t < kTerms; ++t)
+    for (std::size_t k = 0; k < kLanes; ++k) border.of[t][k] += of_border[k] * terms[t][k];
+}
+
+double sum(const Values& of) {
+  return ((of[0] + of[4]) + (of[1] + of[5])) + ((of[2] + of[6]) + (of[3] + of[7]));
+}
+
+}  // namespace
+
+HYBRID_CPU_CLONES
+void RayEquations::add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels,
+                           const SampleRun& run, const Frame& frame) {
+  if (frame.noise == nullptr) return;
+  const Equation equation{frame.axes, frame.m, *frame.noise, kBorder_m / image.step_rad()};
+  const auto cols = static_cast<std::size_t>(image.cols);
+  Place place{labels.data(),
+              image.mask.data(),
+              image.rows,
+              image.cols,
+              static_cast<std::ptrdiff_t>(run.first / cols),
+              static_cast<std::ptrdiff_t>(run.first % cols),
+              0};
+  for (std::size_t done = 0; done < run.count; done += place.count) {
+    place.col += static_cast<std::ptrdiff_t>(place.count);
+    place.count = std::min(run.count - done, kLanes);
+    add_samples(equation, load(image, place), inner, border);
+  }
+}
+
+RayEquations::Sums RayEquations::Lanes::total() const {
+  Sums sums;
+  for (std::size_t t = 0; t < kTerms; ++t) sums.of[t] = sum(of[t]);
+  sums.samples = std::llround(sum(samples));
+  return sums;
+}
+
+void RayEquations::Sums::add(const Sums& other, double weight) {
+  for (std::size_t k = 0; k < of.size(); ++k) of[k] += weight * other.of[k];
+  samples += other.samples;
+}
+
+double RayEquations::Sums::step() const {
+  return of[10] > of[9] / kLongestStep ? std::max(of[9] / of[10], 1.0) : kLongestStep;
+}
+
+void RayEquations::merge(const RayEquations& other) {
+  for (const auto& [to, from] : {std::pair(&inner, &other.inner), std::pair(&border, &other.border)})
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      for (std::size_t t = 0; t < kTerms; ++t) to->of[t][k] += from->of[t][k];
+      to->samples[k] += from->samples[k];
+    }
+}
+
+// The border's samples err together, by kBorderBias of their noise: however many they are, no more is learned
+// from them than from 1 / kBorderBias^2.
+RayEquations::Sums RayEquations::weighted(int stride) const {
+  Sums all = inner.total();
+  const Sums beside = border.total();
+  const double count = static_cast<double>(beside.samples) * stride;
+  all.add(beside, 1 / (1 + count * kBorderBias * kBorderBias));
+  return all;
+}
+
+}  // namespace hybrid::stages

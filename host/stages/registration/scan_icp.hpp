@@ -1,0 +1,82 @@
+#pragma once
+#include <vector>
+
+#include "stages/registration/icp.hpp"
+#include "stages/registration/scan_surface.hpp"
+
+namespace hybrid::stages {
+
+// What scan-to-scan ICP takes of one scan: some of its samples, evenly by area, and the surface that others'
+// samples are laid on.
+struct ScanSamples {
+  PlanarSamples planar, free;  // choose_planar_samples, choose_free_samples
+};
+ScanSamples choose_scan_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                const std::vector<std::uint8_t>& stray, int samples_of_each, int seed);
+
+class IcpScan {
+ public:
+  IcpScan(device::Queue& queue, const ScanSamples& samples, const RangeImage& image,
+          const PlaneSegmentation& segmentation, const std::vector<std::uint8_t>& stray);
+
+  // Samples of superclusters, and the others: their own areas and queries on the device.
+  struct Samples {
+    SearchQueries queries;
+    std::vector<std::array<float, 4>> points;  // and area, square metres
+    device::Array<float> area;
+    std::vector<float> area_m2;
+    std::vector<std::array<float, 4>> normals;
+  };
+  std::array<Samples, 2> samples;
+  ScanSurface surface;
+  Vec3 centre = Vec3::Zero();  // of the samples, by area
+  double radius_m = 0;         // their rms distance from it
+  double area_m2 = 0;          // of all samples
+};
+
+struct ScanIcpOptions {
+  double gate_m = 1;           // between pairs at the start; it narrows with the residuals
+  double least_gate_m = 0.02;  // and never falls below
+  double normal_deg = 45;      // largest angle of compatible normals
+  int max_iterations = 60;
+  double scale_floor_m = 0.0005;  // least scale of the robust weights
+  double overlap_m = 0.05;        // a sample this near a surface of the other lies on it
+  double clear_m = 0.15;          // a line of sight that goes on so far behind a sample contradicts it
+};
+
+// A scan whose pose stays.
+struct PlacedScan {
+  const IcpScan* scan = nullptr;
+  Pose world_from_scan;
+};
+
+// Of the scan against one that is placed, as shares of area.
+struct ScanOverlap {
+  double overlap = 0;     // of the one that sees less of it, on surfaces of the other
+  double on_m2 = 0;       // of both, on surfaces of the other
+  double through_m2 = 0;  // of both, where the other looks through it
+  double rms_m = 0;       // of what lies on surfaces
+};
+
+struct ScanIcp {
+  Registration icp;  // overlap: share of the scan's area on surfaces of any of the others
+  std::vector<ScanOverlap> others;
+  // Share of all planar samples that lie on surfaces or are seen through, both ways; where planes are less
+  // than a fifth of these, of all samples.
+  double seen_through = 0;
+};
+
+// METHOD 6, scan to scan: point-to-plane ICP of a scan's samples, planar and not, on the range images of
+// others, and of theirs on its own: each sample is projected into the other's grid and paired with the
+// nearest sample there whose normal is compatible (kernels closest_sample, icp_sums). Planar samples and
+// the others have robust weights of their own, Tukey's with a scale that at most halves per iteration, and
+// count by what they are off; the gate follows these scales. The start's place is kept along directions that
+// the pairs leave open. Without pairs the pose is the start, `icp.overlap` 0.
+ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
+                          const Pose& start, const ScanIcpOptions& options = {});
+
+// What register_to_scans() says of a pose that was found otherwise.
+ScanIcp assess_on_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
+                        const Pose& pose, const ScanIcpOptions& options = {});
+
+}  // namespace hybrid::stages

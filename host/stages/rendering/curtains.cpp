@@ -1,0 +1,135 @@
+#include "stages/rendering/curtains.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/parallel.hpp"
+#include "stages/scan/node_lookup.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kSteepestJump =
+    10;                            // range over arc between samples of one surface: incidence of 84 degrees
+constexpr int kReach = 3;          // nodes to the far surface: over mixed samples and missing ones
+constexpr double kPiece_m = 0.05;  // that another scan may have seen to be empty
+constexpr double kShortest_m = 0.05;  // shorter ones hide nothing
+
+// One scan among all.
+class Hanger {
+ public:
+  Hanger(const std::vector<CurtainScan>& scans, const std::vector<NodeLookup>& lookups,
+         const CurtainOptions& options, std::size_t own)
+      : scans_(scans), lookups_(lookups), options_(options), own_(own), image_(*scans[own].image) {
+    for (const auto& scan : scans) scan_from_world_.push_back(scan.world_from_scan.inverse());
+  }
+
+  std::vector<Curtain> row(int row) const {
+    std::vector<Curtain> curtains;
+    for (int col = 0; col < image_.cols; ++col)
+      for (const auto& [down, across] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}})
+        hang(row, col, down, across, curtains);
+    return curtains;
+  }
+
+ private:
+  std::optional<std::size_t> node(int row, int col) const {
+    if (image_.wraps) col = (col + image_.cols) % image_.cols;
+    if (row < 0 || col < 0 || row >= image_.rows || col >= image_.cols) return std::nullopt;
+    return image_.index(row, col);
+  }
+
+  bool says(std::size_t scan, std::size_t i) const {
+    const auto* stray = scans_[scan].stray;
+    return scans_[scan].image->mask[i] == kMeasured && (!stray || stray->empty() || !(*stray)[i]);
+  }
+
+  // The next sample that stands for a surface, in steps of one node.
+  std::optional<std::size_t> beyond(int row, int col, int down, int across) const {
+    for (int k = 1; k <= kReach; ++k) {
+      const auto i = node(row + k * down, col + k * across);
+      if (i && says(own_, *i)) return i;
+    }
+    return std::nullopt;
+  }
+
+  bool one_surface(std::size_t a, std::size_t b) const {
+    const auto* label = scans_[own_].sample_label;
+    return label && !label->empty() && (*label)[a] != 0 && (*label)[a] == (*label)[b];
+  }
+
+  void hang(int row, int col, int down, int across, std::vector<Curtain>& curtains) const {
+    const std::size_t near = image_.index(row, col);
+    if (!says(own_, near)) return;
+    const auto far = beyond(row, col, down, across);
+    if (!far || one_surface(near, *far)) return;
+    const Vec3 from = image_.point(near);
+    const double begin_m = from.norm(), end_m = image_.point(*far).norm() - options_.tolerance_m;
+    const double elevation = image_.elevation_step_rad(),
+                 azimuth = image_.azimuth_step_rad() * from.head<2>().norm() / std::max(begin_m, 1e-9);
+    const double arc_m = begin_m * std::max(elevation, azimuth);
+    if (!(end_m - begin_m > std::max(kSteepestJump * arc_m, kShortest_m))) return;
+    // The outline runs half-way to the next node.
+    const Vec3 east = Vec3(-from.y(), from.x(), 0).normalized();
+    const Vec3 up = from.cross(east) / begin_m;
+    const Vec3 middle = from / begin_m + 0.5 * (across * azimuth * east - down * elevation * up);
+    const Vec3 side = 0.5 * (across ? Vec3(elevation * up) : Vec3(azimuth * east));
+    pieces(middle, side, begin_m, std::min(end_m, begin_m + options_.length_m), curtains);
+  }
+
+  void pieces(const Vec3& middle, const Vec3& side, double begin_m, double end_m,
+              std::vector<Curtain>& curtains) const {
+    const Pose& world = scans_[own_].world_from_scan;
+    const int count = std::max(1, static_cast<int>(std::ceil((end_m - begin_m) / kPiece_m)));
+    const auto at = [&](int k) { return begin_m + (end_m - begin_m) * k / count; };
+    int first = 0;
+    for (int k = 0; k <= count; ++k) {
+      if (k < count && !seen_empty(world * Vec3(0.5 * (at(k) + at(k + 1)) * middle))) continue;
+      if (k > first) {
+        const auto corner = [&](int end, double sign) {
+          return Vec3(world * Vec3(at(end) * (middle + sign * side)));
+        };
+        curtains.push_back({corner(first, -1), corner(first, 1), corner(k, 1), corner(k, -1)});
+      }
+      first = k + 1;
+    }
+  }
+
+  bool seen_empty(const Vec3& place) const {
+    for (std::size_t s = 0; s < scans_.size(); ++s) {
+      if (s == own_ || scans_[s].image->count() == 0) continue;
+      const Vec3 point = scan_from_world_[s] * place;
+      const auto found = lookups_[s].towards(point);
+      const std::size_t i = scans_[s].image->index(found.row, found.col);
+      if (found.within && says(s, i) &&
+          scans_[s].image->point(i).norm() > point.norm() + options_.tolerance_m)
+        return true;
+    }
+    return false;
+  }
+
+  const std::vector<CurtainScan>& scans_;
+  const std::vector<NodeLookup>& lookups_;
+  const CurtainOptions& options_;
+  std::size_t own_;
+  const RangeImage& image_;
+  std::vector<Pose> scan_from_world_;
+};
+
+}  // namespace
+
+std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const CurtainOptions& options) {
+  std::vector<NodeLookup> lookups;
+  for (const auto& scan : scans) lookups.emplace_back(*scan.image);
+  std::vector<Curtain> curtains;
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const Hanger hanger(scans, lookups, options, s);
+    std::vector<std::vector<Curtain>> rows(static_cast<std::size_t>(scans[s].image->rows));
+    parallel_for(rows.size(), [&](std::size_t row) { rows[row] = hanger.row(static_cast<int>(row)); });
+    for (const auto& row : rows) curtains.insert(curtains.end(), row.begin(), row.end());
+  }
+  return curtains;
+}
+
+}  // namespace hybrid::stages

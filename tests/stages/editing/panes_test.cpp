@@ -1,0 +1,102 @@
+#include "stages/editing/panes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stages/scan/stray_samples.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+using stages::Opening;
+using stages::Openings;
+using stages::PassedRay;
+
+// A window of 1 x 2 m: every `of`-th beam returns from its glass, the others from the room behind it.
+std::vector<PassedRay> window(int of) {
+  std::vector<PassedRay> rays;
+  for (int row = 0; row < 40; ++row)
+    for (int col = 0; col < 20; ++col)
+      rays.push_back({{0.05 * col, 0.05 * row}, (row * 20 + col) % of == 0 ? 0.15 + 0.001 * (col % 5) : 4.0});
+  return rays;
+}
+
+// A wall at y = 0 with its front towards -y, and another, 40 cm behind it, with its front towards +y.
+PolygonModel two_sided_wall() {
+  PolygonModel model;
+  model.vertices = {{0, 0, 0},   {4, 0, 0},   {4, 0, 3},   {0, 0, 3},
+                    {0, 0.4, 0}, {4, 0.4, 0}, {4, 0.4, 3}, {0, 0.4, 3}};
+  model.faces = {{"outside", {0, 1, 2, 3}, {}}, {"inside", {5, 4, 7, 6}, {}}};
+  return model;
+}
+
+Opening glazed(std::size_t face, std::int64_t rays, double pane_m) {
+  Opening opening;
+  opening.face = face;
+  opening.ring = {{1, 1}, {3, 1}, {3, 2}, {1, 2}};
+  opening.rays = rays;
+  opening.pane_m = pane_m;
+  opening.cut = true;
+  return opening;
+}
+
+}  // namespace
+
+TEST(Panes, glass_returns_some_beams_from_one_plane_and_lets_those_beside_them_through) {
+  const auto pane = stages::pane_depth(window(3), 2);
+  ASSERT_TRUE(pane.has_value());
+  EXPECT_NEAR(*pane, 0.152, 0.003);
+}
+
+TEST(Panes, a_door_ajar_and_an_open_window_have_none) {
+  std::vector<PassedRay> ajar = window(3);
+  for (PassedRay& ray : ajar)
+    ray.depth_m = ray.at.x() < 0.45 ? 0.15 : 4.0;  // the leaf, and beside it the room
+  EXPECT_FALSE(stages::pane_depth(ajar, 2).has_value());
+  std::vector<PassedRay> open = window(3);
+  for (PassedRay& ray : open) ray.depth_m = 4 + 0.1 * ray.at.y();
+  EXPECT_FALSE(stages::pane_depth(open, 2).has_value());
+  EXPECT_FALSE(stages::pane_depth({}, 2).has_value());
+}
+
+TEST(Panes, a_pane_seen_through_both_sides_of_its_wall_is_one_face_where_more_beams_say_it_is) {
+  PolygonModel model = two_sided_wall();
+  Openings openings;
+  openings.openings = {glazed(0, 100, 0.17), glazed(1, 900, 0.25)};
+  const auto added = stages::add_panes(openings, model);
+  ASSERT_EQ(added.size(), 1u);
+  EXPECT_EQ(model.faces[added[0]].name, "inside-pane-1");
+  ASSERT_EQ(model.faces[added[0]].outer.size(), 4u);
+  for (const std::uint32_t v : model.faces[added[0]].outer) EXPECT_NEAR(model.vertices[v].y(), 0.15, 1e-9);
+  openings.openings[0].pane_m = 0.02;  // another one
+  model = two_sided_wall();
+  EXPECT_EQ(stages::add_panes(openings, model).size(), 2u);
+  openings.openings[0].cut = openings.openings[1].cut = false;
+  EXPECT_TRUE(stages::add_panes(openings, model).empty());
+}
+
+TEST(Panes, samples_behind_a_pane_on_their_ray_are_strays) {
+  PolygonModel model = two_sided_wall();
+  Openings openings;
+  openings.openings = {glazed(0, 100, 0.15)};
+  const auto panes = stages::add_panes(openings, model);
+  // From (2, -3, 1.5): through the pane, on it, before it, and through the wall beside it.
+  RangeImage image = make_range_image(1, 4);
+  const Vec3 points[4] = {{2.2, 2, 1.5}, {2.2, 0.151, 1.5}, {2.2, -1, 1.5}, {3.8, 2, 1.5}};
+  const Pose world_from_scan{1, Eigen::Quaterniond::Identity(), {2, -3, 1.5}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 point = points[i] - world_from_scan.translation;
+    image.x[i] = static_cast<float>(point.x());
+    image.y[i] = static_cast<float>(point.y());
+    image.z[i] = static_cast<float>(point.z());
+    image.mask[i] = kMeasured;
+  }
+  std::vector<std::uint8_t> stray(4, stages::kNotStray);
+  stages::mark_through_glass(image, world_from_scan, model, panes, stray);
+  EXPECT_EQ(stray[0], stages::kThroughGlass);
+  for (const std::size_t i : {1u, 2u}) EXPECT_EQ(stray[i], stages::kNotStray) << i;
+  EXPECT_EQ(stray[3], stages::kNotStray);
+}
+
+}  // namespace hybrid::testing

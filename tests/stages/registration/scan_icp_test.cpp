@@ -1,0 +1,185 @@
+// Scan-to-scan ICP on range images: random rooms from starts that are off.
+#include "stages/registration/scan_icp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "cases/trial_room.hpp"
+#include "device.hpp"
+#include "stages/room_scan.hpp"
+#include "stages/scan/organised_grid.hpp"
+
+namespace hybrid {
+namespace {
+
+using testing::queue;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kSamples = 20000;
+
+struct Seen {
+  testing::TrialScan scan;
+  std::unique_ptr<stages::IcpScan> icp;
+};
+
+// `planes` false: as if no supercluster were found, all samples are free ones.
+Seen see(const testing::TrialRoom& room, std::uint32_t seed, double crop, bool planes) {
+  Seen seen;
+  seen.scan = testing::scan_trial_room(queue(), room, seed, crop);
+  if (!planes) {
+    seen.scan.segmentation.superclusters.clear();
+    for (auto& label : seen.scan.segmentation.sample_label) label = 0;
+  }
+  const auto& [image, segmentation, pose] = seen.scan;
+  seen.icp = std::make_unique<stages::IcpScan>(
+      queue(), stages::choose_scan_samples(image, segmentation, {}, kSamples, 1), image, segmentation,
+      std::vector<std::uint8_t>());
+  return seen;
+}
+
+struct Tally {
+  int converged = 0, count = 0;
+  double worst_m = 0, worst_rad = 0;  // of those
+  std::vector<double> errors_m;
+};
+
+Tally trials(double distance_m, double deg, bool planes, int count) {
+  Tally tally;
+  const std::vector<const char*> kinds = {"box", "niche", "hall", "ell", "oblique", "alcoves"};
+  for (int k = 0; k < count; ++k) {
+    const auto seed = static_cast<std::uint32_t>(8100 + k);
+    const auto room = testing::make_trial_room(kinds[static_cast<std::size_t>(k) % kinds.size()], seed);
+    const Seen a = see(room, seed, 1, planes), b = see(room, seed + 700, k % 2 ? 0.7 : 1, planes);
+    const Pose truth = b.scan.world_from_scan;
+    const auto found = stages::register_to_scans(queue(), *b.icp, {{a.icp.get(), a.scan.world_from_scan}},
+                                                 testing::moved_at_random(truth, distance_m, deg, seed));
+    const auto off = difference(truth, found.icp.world_from_scan);
+    ++tally.count;
+    if (off.distance_m > 0.02 || off.angle_rad > 0.2 * kDegree) continue;
+    ++tally.converged;
+    tally.worst_m = std::max(tally.worst_m, off.distance_m);
+    tally.worst_rad = std::max(tally.worst_rad, off.angle_rad);
+    tally.errors_m.push_back(off.distance_m);
+  }
+  std::sort(tally.errors_m.begin(), tally.errors_m.end());
+  if (std::getenv("TRIALS"))
+    printf("%s, %.2f m %.0f deg: %d of %d, median %.2f mm, worst %.2f mm %.4f deg\n",
+           planes ? "planes" : "no planes", distance_m, deg, tally.converged, tally.count,
+           1000 * tally.errors_m[tally.errors_m.size() / 2], 1000 * tally.worst_m, tally.worst_rad / kDegree);
+  return tally;
+}
+
+int trial_count() {
+  return std::getenv("TRIALS") ? 100 : 6;
+}
+
+}  // namespace
+
+TEST(ScanIcp, starts_of_5_cm_and_2_degrees_converge) {
+  const auto tally = trials(0.05, 2, true, trial_count());
+  EXPECT_GE(tally.converged, tally.count * 0.95);
+  EXPECT_LT(tally.worst_m, 0.004);
+}
+
+TEST(ScanIcp, starts_of_30_cm_and_10_degrees_converge) {
+  const auto tally = trials(0.3, 10, true, trial_count());
+  EXPECT_GE(tally.converged, tally.count * 0.9);
+}
+
+TEST(ScanIcp, samples_without_planes_converge) {
+  const auto tally = trials(0.05, 2, false, trial_count());
+  EXPECT_GE(tally.converged, tally.count * 0.95);
+}
+
+// A depth camera's image of the room with a pillar, in the frame of io::read_depth_image(): columns go
+// against its azimuth.
+RangeImage depth_image(const Pose& world_from_scan) {
+  constexpr int kRows = 120, kCols = 160;
+  constexpr double kFocal = 130;
+  testing::Room room;
+  for (Vec3* corner : {&room.low, &room.high, &room.pillar_low, &room.pillar_high})
+    *corner -= world_from_scan.translation;
+  Scan scan;
+  scan.grid_rows = kRows;
+  scan.grid_cols = kCols;
+  scan.row_by_row = true;
+  for (int row = 0; row < kRows; ++row)
+    for (int col = 0; col < kCols; ++col) {
+      const Vec3 ray(1, -(col - 79.5) / kFocal, -(row - 59.5) / kFocal);
+      const Vec3 point = room.cast(world_from_scan.rotate(ray)).range_m * ray;
+      scan.points.push_back(
+          {static_cast<float>(point.x()), static_cast<float>(point.y()), static_cast<float>(point.z())});
+    }
+  return stages::arrange_grid(scan);
+}
+
+TEST(ScanIcp, depth_images_are_laid_on_each_other) {
+  const auto looking = [](double yaw_deg, double pitch_deg, const Vec3& eye) {
+    return Pose{1,
+                Eigen::AngleAxisd(yaw_deg * kDegree, Vec3::UnitZ()) *
+                    Eigen::AngleAxisd(pitch_deg * kDegree, Vec3::UnitY()),
+                eye};
+  };
+  const Pose pose_a = looking(12, 8, {-1.5, -0.6, 0.1}), pose_b = looking(20, 12, {-1.2, -0.9, 0.3});
+  const RangeImage image_a = depth_image(pose_a), image_b = depth_image(pose_b);
+  ASSERT_EQ(image_a.cols, 160);
+  const auto scan = [](const RangeImage& image) {
+    PlaneSegmentation none;
+    none.sample_label.assign(image.count(), 0);
+    return std::make_unique<stages::IcpScan>(queue(),
+                                             stages::choose_scan_samples(image, none, {}, kSamples, 1), image,
+                                             none, std::vector<std::uint8_t>());
+  };
+  const auto a = scan(image_a), b = scan(image_b);
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const auto found = stages::register_to_scans(queue(), *b, {{a.get(), pose_a}},
+                                                 testing::moved_at_random(pose_b, 0.05, 2, seed));
+    const auto off = difference(pose_b, found.icp.world_from_scan);
+    EXPECT_LT(off.distance_m, 0.001) << seed;
+    EXPECT_LT(off.angle_rad, 0.03 * kDegree) << seed;
+    EXPECT_GT(found.icp.overlap, 0.5) << seed;
+    EXPECT_LT(found.seen_through, 0.02) << seed;
+  }
+}
+
+// What tells a wrong pose: the scans see through each other's surfaces, or hardly overlap.
+TEST(ScanIcp, scans_of_other_rooms_see_through_each_other) {
+  const std::vector<const char*> kinds = {"box", "niche", "hall", "ell", "oblique", "alcoves"};
+  for (int k = 0; k < trial_count(); ++k) {
+    const auto seed = static_cast<std::uint32_t>(9100 + k);
+    const char* kind = kinds[static_cast<std::size_t>(k) % kinds.size()];
+    const bool planes = k / 6 % 2 == 0;
+    const Seen a = see(testing::make_trial_room(kind, seed), seed, 1, planes),
+               b = see(testing::make_trial_room(kind, seed + 500), seed + 700, k % 2 ? 0.7 : 1, planes);
+    const auto found = stages::register_to_scans(queue(), *b.icp, {{a.icp.get(), a.scan.world_from_scan}},
+                                                 b.scan.world_from_scan);
+    if (std::getenv("TRIALS"))
+      printf("other %d %s: %d iterations%s, rms %.4f, overlap %.2f, through %.3f\n", k, kind,
+             found.icp.iterations, found.icp.converged ? "" : " (open)", found.icp.rms_m, found.icp.overlap,
+             found.seen_through);
+    EXPECT_GT(found.seen_through, 0.05) << kind << " " << seed;
+  }
+}
+
+TEST(ScanIcp, a_start_far_off_ends_elsewhere_and_is_seen_through) {
+  for (int k = 0; k < trial_count(); ++k) {
+    const auto seed = static_cast<std::uint32_t>(9500 + k);
+    const auto room = testing::make_trial_room(k % 2 ? "ell" : "alcoves", seed);
+    const Seen a = see(room, seed, 1, true), b = see(room, seed + 700, k % 2 ? 0.7 : 1, true);
+    const Pose truth = b.scan.world_from_scan;
+    const auto found = stages::register_to_scans(queue(), *b.icp, {{a.icp.get(), a.scan.world_from_scan}},
+                                                 testing::moved_at_random(truth, 2, 50, seed));
+    const auto off = difference(truth, found.icp.world_from_scan);
+    if (std::getenv("TRIALS"))
+      printf("far %d: %.3f m %.2f deg, %d iterations%s, rms %.4f, overlap %.2f, through %.3f\n", k,
+             off.distance_m, off.angle_rad / kDegree, found.icp.iterations,
+             found.icp.converged ? "" : " (open)", found.icp.rms_m, found.icp.overlap, found.seen_through);
+    if (off.distance_m > 0.1) {
+      EXPECT_TRUE(found.seen_through > 0.05 || found.icp.overlap < 0.01) << seed;
+    }
+  }
+}
+
+}  // namespace hybrid

@@ -1,0 +1,173 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "cases/room_scene.hpp"
+#include "device.hpp"
+#include "stages/scan/sample_surface.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+// A scan of the room without noise; every 11th node is empty, every 17th interpolated.
+struct RoomScan {
+  RangeImage image;
+  Pose world_from_scan;
+  std::vector<std::uint32_t> face;  // 1 + face per node
+
+  static RoomScan make(const RoomScene& room, int rows, int cols) {
+    RoomScan scan;
+    scan.image = make_range_image(rows, cols);
+    scan.image.wraps = true;
+    scan.world_from_scan.rotation = Eigen::AngleAxisd(0.3, Vec3::UnitZ());
+    scan.world_from_scan.translation = Vec3(1.5, 3.6, 1.4);
+    scan.face.assign(scan.image.count(), 0);
+    for (int r = 0; r < rows; ++r)
+      scan.image.elevation_rad[static_cast<std::size_t>(r)] = 1.2 - 2.2 * r / (rows - 1);
+    for (int c = 0; c < cols; ++c)
+      scan.image.azimuth_rad[static_cast<std::size_t>(c)] = 2 * std::numbers::pi * c / cols;
+    for (int r = 0; r < rows; ++r)
+      for (int c = 0; c < cols; ++c) {
+        const std::size_t i = scan.image.index(r, c);
+        if (i % 11 == 10) continue;
+        const double el = scan.image.elevation_rad[static_cast<std::size_t>(r)];
+        const double az = scan.image.azimuth_rad[static_cast<std::size_t>(c)];
+        const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+        const auto [id, range] = room.hit(scan.world_from_scan.translation, scan.world_from_scan.rotate(ray));
+        scan.image.range_m[i] = static_cast<float>(range);
+        scan.image.x[i] = static_cast<float>(range * ray.x());
+        scan.image.y[i] = static_cast<float>(range * ray.y());
+        scan.image.z[i] = static_cast<float>(range * ray.z());
+        scan.image.mask[i] = i % 17 == 16 ? kInterpolated : kMeasured;
+        scan.face[i] = id;
+      }
+    return scan;
+  }
+};
+
+}  // namespace
+
+TEST(ColourRange, gives_samples_their_true_colour_and_a_flag) {
+  const RoomScene room = RoomScene::make(4, 240, 180);
+  const RoomScan scan = RoomScan::make(room, 90, 240);
+  stages::Renderer renderer(queue(), room.scene);
+  const auto got = renderer.colour_range_image(scan.image, {}, scan.world_from_scan);
+  std::size_t seen = 0, red = 0, wrong = 0;
+  for (std::size_t i = 0; i < scan.image.count(); ++i) {
+    const float* rgb = got.colour.pixels.data() + 3 * i;
+    if (scan.image.mask[i] != kMeasured) {
+      EXPECT_TRUE(std::isnan(rgb[0]) && got.coverage[i] == 0);
+      continue;
+    }
+    if (got.coverage[i] == 0) {
+      ++red;
+      EXPECT_TRUE(rgb[0] == 1 && rgb[1] == 0 && rgb[2] == 0);
+      continue;
+    }
+    ++seen;
+    const Vec3 truth = RoomScene::paint(scan.face[i], scan.world_from_scan * scan.image.point(i));
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(rgb[k] - truth[k]) > 0.08) {
+        ++wrong;
+        break;
+      }
+  }
+  EXPECT_GT(seen, 12000u);
+  EXPECT_GT(red, 500u);
+  EXPECT_LT(static_cast<double>(wrong), 0.03 * static_cast<double>(seen));
+
+  const auto tiled = renderer.colour_range_image(scan.image, {}, scan.world_from_scan, 32);
+  EXPECT_TRUE(same_bits(got.colour.pixels, tiled.colour.pixels));
+  EXPECT_EQ(got.coverage, tiled.coverage);
+}
+
+TEST(ColourRange, an_image_without_samples_has_no_colours) {
+  const RoomScene room = RoomScene::make(1, 24, 18);
+  stages::Renderer renderer(queue(), room.scene);
+  const auto empty = renderer.colour_range_image(make_range_image(3, 4), {}, {});
+  for (float value : empty.colour.pixels) EXPECT_TRUE(std::isnan(value));
+  EXPECT_TRUE(renderer.colour_range_image(make_range_image(0, 0), {}, {}).coverage.empty());
+}
+
+TEST(Splats, stand_for_the_measured_samples_kept_and_close_up) {
+  const RoomScene room = RoomScene::make(0, 24, 18);
+  const RoomScan scan = RoomScan::make(room, 180, 480);
+  std::vector<std::uint8_t> keep(scan.image.count(), 1);
+  for (std::size_t i = 0; i < keep.size(); i += 2) keep[i] = 0;
+  std::size_t expected = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) expected += keep[i] && scan.image.mask[i] == kMeasured;
+  EXPECT_EQ(stages::make_splats(scan.image, {}, keep, scan.world_from_scan, 2).size(), expected);
+
+  std::fill(keep.begin(), keep.end(), std::uint8_t{1});
+  stages::RenderScene scene;
+  scene.splats = stages::make_splats(scan.image, {}, keep, scan.world_from_scan, 2);
+  float farthest = 0;
+  for (const float range : scan.image.range_m)
+    if (range > farthest) farthest = range;
+  for (const auto& splat : scene.splats) {
+    EXPECT_EQ(splat.scan, 2u);
+    EXPECT_GT(splat.radius_m, 0);
+    EXPECT_LT(splat.radius_m, 0.5 * farthest * 0.0131 * std::numbers::sqrt2 * 4);
+  }
+  // Seen from the scanner a wall of spheres has holes only where samples are missing. So has one of every
+  // third row and column, in spheres that are as many times larger.
+  const auto thinned = stages::make_splats(scan.image, {}, keep, scan.world_from_scan, 2, 3);
+  std::size_t next = 0, of_these = 0;
+  for (int row = 0; row < scan.image.rows; ++row)
+    for (int col = 0; col < scan.image.cols; ++col) {
+      if (scan.image.mask[scan.image.index(row, col)] != kMeasured) continue;
+      const auto& splat = scene.splats.at(next++);
+      if (row % 3 != 0 || col % 3 != 0) continue;
+      const auto& larger = thinned.at(of_these++);
+      EXPECT_EQ(larger.centre_m, splat.centre_m);
+      EXPECT_FLOAT_EQ(larger.radius_m, 3 * splat.radius_m);
+    }
+  EXPECT_EQ(of_these, thinned.size());
+  stages::ViewRequest request;
+  request.camera = look_at(scan.world_from_scan.translation, Vec3(0, 2, 1.4), {0, 0, 1}, 50, 200, 150);
+  request.texture = false;
+  const auto view = stages::Renderer(queue(), scene).render(request);
+  const auto holes = std::count(view.id.begin(), view.id.end(), 0u);
+  EXPECT_LT(static_cast<double>(holes), 0.1 * 200 * 150);
+}
+
+TEST(SampleSurface, knows_normal_and_spacing_of_a_wall) {
+  // The wall x = 2 seen under up to 60 degrees, one degree apart.
+  RangeImage image = make_range_image(61, 121);
+  const double step = std::numbers::pi / 180;
+  for (int r = 0; r < 61; ++r) image.elevation_rad[static_cast<std::size_t>(r)] = (30 - r) * step;
+  for (int c = 0; c < 121; ++c) image.azimuth_rad[static_cast<std::size_t>(c)] = (c - 60) * step;
+  for (int r = 0; r < 61; ++r)
+    for (int c = 0; c < 121; ++c) {
+      const std::size_t i = image.index(r, c);
+      const double el = image.elevation_rad[static_cast<std::size_t>(r)],
+                   az = image.azimuth_rad[static_cast<std::size_t>(c)];
+      const double range = 2 / (std::cos(el) * std::cos(az));
+      image.range_m[i] = static_cast<float>(range);
+      image.x[i] = 2;
+      image.y[i] = static_cast<float>(range * std::cos(el) * std::sin(az));
+      image.z[i] = static_cast<float>(range * std::sin(el));
+      image.mask[i] = kMeasured;
+    }
+  const PlaneSegmentation none;
+  for (int c : {0, 30, 60, 120}) {
+    const auto surface = stages::SampleSurfaces(image, none).at(30, c);
+    EXPECT_NEAR(surface.normal.x(), -1, 1e-4);
+    const double cosine = std::cos((c - 60) * step);
+    // Half the diagonal of the patch; 3 %, because neighbours a degree apart are not the derivative.
+    const double down_m = step * 2 / cosine, radius_m = 0.5 * std::hypot(down_m, down_m / cosine);
+    EXPECT_NEAR(surface.radius_m, radius_m, 0.03 * radius_m);
+  }
+  // A sample alone in space tells no normal; its supercluster does.
+  for (std::size_t i = 0; i < image.count(); ++i)
+    if (i != image.index(30, 60)) image.mask[i] = kEmpty;
+  EXPECT_EQ(stages::SampleSurfaces(image, none).at(30, 60).normal, Vec3(Vec3::Zero()));
+  PlaneSegmentation segmentation;
+  segmentation.sample_label.assign(image.count(), 1);
+  segmentation.superclusters.resize(1);
+  segmentation.superclusters[0].plane.normal = -Vec3::UnitX();
+  EXPECT_EQ(stages::SampleSurfaces(image, segmentation).at(30, 60).normal, Vec3(-Vec3::UnitX()));
+}
+
+}  // namespace hybrid::testing
