@@ -62,6 +62,9 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
   for (const PlaneRow& row : score.planes->list)
     score.planes->names[row.plane] = truth.planes.at(row.plane).name;
   score.planes->normals_from = planes ? "planes.json" : "fit to the labelled samples";
+  if (const auto cylinders = read_result_cylinders(folder); cylinders && !grid.point.empty())
+    score.cylinders =
+        score_cylinders(grid, samples, truth.solids, scan.world_from_scan, *cylinders, options.min_samples);
   if (!options.decimation) return;
   const auto kept = read_kept_points(folder);
   if (planes && kept && !grid.point.empty())

@@ -7,6 +7,7 @@
 #include "score/measure/bleeding.hpp"
 #include "score/measure/boundary.hpp"
 #include "score/measure/common_fit.hpp"
+#include "score/measure/cylinders.hpp"
 #include "score/measure/decimation.hpp"
 #include "score/measure/labels.hpp"
 #include "score/measure/normals.hpp"
@@ -43,6 +44,7 @@ struct ScanScore {
   std::optional<PlaneScore> planes;
   std::optional<PoseScore> pose;
   std::optional<DecimationScore> decimation;
+  std::optional<CylinderScore> cylinders;
 };
 
 struct ViewScore {

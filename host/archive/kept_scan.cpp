@@ -80,9 +80,17 @@ void pass(File& file, Supercluster& supercluster) {
 }
 
 template <typename File>
+void pass(File& file, Cylinder& cylinder) {
+  auto& [id, foot, axis, length_m, radius_m, taper, rms_m, sigma_radius_m, arc_deg, samples, inside] =
+      cylinder;
+  const auto all = [&](auto&... members) { (pass(file, members), ...); };
+  all(id, foot, axis, length_m, radius_m, taper, rms_m, sigma_radius_m, arc_deg, samples, inside);
+}
+
+template <typename File>
 void pass(File& file, PlaneSegmentation& segmentation) {
   auto& [square, waviness_m, interleaved, square_rows, square_cols, square_class, square_label, sample_label,
-         superclusters] = segmentation;
+         superclusters, cylinders] = segmentation;
   pass(file, square);
   pass(file, waviness_m);
   pass(file, interleaved);
@@ -92,6 +100,7 @@ void pass(File& file, PlaneSegmentation& segmentation) {
   pass(file, square_label);
   pass(file, sample_label);
   pass_each(file, superclusters, [&](Supercluster& one) { pass(file, one); });
+  pass_each(file, cylinders, [&](Cylinder& one) { pass(file, one); });
 }
 
 template <typename File>

@@ -32,6 +32,23 @@ Json intersections_json(const std::vector<stages::Intersection>& intersections) 
   return list;
 }
 
+Json cylinders_json(const std::vector<Cylinder>& cylinders) {
+  Json list = Json::array();
+  for (const auto& cylinder : cylinders)
+    list.push_back({{"id", cylinder.id},
+                    {"seen_from", cylinder.inside ? "inside" : "outside"},
+                    {"foot_m", json_of(cylinder.foot)},
+                    {"axis", json_of(cylinder.axis)},
+                    {"length_m", cylinder.length_m},
+                    {"radius_m", cylinder.radius_m},
+                    {"taper", cylinder.taper},
+                    {"rms_m", cylinder.rms_m},
+                    {"sigma_radius_m", cylinder.sigma_radius_m},
+                    {"arc_deg", cylinder.arc_deg},
+                    {"samples", cylinder.samples}});
+  return list;
+}
+
 // Superclusters that no proxy face explains; empty before registration.
 Json unexplained_json(const stages::ContourFaces& faces) {
   Json list = Json::array();
@@ -79,6 +96,7 @@ Json planes_json(const ScanProduct& product) {
           {"waviness_m", product.segmentation.waviness_m},
           {"interleaved", product.segmentation.interleaved},
           {"superclusters", list},
+          {"cylinders", cylinders_json(product.segmentation.cylinders)},
           {"intersections", intersections_json(product.intersections)}};
 }
 
@@ -129,6 +147,7 @@ Json scan_figures(const ScanProduct& product) {
         {"planar_too_small", classed(kPlanarTooSmall)},
         {"in_superclusters", classed(kSuperclusterMember)}}},
       {"superclusters", product.segmentation.superclusters.size()},
+      {"cylinders", product.segmentation.cylinders.size()},
       {"decimation",
        {{"measured", product.decimation.measured},
         {"discarded", product.decimation.discarded},

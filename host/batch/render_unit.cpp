@@ -127,7 +127,7 @@ std::vector<stages::Curtain> curtains_of(const std::vector<ScanProduct>& product
   for (std::size_t i = 0; i < products.size(); ++i)
     if (registrations[i])
       scans.push_back({&products[i].image, &products[i].segmentation.sample_label, &products[i].stray,
-                       registrations[i]->world_from_scan()});
+                       registrations[i]->world_from_scan(), &products[i].segmentation.cylinders});
   stages::CurtainOptions options;
   options.length_m = unseen_m;
   return stages::hang_curtains(scans, options);

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/cylinder.hpp"
 #include "geometry/plane.hpp"
 
 namespace hybrid {
@@ -44,6 +45,7 @@ struct PlaneSegmentation {
   std::vector<std::uint32_t>
       sample_label;  // supercluster id per sample (inliers of its plane only), 0 = none
   std::vector<Supercluster> superclusters;  // [id - 1]
+  std::vector<Cylinder> cylinders;          // [id - 1]; of samples with label 0
 };
 
 }  // namespace hybrid

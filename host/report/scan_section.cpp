@@ -86,6 +86,31 @@ std::string supercluster_table(const fs::path& out, const std::string& folder, c
          table.sorted_by("area", true).html() + "</details>\n";
 }
 
+std::string cylinder_table(const Json& planes) {
+  if (!planes.is_object() || !planes.contains("cylinders") || planes["cylinders"].empty()) return "";
+  Table table;
+  table.number("id", "", 0)
+      .text("seen from", "outside: a column or pipe, inside: a barrel vault")
+      .number("radius", "mm", 1, "half-way along")
+      .number("sigma", "mm", 2, "of the radius, of chance alone")
+      .number("length", "m", 2)
+      .number("taper", "mm/m", 1, "by how much the radius grows upwards")
+      .number("arc", "deg", 0, "of the circumference that the scan sees")
+      .number("rms", "mm", 2, "of its samples' distances")
+      .number("samples", "", 0)
+      .text("axis", "scan frame");
+  for (const auto& cylinder : planes["cylinders"]) {
+    const auto axis = cylinder["axis"].get<std::vector<double>>();
+    table.add({cylinder["id"], cylinder["seen_from"], cell(cylinder, "/radius_m", 1000),
+               cell(cylinder, "/sigma_radius_m", 1000), cylinder["length_m"], cell(cylinder, "/taper", 1000),
+               cylinder["arc_deg"], cell(cylinder, "/rms_m", 1000), cylinder["samples"],
+               fmt::format("{:.3f} {:.3f} {:.3f}", axis.at(0), axis.at(1), axis.at(2))});
+  }
+  return fmt::format("<details><summary>{} columns, pipes and vaults</summary>\n",
+                     planes["cylinders"].size()) +
+         table.sorted_by("samples", true).html() + "</details>\n";
+}
+
 bool is_to_scans(const Json& scan) {
   return scan.value("/registration/residuals/to"_json_pointer, "") == "scans";
 }
@@ -160,7 +185,9 @@ std::string scan_section(Previews& previews, const Json& scan, std::size_t index
   // First, for they are made while the planes are read.
   const std::string pictures =
       picture(previews, folder + "classes.png",
-              "Superclusters (pastel), locally planar but too small (dark blue), non-planar (dark green), "
+              "Superclusters (pastel), columns and pipes (orange), vaults (brown), locally planar but too "
+              "small (dark blue), "
+              "non-planar (dark green), "
               "undersampled (black)") +
       picture(previews, folder + "residuals.png",
               is_to_scans(scan) ? "Signed distances to the other scans: blue behind their surfaces, red in "
@@ -176,7 +203,7 @@ std::string scan_section(Previews& previews, const Json& scan, std::size_t index
   figure_rows(scan, "", rows);
   return fmt::format("<h2 id=\"{}\">Scan {}</h2>\n", scan_anchor(index), escape(id)) + notes_section(scan) +
          "<div class=\"row\">\n" + pictures + residual_section(scan) + "</div>\n" + face_table(scan) +
-         supercluster_table(out, folder, scan, planes, pose) +
+         supercluster_table(out, folder, scan, planes, pose) + cylinder_table(planes) +
          "<details><summary>all figures</summary><div class=\"scroll\"><table>\n" + rows +
          "</table></div></details>\n";
 }

@@ -3,6 +3,7 @@
 
 #include "score/measure/boundary.hpp"
 #include "score/measure/coplanar_pieces.hpp"
+#include "score/measure/cylinders.hpp"
 #include "score/measure/labels.hpp"
 #include "score/measure/openings.hpp"
 #include "score/measure/plane_list.hpp"
@@ -93,6 +94,34 @@ TEST(Polygon, distance_to_a_square_with_a_hole) {
   EXPECT_TRUE(polygon.covers(Vec3(1, 9, 100)));
   EXPECT_FALSE(polygon.covers(Vec3(-1, 5, 0)));
   EXPECT_FALSE(score::PlanePolygon({Vec3::UnitZ(), 0}, {}).covers(Vec3(0, 0, 0)));
+}
+
+TEST(Cylinders, only_axes_in_the_middle_of_a_true_column_count) {
+  const std::vector<score::TrueSolid> solids = {{"shown", "cylinder", {1, 1, 0}, {2, 2, 3}},
+                                                {"hidden", "cylinder", {5, 1, 0}, {6, 2, 3}},
+                                                {"font", "turned", {1, 5, 0}, {2, 6, 1}}};
+  score::LabelledGrid grid;
+  score::TrueSamples samples;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    grid.source.push_back(i);
+    grid.point.emplace_back(1.0f, 1.5f, 0.03f * static_cast<float>(i));
+    samples.kind.push_back(score::kCurved);
+  }
+  const score::ResultCylinder right{{1.51, 1.5, 0.2}, Vec3::UnitZ(), 2, 0.5},
+      beside{{1.6, 1.5, 0.2}, Vec3::UnitZ(), 2, 0.5}, font{{1.5, 5.5, 0.1}, Vec3::UnitZ(), 0.5, 0.2},
+      leaning{{1.5, 1.5, 0.2}, Vec3(0.1, 0, 1).normalized(), 2, 0.5};
+  const auto of = [&](const std::vector<score::ResultCylinder>& cylinders) {
+    return score::score_cylinders(grid, samples, solids, {}, cylinders, 100);
+  };
+  const auto good = of({right, font});
+  EXPECT_EQ(good.shown, 1);
+  EXPECT_EQ(good.found, 1);
+  EXPECT_EQ(good.invented, 0);
+  EXPECT_NEAR(good.axis_off_mm.value(), 10, 1e-9);
+  const auto bad = of({beside, leaning});
+  EXPECT_EQ(bad.found, 0);
+  EXPECT_EQ(bad.invented, 2);
+  EXPECT_FALSE(bad.axis_off_mm.has_value());
 }
 
 TEST(Boundary, a_border_three_samples_off) {

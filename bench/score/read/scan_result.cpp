@@ -63,6 +63,26 @@ std::optional<std::map<std::uint32_t, ResultPlane>> read_result_planes(const std
   });
 }
 
+std::optional<std::vector<ResultCylinder>> read_result_cylinders(const std::filesystem::path& folder) {
+  const auto file = folder / "planes.json";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  return from_json(file, kRemedy, [](const nlohmann::json& document) {
+    std::optional<std::vector<ResultCylinder>> cylinders;
+    if (!document.contains("cylinders")) return cylinders;
+    cylinders.emplace();
+    for (const auto& entry : document.at("cylinders")) {
+      if (entry.at("seen_from") != "outside") continue;
+      const ResultCylinder cylinder{json_vec3(entry.at("foot_m")), json_vec3(entry.at("axis")),
+                                    entry.at("length_m").get<double>(), entry.at("radius_m").get<double>()};
+      if (!(std::abs(cylinder.axis.norm() - 1) < 1e-3) || !(cylinder.length_m >= 0) ||
+          !(cylinder.radius_m > 0))
+        bad_input("cylinder {}: expected an axis of length 1, a length and a radius", entry.at("id").dump());
+      cylinders->push_back(cylinder);
+    }
+    return cylinders;
+  });
+}
+
 std::optional<ResultPose> read_result_pose(const std::filesystem::path& folder) {
   const auto file = folder / "pose.json";
   if (!std::filesystem::exists(file)) return std::nullopt;

@@ -31,6 +31,13 @@ struct ResultPlane {
 // planes.json by supercluster id; nothing when the folder has none.
 std::optional<std::map<std::uint32_t, ResultPlane>> read_result_planes(const std::filesystem::path& folder);
 
+struct ResultCylinder {
+  Vec3 foot, axis;  // scan frame; the axis of length 1
+  double length_m = 0, radius_m = 0;
+};
+// Those seen from outside in planes.json; nothing when there is none or it lists no cylinders, not even none.
+std::optional<std::vector<ResultCylinder>> read_result_cylinders(const std::filesystem::path& folder);
+
 struct ResultPose {
   Similarity world_from_scan;
   bool accepted = false;  // else abstained

@@ -49,6 +49,9 @@ SceneTruth read_scene_truth(const std::filesystem::path& file) {
     for (const auto& entry : document.at("views"))
       truth.views.push_back({json_camera(entry), truth.folder / entry.at("image").get<std::string>()});
     for (const auto& entry : document.at("openings")) truth.openings.push_back(opening_of(entry));
+    for (const auto& entry : document.value("clutter", nlohmann::json::array()))
+      truth.solids.push_back({entry.at("name").get<std::string>(), entry.at("kind").get<std::string>(),
+                              json_vec3(entry.at("low")), json_vec3(entry.at("high"))});
     return truth;
   });
 }

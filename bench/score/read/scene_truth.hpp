@@ -36,6 +36,12 @@ struct TrueOpening {
   std::vector<Vec3> ring;  // world
 };
 
+// A thing that is no wall, by the box about it, world frame.
+struct TrueSolid {
+  std::string name, kind;  // "cylinder": an upright column; "turned": another solid of revolution; "box" ...
+  Vec3 low, high;
+};
+
 // truth.json as hybrid-synth writes it.
 struct SceneTruth {
   std::filesystem::path file, folder;
@@ -45,6 +51,7 @@ struct SceneTruth {
   std::vector<Camera> cameras;
   std::vector<TrueView> views;
   std::vector<TrueOpening> openings;
+  std::vector<TrueSolid> solids;
 };
 
 // Throws InputError: no such file, a missing or odd part (named).

@@ -156,6 +156,13 @@ Json plane_figures_json(const PlaneScore& score) {
           {"hoover", hoover}};
 }
 
+Json cylinders_json(const CylinderScore& score) {
+  return {{"shown", score.shown},
+          {"found", score.found},
+          {"invented", score.invented},
+          {"axis_off_mm", score.axis_off_mm ? Json(*score.axis_off_mm) : Json()}};
+}
+
 }  // namespace
 
 Json planes_json(const PlaneScore& score) {
@@ -180,6 +187,7 @@ Json scene_json(const SceneScore& score, const ScoreOptions& options) {
   for (const ScanScore& scan : score.scans)
     scans.push_back({{"id", scan.id},
                      {"planes", scan.planes ? planes_json(*scan.planes) : Json()},
+                     {"cylinders", scan.cylinders ? cylinders_json(*scan.cylinders) : Json()},
                      {"pose", scan.pose ? pose_json(*scan.pose) : Json()},
                      {"decimation", scan.decimation ? decimation_json(*scan.decimation) : Json()}});
   for (const ViewScore& view : score.views) views.push_back(view_json(view));

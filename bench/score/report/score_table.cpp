@@ -113,6 +113,16 @@ std::string decimation_table(const std::vector<ScanScore>& scans) {
   return rows.size() > 1 ? aligned("decimation: discarded true points from their plane's polygon", rows) : "";
 }
 
+std::string cylinders_table(const std::vector<ScanScore>& scans) {
+  std::vector<Row> rows = {{"scan", "columns shown", "found", "axis off mm", "invented"}};
+  for (const ScanScore& scan : scans)
+    if (const auto& c = scan.cylinders; c && (c->shown > 0 || c->invented > 0))
+      rows.push_back({scan.id, fmt::format("{}", c->shown), fmt::format("{}", c->found),
+                      c->axis_off_mm ? fmt::format("{:.1f}", *c->axis_off_mm) : "-",
+                      fmt::format("{}", c->invented)});
+  return rows.size() > 1 ? aligned("columns", rows) : "";
+}
+
 std::string views_table(const std::vector<ViewScore>& views) {
   if (views.empty()) return "";
   std::vector<Row> rows = {{"view", "against", "seen", "PSNR dB", "SSIM", "sharpness", "agreement", "red",
@@ -171,8 +181,8 @@ std::string scene_table(const SceneScore& score) {
   for (const ScanScore& scan : score.scans)
     if (scan.planes) labelled.emplace_back(scan.id, &*scan.planes);
   std::string text = fmt::format("against the truth of {}\n\n", score.title);
-  text +=
-      planes_table(labelled) + poses_table(score) + decimation_table(score.scans) + views_table(score.views);
+  text += planes_table(labelled) + cylinders_table(score.scans) + poses_table(score) +
+          decimation_table(score.scans) + views_table(score.views);
   if (score.openings) text += openings_table(*score.openings);
   if (!score.absent.empty()) {
     text += "not in these results:";

@@ -14,6 +14,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kManySamples = 2'000'000;  // say what the percentiles are
+constexpr double kCylinderSigmas = 3.5;          // of its scatter: samples shown as a cylinder's
 
 using Colour = std::array<std::uint8_t, 3>;
 
@@ -73,6 +74,58 @@ class MonotoneBytes {
   std::vector<std::uint8_t> first_, last_;
 };
 
+// Rows, and columns on from one that may lie beyond the last, that hold what a scanner sees of a cylinder.
+struct Window {
+  int top, bottom, left, columns;
+};
+
+Window window_of(const RangeImage& image, const NodeLookup& lookup, const Cylinder& cylinder) {
+  const Vec3 a = cylinder.axis.unitOrthogonal(), b = cylinder.axis.cross(a);
+  const int first = lookup.towards(cylinder.foot + 0.5 * cylinder.length_m * cylinder.axis).col;
+  int top = image.rows - 1, bottom = 0, left = 0, right = 0;
+  for (int k = 0; k <= 32; ++k)
+    for (int side = 0; side < 16; ++side) {
+      const double along = cylinder.length_m * k / 32, turn = side * 3.14159265358979 / 8;
+      const auto node =
+          lookup.towards(cylinder.foot + along * cylinder.axis +
+                         1.1 * cylinder.radius_at(along) * (std::cos(turn) * a + std::sin(turn) * b));
+      int off = node.col - first;
+      if (image.wraps && 2 * std::abs(off) > image.cols) off -= off > 0 ? image.cols : -image.cols;
+      top = std::min(top, node.row);
+      bottom = std::max(bottom, node.row);
+      left = std::min(left, off);
+      right = std::max(right, off);
+    }
+  // About the scanner's own axis the nodes beside it are not beside each other.
+  if (2 * (right - left) > image.cols) return {top, bottom, 0, image.cols};
+  return {std::max(top - 1, 0), std::min(bottom + 1, image.rows - 1), first + left - 1,
+          std::min(right - left + 3, image.cols)};
+}
+
+void colour_cylinders(const RangeImage& image, const PlaneSegmentation& segmentation, Image8& picture) {
+  if (segmentation.cylinders.empty()) return;
+  constexpr Colour orange = {235, 130, 30}, brown = {150, 95, 40};
+  const NodeLookup lookup(image);
+  for (const Cylinder& cylinder : segmentation.cylinders) {
+    const Window window = window_of(image, lookup, cylinder);
+    const Colour& colour = cylinder.inside ? brown : orange;
+    parallel_for(static_cast<std::size_t>(std::max(window.bottom + 1 - window.top, 0)), [&](std::size_t r) {
+      const int row = window.top + static_cast<int>(r);
+      for (int k = 0; k < window.columns; ++k) {
+        const int col = image.wraps ? (window.left + k + image.cols) % image.cols : window.left + k;
+        if (col < 0 || col >= image.cols) continue;
+        const std::size_t i = image.index(row, col);
+        if (image.mask[i] == kEmpty || segmentation.sample_label[i] != 0) continue;
+        const Vec3 point = image.point(i);
+        const double along = cylinder.along(point);
+        if (along >= 0 && along <= cylinder.length_m &&
+            std::abs(cylinder.distance(point)) <= kCylinderSigmas * cylinder.rms_m)
+          std::copy(colour.begin(), colour.end(), picture.at(col, row));
+      }
+    });
+  }
+}
+
 // Black, with a byte to spare for each row: io::write_png filters large pictures in place then.
 Image8 black_picture(const RangeImage& image, int channels) {
   Image8 picture;
@@ -109,6 +162,7 @@ Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentat
       std::copy(colour.begin(), colour.end(), picture.at(col, row));
     }
   });
+  colour_cylinders(image, segmentation, picture);
   return picture;
 }
 

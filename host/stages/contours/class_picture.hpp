@@ -7,8 +7,9 @@
 namespace hybrid::stages {
 
 // Figure 2(b) of the paper, one RGB pixel per node: a pastel colour per supercluster (by id, neighbouring ids
-// far apart in hue), dark blue = locally planar but too small, dark green = non-planar (also outliers in a
-// supercluster's square), black = undersampled or no return.
+// far apart in hue), orange = on a column or pipe, brown = on a barrel vault, dark blue = locally planar but
+// too small, dark green = non-planar (also outliers in a supercluster's square), black = undersampled or no
+// return.
 Image8 class_picture(const RangeImage& image, const PlaneSegmentation& segmentation);
 
 // Draws the lines in which planes meet on it: red in corners, blue on edges that stand out.

@@ -9,6 +9,7 @@
 
 #include "core/parallel.hpp"
 #include "stages/planes/bending.hpp"
+#include "stages/planes/square_contact.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -74,18 +75,9 @@ double angle_between(const Vec3& a, const Vec3& b) {
 // Square b outside meets square a of the region in a kink of less than 30 degrees without a step.
 bool in_contact(const RangeImage& image, const SquarePlanes& squares, const SuperclusterOptions& options,
                 const SquareRecord& a, const SquareRecord& b) {
-  if (b.state != SQUARE_PLANAR) return false;
-  const Vec3 na = square_normal(a), nb = square_normal(b);
-  const double angle = angle_between(na, nb);
-  const double sigma = std::hypot(a.sigma_normal, b.sigma_normal);
-  if (angle > kCreaseTo + options.angle_sigmas * sigma) return false;
-  const Vec3 step = square_centroid(b) - square_centroid(a);
-  const double distance = step.norm(), range = square_centroid(a).norm();
-  const double angular = image.step_rad();
-  const double cosine = std::max(std::abs(na.dot(square_centroid(a))) / range, 0.1);
-  const double noise = options.offset_sigmas * squares.sigma_m;
-  if (distance > options.distance_factor * squares.square * range * angular / cosine + noise) return false;
-  return std::max(std::abs(step.dot(na)), std::abs(step.dot(nb))) < distance * std::sin(angle) + noise;
+  return in_contact(
+      image, squares,
+      ContactLimits{kCreaseTo, options.angle_sigmas, options.distance_factor, options.offset_sigmas}, a, b);
 }
 
 // A square that straddles a small step is turned, but the one beyond it is parallel again; one that straddles

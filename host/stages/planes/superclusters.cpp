@@ -10,6 +10,8 @@
 #include "stages/planes/absorb_squares.hpp"
 #include "stages/planes/coplanar_merge.hpp"
 #include "stages/planes/curved_regions.hpp"
+#include "stages/planes/cylinder_patches.hpp"
+#include "stages/planes/cylinders.hpp"
 #include "stages/planes/mixed_rims.hpp"
 #include "stages/planes/plane_steps.hpp"
 #include "stages/planes/refuted_planes.hpp"
@@ -295,6 +297,13 @@ const std::vector<OptionRow<SuperclusterOptions>>& supercluster_option_table() {
        1e9,
        "samples of the smallest plane recovered from what those leave; 0 = none is",
        {}},
+      {"min_cylinder_samples",
+       "samples",
+       &O::min_cylinder_samples,
+       0,
+       1e9,
+       "samples of the smallest column or pipe found among what lies on no plane; 0 = none is",
+       {}},
       {"label_sigmas",
        "",
        &O::label_sigmas,
@@ -331,10 +340,14 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
     PlaneSegmentation result = segment(queue, image, squares, tried);
     result.waviness_m = tried.waviness_m;
     result.interleaved = interleaved_share(image, result);
+    const SuperclusterOptions used = tried;
     tried.waviness_m *= 2;
-    if (result.interleaved <= kMostInterleaved || !(tried.waviness_m > 0) ||
-        tried.waviness_m > options.most_waviness_m)
-      return result;
+    if (result.interleaved > kMostInterleaved && tried.waviness_m > 0 &&
+        tried.waviness_m <= options.most_waviness_m)
+      continue;
+    result.cylinders = find_cylinders(image, squares, result, used);
+    forget_planes_on_cylinders(image, squares.noise, used, result);
+    return result;
   }
 }
 

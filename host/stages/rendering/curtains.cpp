@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "core/parallel.hpp"
@@ -15,6 +16,9 @@ constexpr double kSteepestJump =
 constexpr int kReach = 3;          // nodes to the far surface: over mixed samples and missing ones
 constexpr double kPiece_m = 0.05;  // that another scan may have seen to be empty
 constexpr double kShortest_m = 0.05;  // shorter ones hide nothing
+constexpr int kSides = 24;            // of a column; inscribed, 1 % of the radius inside at most
+constexpr double kBeyondEnds = 1.5;   // radii: so far a column's base and head may go on
+constexpr double kSlice_m = 0.1;      // of a column, that a scan may have seen to be empty
 
 // One scan among all.
 class Hanger {
@@ -30,6 +34,27 @@ class Hanger {
     for (int col = 0; col < image_.cols; ++col)
       for (const auto& [down, across] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}})
         hang(row, col, down, across, curtains);
+    return curtains;
+  }
+
+  std::vector<Curtain> around(const Cylinder& cylinder) const {
+    std::vector<Curtain> curtains;
+    if (cylinder.inside || !(cylinder.radius_m > 2 * options_.tolerance_m)) return curtains;
+    const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kSlice_m)));
+    const int more = static_cast<int>(kBeyondEnds * cylinder.radius_m * slices / cylinder.length_m);
+    for (int slice = 0; slice < slices; ++slice)
+      for (const Curtain& piece : ring(cylinder, slice, slices))
+        if (!seen_empty(centre(piece), own_)) curtains.push_back(piece);
+    // What carries it, and what it carries, is as wide as it is, unless any scan says otherwise.
+    const auto go_on = [&](int slice) {
+      const auto pieces = ring(cylinder, slice, slices);
+      for (const Curtain& piece : pieces)
+        if (seen_empty(centre(piece), scans_.size())) return false;
+      curtains.insert(curtains.end(), pieces.begin(), pieces.end());
+      return true;
+    };
+    for (int k = 1; k <= more && go_on(-k); ++k) continue;
+    for (int k = 0; k < more && go_on(slices + k); ++k) continue;
     return curtains;
   }
 
@@ -85,7 +110,7 @@ class Hanger {
     const auto at = [&](int k) { return begin_m + (end_m - begin_m) * k / count; };
     int first = 0;
     for (int k = 0; k <= count; ++k) {
-      if (k < count && !seen_empty(world * Vec3(0.5 * (at(k) + at(k + 1)) * middle))) continue;
+      if (k < count && !seen_empty(world * Vec3(0.5 * (at(k) + at(k + 1)) * middle), own_)) continue;
       if (k > first) {
         const auto corner = [&](int end, double sign) {
           return Vec3(world * Vec3(at(end) * (middle + sign * side)));
@@ -96,9 +121,30 @@ class Hanger {
     }
   }
 
-  bool seen_empty(const Vec3& place) const {
+  static Vec3 centre(const Curtain& piece) { return 0.25 * (piece[0] + piece[1] + piece[2] + piece[3]); }
+
+  // Around a cylinder between two of the heights that divide it, world frame; also below and above it.
+  std::vector<Curtain> ring(const Cylinder& cylinder, int slice, int slices) const {
+    const Pose& world = scans_[own_].world_from_scan;
+    const Vec3 a = cylinder.axis.unitOrthogonal(), b = cylinder.axis.cross(a);
+    const auto corner = [&](int height, double side) {
+      const double along = cylinder.length_m * height / slices, turn = 2 * std::numbers::pi * side / kSides;
+      const double radius =
+          cylinder.radius_at(std::clamp(along, 0.0, cylinder.length_m)) - options_.tolerance_m;
+      return Vec3(world * Vec3(cylinder.foot + along * cylinder.axis +
+                               radius * (std::cos(turn) * a + std::sin(turn) * b)));
+    };
+    std::vector<Curtain> pieces;
+    for (int side = 0; side < kSides; ++side)
+      pieces.push_back({corner(slice, side), corner(slice, side + 1), corner(slice + 1, side + 1),
+                        corner(slice + 1, side)});
+    return pieces;
+  }
+
+  // By a scan other than `but`.
+  bool seen_empty(const Vec3& place, std::size_t but) const {
     for (std::size_t s = 0; s < scans_.size(); ++s) {
-      if (s == own_ || scans_[s].image->count() == 0) continue;
+      if (s == but || scans_[s].image->count() == 0) continue;
       const Vec3 point = scan_from_world_[s] * place;
       const auto found = lookups_[s].towards(point);
       const std::size_t i = scans_[s].image->index(found.row, found.col);
@@ -128,6 +174,11 @@ std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const 
     std::vector<std::vector<Curtain>> rows(static_cast<std::size_t>(scans[s].image->rows));
     parallel_for(rows.size(), [&](std::size_t row) { rows[row] = hanger.row(static_cast<int>(row)); });
     for (const auto& row : rows) curtains.insert(curtains.end(), row.begin(), row.end());
+    if (scans[s].cylinders == nullptr) continue;
+    for (const Cylinder& cylinder : *scans[s].cylinders) {
+      const auto pieces = hanger.around(cylinder);
+      curtains.insert(curtains.end(), pieces.begin(), pieces.end());
+    }
   }
   return curtains;
 }

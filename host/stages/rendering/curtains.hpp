@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/cylinder.hpp"
 #include "geometry/pose.hpp"
 #include "geometry/range_image.hpp"
 
@@ -14,6 +15,7 @@ struct CurtainScan {
   const std::vector<std::uint32_t>* sample_label = nullptr;  // per node, 0: no supercluster; or empty
   const std::vector<std::uint8_t>* stray = nullptr;          // per node, Stray; or empty
   Pose world_from_scan;
+  const std::vector<Cylinder>* cylinders = nullptr;  // that it shows, its own frame
 };
 
 struct CurtainOptions {
@@ -26,8 +28,9 @@ using Curtain = std::array<Vec3, 4>;  // a quadrilateral's corners in order, wor
 // Where a scan's near surface ends before a far one nobody knows how far the near thing reaches back: the
 // scanner sees nothing of what is behind it. Curtains hang there, from each outline on along the scanner's
 // rays, to the far surface or for length_m, and close the open backs of what is scanned from one side.
-// Without the places that another scan has seen to be empty. In the order of scans and nodes: same result for
-// any number of threads.
+// What a scan shows to be a column or a pipe is known to be round: a curtain goes all around inside its
+// surface, tolerance_m deep. Without the places that another scan has seen to be empty. In the order of scans
+// and nodes: same result for any number of threads.
 std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const CurtainOptions& options = {});
 
 }  // namespace hybrid::stages

@@ -85,6 +85,27 @@ TEST(Curtains, none_where_surfaces_are_one_or_another_scan_saw_through) {
   EXPECT_TRUE(together.empty());
 }
 
+TEST(Curtains, go_around_inside_a_column_but_for_what_another_scan_saw_to_be_empty) {
+  const RangeImage wall = scan_of(empty);
+  Cylinder column;
+  column.foot = {0, 6, -0.5};
+  column.length_m = 1;
+  column.radius_m = 0.3;
+  const std::vector<Cylinder> columns = {column};
+  const std::vector<stages::CurtainScan> one = {{&wall, nullptr, nullptr, {}, &columns}};
+  const auto curtains = stages::hang_curtains(one);
+  EXPECT_EQ(curtains.size(), 432u);  // 24 sides, 10 slices and 4 more at either end
+  for (const Curtain& curtain : curtains)
+    for (const Vec3& corner : curtain) EXPECT_NEAR(column.distance(corner), -0.02, 1e-9);
+  // Where its own scan sees far past its ends it ends there.
+  const RangeImage far = scan_of([](const Vec3& ray) { return 9 / ray.y(); });
+  EXPECT_EQ(stages::hang_curtains({{&far, nullptr, nullptr, {}, &columns}}).size(), 240u);
+  // Another one that looks through the place sees all of it to be empty.
+  auto two = one;
+  two.push_back({&far, nullptr, nullptr, {}});
+  EXPECT_TRUE(stages::hang_curtains(two).empty());
+}
+
 TEST(Curtains, no_view_looks_through_them) {
   const RangeImage image = scan_of(thing_and_wall);
   stages::RenderScene scene;
