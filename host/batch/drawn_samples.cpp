@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
+#include "stages/rendering/column_backs.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -17,10 +18,40 @@ double largest_sigma(const std::vector<ScanProduct>& products) {
   return sigma_m;
 }
 
+void append_column_backs(const std::vector<ScanProduct>& products,
+                         const std::vector<std::optional<ScanRegistration>>& registrations,
+                         WorldContours& all) {
+  std::vector<std::uint32_t> product_of;
+  for (std::size_t i = 0; i < products.size(); ++i)
+    if (registrations[i]) product_of.push_back(static_cast<std::uint32_t>(i));
+  for (const stages::ColumnBack& back : stages::column_backs(curtain_scans(products, registrations))) {
+    Face face;
+    face.name = fmt::format("{}-column-{}", products[product_of[back.scan]].id, back.cylinder);
+    for (const Vec3& corner : back.corners) {
+      face.outer.push_back(static_cast<std::uint32_t>(all.model.vertices.size()));
+      all.model.vertices.push_back(corner);
+    }
+    all.model.faces.push_back(std::move(face));
+    all.scan.push_back(product_of[back.scan]);
+  }
+}
+
 }  // namespace
 
+std::vector<stages::CurtainScan> curtain_scans(
+    const std::vector<ScanProduct>& products,
+    const std::vector<std::optional<ScanRegistration>>& registrations) {
+  std::vector<stages::CurtainScan> scans;
+  for (std::size_t i = 0; i < products.size(); ++i)
+    if (registrations[i])
+      scans.push_back({&products[i].image, &products[i].segmentation.sample_label, &products[i].stray,
+                       registrations[i]->world_from_scan(), &products[i].segmentation.cylinders});
+  return scans;
+}
+
 WorldContours world_contours(const std::vector<ScanProduct>& products,
-                             const std::vector<std::optional<ScanRegistration>>& registrations) {
+                             const std::vector<std::optional<ScanRegistration>>& registrations,
+                             double unseen_m) {
   WorldContours all;
   for (std::size_t i = 0; i < products.size(); ++i) {
     if (!registrations[i]) continue;
@@ -38,13 +69,14 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
       all.scan.push_back(static_cast<std::uint32_t>(i));
     }
   }
+  if (unseen_m > 0) append_column_backs(products, registrations, all);
   return all;
 }
 
 void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                           const std::vector<std::optional<ScanRegistration>>& registrations,
                           std::vector<ScanProduct>& products) {
-  const WorldContours contours = world_contours(products, registrations);
+  const WorldContours contours = world_contours(products, registrations, options.render.unseen_m);
   const double worst_sigma_m = largest_sigma(products);
   for (std::size_t p = 0; p < products.size(); ++p) {
     if (!registrations[p]) continue;

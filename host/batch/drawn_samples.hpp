@@ -1,15 +1,25 @@
 #pragma once
 #include "batch/registration/registration_unit.hpp"
+#include "stages/rendering/curtains.hpp"
 
 namespace hybrid::batch {
 
-// The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>.
+// The registered scans as evidence of what is in sight.
+std::vector<stages::CurtainScan> curtain_scans(
+    const std::vector<ScanProduct>& products,
+    const std::vector<std::optional<ScanRegistration>>& registrations);
+
+// The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>, and
+// the backs of their columns that no scan has seen (column_backs.hpp), faces named <scan>-column-<cylinder
+// id>.
 struct WorldContours {
   PolygonModel model;
   std::vector<std::uint32_t> scan;  // per face: index of its product
 };
+// `unseen_m` (RenderOptions) 0: all that no scan has seen is empty, and there are no backs.
 WorldContours world_contours(const std::vector<ScanProduct>& products,
-                             const std::vector<std::optional<ScanRegistration>>& registrations);
+                             const std::vector<std::optional<ScanRegistration>>& registrations,
+                             double unseen_m);
 
 // Decides how the retained samples of every registered scan are drawn (METHOD 10); fills product.drawn.
 // Not drawn: stray samples, and those that lie on a contour polygon. Drawn only without the proxy: those that

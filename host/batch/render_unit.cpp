@@ -123,14 +123,9 @@ void write_view_exr(const std::filesystem::path& file, const stages::RenderedVie
 std::vector<stages::Curtain> curtains_of(const std::vector<ScanProduct>& products,
                                          const std::vector<std::optional<ScanRegistration>>& registrations,
                                          double unseen_m) {
-  std::vector<stages::CurtainScan> scans;
-  for (std::size_t i = 0; i < products.size(); ++i)
-    if (registrations[i])
-      scans.push_back({&products[i].image, &products[i].segmentation.sample_label, &products[i].stray,
-                       registrations[i]->world_from_scan(), &products[i].segmentation.cylinders});
   stages::CurtainOptions options;
   options.length_m = unseen_m;
-  return stages::hang_curtains(scans, options);
+  return stages::hang_curtains(curtain_scans(products, registrations), options);
 }
 
 }  // namespace
@@ -211,7 +206,7 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
   for (std::size_t i = 0; i < photographs.pixels->count(); ++i)
     scene.photograph_pixels.push_back(photographs.pixels->size(i));
   scene.decode = [kept = photographs.pixels](std::size_t index) { return kept->get(index); };
-  auto contours = world_contours(products, registrations);
+  auto contours = world_contours(products, registrations, unseen_m);
   scene.contours = std::move(contours.model);
   scene.contour_scan = std::move(contours.scan);
   if (unseen_m > 0) scene.curtains = curtains_of(products, registrations, unseen_m);

@@ -216,7 +216,7 @@ class Run {
     if (!run_.model) return;
     if (needs_photographs()) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
-    const auto contours = world_contours(run_.products, run_.registrations);
+    const auto contours = world_contours(run_.products, run_.registrations, options_.render.unseen_m);
     const fs::path file = request_.out / "model" / "unexplained.obj";
     if (contours.model.faces.empty())
       fs::remove(file);  // of an earlier run

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/parallel.hpp"
+#include "stages/rendering/column_backs.hpp"
 #include "stages/scan/node_lookup.hpp"
 
 namespace hybrid::stages {
@@ -16,7 +17,6 @@ constexpr double kSteepestJump =
 constexpr int kReach = 3;          // nodes to the far surface: over mixed samples and missing ones
 constexpr double kPiece_m = 0.05;  // that another scan may have seen to be empty
 constexpr double kShortest_m = 0.05;  // shorter ones hide nothing
-constexpr int kSides = 24;            // of a column; inscribed, 1 % of the radius inside at most
 constexpr double kBeyondEnds = 1.5;   // radii: so far a column's base and head may go on
 constexpr double kSlice_m = 0.1;      // of a column, that a scan may have seen to be empty
 
@@ -37,14 +37,12 @@ class Hanger {
     return curtains;
   }
 
-  std::vector<Curtain> around(const Cylinder& cylinder) const {
+  // Beyond its ends; its own back is known (column_backs.hpp).
+  std::vector<Curtain> beyond_ends(const Cylinder& cylinder) const {
     std::vector<Curtain> curtains;
     if (cylinder.inside || !(cylinder.radius_m > 2 * options_.tolerance_m)) return curtains;
     const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kSlice_m)));
     const int more = static_cast<int>(kBeyondEnds * cylinder.radius_m * slices / cylinder.length_m);
-    for (int slice = 0; slice < slices; ++slice)
-      for (const Curtain& piece : ring(cylinder, slice, slices))
-        if (!seen_empty(centre(piece), own_)) curtains.push_back(piece);
     // What carries it, and what it carries, is as wide as it is, unless any scan says otherwise.
     const auto go_on = [&](int slice) {
       const auto pieces = ring(cylinder, slice, slices);
@@ -126,16 +124,12 @@ class Hanger {
   // Around a cylinder between two of the heights that divide it, world frame; also below and above it.
   std::vector<Curtain> ring(const Cylinder& cylinder, int slice, int slices) const {
     const Pose& world = scans_[own_].world_from_scan;
-    const Vec3 a = cylinder.axis.unitOrthogonal(), b = cylinder.axis.cross(a);
     const auto corner = [&](int height, double side) {
-      const double along = cylinder.length_m * height / slices, turn = 2 * std::numbers::pi * side / kSides;
-      const double radius =
-          cylinder.radius_at(std::clamp(along, 0.0, cylinder.length_m)) - options_.tolerance_m;
-      return Vec3(world * Vec3(cylinder.foot + along * cylinder.axis +
-                               radius * (std::cos(turn) * a + std::sin(turn) * b)));
+      return Vec3(world * on_cylinder(cylinder, cylinder.length_m * height / slices,
+                                      2 * std::numbers::pi * side / kColumnSides, -options_.tolerance_m));
     };
     std::vector<Curtain> pieces;
-    for (int side = 0; side < kSides; ++side)
+    for (int side = 0; side < kColumnSides; ++side)
       pieces.push_back({corner(slice, side), corner(slice, side + 1), corner(slice + 1, side + 1),
                         corner(slice + 1, side)});
     return pieces;
@@ -176,7 +170,7 @@ std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const 
     for (const auto& row : rows) curtains.insert(curtains.end(), row.begin(), row.end());
     if (scans[s].cylinders == nullptr) continue;
     for (const Cylinder& cylinder : *scans[s].cylinders) {
-      const auto pieces = hanger.around(cylinder);
+      const auto pieces = hanger.beyond_ends(cylinder);
       curtains.insert(curtains.end(), pieces.begin(), pieces.end());
     }
   }

@@ -28,8 +28,8 @@ using Curtain = std::array<Vec3, 4>;  // a quadrilateral's corners in order, wor
 // Where a scan's near surface ends before a far one nobody knows how far the near thing reaches back: the
 // scanner sees nothing of what is behind it. Curtains hang there, from each outline on along the scanner's
 // rays, to the far surface or for length_m, and close the open backs of what is scanned from one side.
-// What a scan shows to be a column or a pipe is known to be round: a curtain goes all around inside its
-// surface, tolerance_m deep. Without the places that another scan has seen to be empty. In the order of scans
+// What a scan shows to be a column or a pipe is as wide beyond its ends, up to one and a half radii, where no
+// scan says otherwise: a curtain goes all around there, tolerance_m inside. In the order of scans
 // and nodes: same result for any number of threads.
 std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const CurtainOptions& options = {});
 

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "device.hpp"
+#include "stages/rendering/column_backs.hpp"
 #include "stages/rendering/render.hpp"
 
 namespace hybrid::testing {
@@ -85,25 +86,57 @@ TEST(Curtains, none_where_surfaces_are_one_or_another_scan_saw_through) {
   EXPECT_TRUE(together.empty());
 }
 
-TEST(Curtains, go_around_inside_a_column_but_for_what_another_scan_saw_to_be_empty) {
-  const RangeImage wall = scan_of(empty);
+// A column behind a wall that hides it, and scans from the same place that see it or through it.
+class ColumnBehindAWall : public ::testing::Test {
+ protected:
+  ColumnBehindAWall() {
+    column.foot = {0, 6, -0.5};
+    column.length_m = 1;
+    column.radius_m = 0.3;
+    columns = {column};
+  }
+
   Cylinder column;
-  column.foot = {0, 6, -0.5};
-  column.length_m = 1;
-  column.radius_m = 0.3;
-  const std::vector<Cylinder> columns = {column};
-  const std::vector<stages::CurtainScan> one = {{&wall, nullptr, nullptr, {}, &columns}};
-  const auto curtains = stages::hang_curtains(one);
-  EXPECT_EQ(curtains.size(), 432u);  // 24 sides, 10 slices and 4 more at either end
+  std::vector<Cylinder> columns;
+  RangeImage hiding = scan_of(empty), through = scan_of([](const Vec3&ray) { return 9 / ray.y(); });
+};
+
+TEST_F(ColumnBehindAWall, curtains_go_on_beyond_its_ends_where_no_scan_sees_through) {
+  const auto curtains = stages::hang_curtains({{&hiding, nullptr, nullptr, {}, &columns}});
+  EXPECT_EQ(curtains.size(), 192u);  // 24 sides, 4 slices at either end
   for (const Curtain& curtain : curtains)
-    for (const Vec3& corner : curtain) EXPECT_NEAR(column.distance(corner), -0.02, 1e-9);
-  // Where its own scan sees far past its ends it ends there.
-  const RangeImage far = scan_of([](const Vec3& ray) { return 9 / ray.y(); });
-  EXPECT_EQ(stages::hang_curtains({{&far, nullptr, nullptr, {}, &columns}}).size(), 240u);
-  // Another one that looks through the place sees all of it to be empty.
-  auto two = one;
-  two.push_back({&far, nullptr, nullptr, {}});
-  EXPECT_TRUE(stages::hang_curtains(two).empty());
+    for (const Vec3& corner : curtain) {
+      EXPECT_NEAR(column.distance(corner), -0.02, 1e-9);
+      EXPECT_GE(std::abs(column.along(corner) - 0.5), 0.5 - 1e-9);
+    }
+  EXPECT_TRUE(stages::hang_curtains({{&through, nullptr, nullptr, {}, &columns}}).empty());
+}
+
+TEST_F(ColumnBehindAWall, its_back_is_what_no_scan_knows) {
+  const auto all = stages::column_backs({{&hiding, nullptr, nullptr, {}, &columns}});
+  EXPECT_EQ(all.size(), 24u);  // strips from end to end
+  for (const auto& back : all) {
+    EXPECT_EQ(back.scan, 0u);
+    for (const Vec3& corner : back.corners) EXPECT_NEAR(column.distance(corner), 0, 1e-9);
+    const auto& c = back.corners;
+    EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(c[0])), 0);  // front side outwards
+  }
+  EXPECT_TRUE(
+      stages::column_backs({{&hiding, nullptr, nullptr, {}, &columns}, {&through, nullptr, nullptr, {}}})
+          .empty());
+  // One that sees its front: that is known, the rest is not.
+  const RangeImage front = scan_of([&](const Vec3& ray) {
+    const double b = ray.head<2>().dot(Vec2(0, 6)), a = ray.head<2>().squaredNorm();
+    const double root = b * b - a * (36 - 0.09);
+    return root > 0 ? (b - std::sqrt(root)) / a : 9 / ray.y();
+  });
+  const auto rest = stages::column_backs({{&front, nullptr, nullptr, {}, &columns}});
+  // So is what lies beside its outline by less than a node.
+  EXPECT_GE(rest.size(), 6u);
+  EXPECT_LE(rest.size(), 12u);
+  for (const auto& back : rest) EXPECT_GT(0.5 * (back.corners[0] + back.corners[1]).y(), 6);
+  columns[0].inside = true;
+  EXPECT_TRUE(stages::column_backs({{&hiding, nullptr, nullptr, {}, &columns}}).empty());
 }
 
 TEST(Curtains, no_view_looks_through_them) {

@@ -1,0 +1,74 @@
+#include "stages/planes/strip_planes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+constexpr double kLeastShare = 0.7;   // of the strip: free samples
+constexpr double kMostScatter = 1.5;  // times the noise
+constexpr double kUneven_m = 0.001;   // beyond it
+
+SquareRecord fit(const std::vector<Vec3>& points, const RangeNoise& noise) {
+  SquareRecord record{};
+  record.state = SQUARE_NON_PLANAR;
+  record.valid = record.inliers = static_cast<HYBRID_UINT>(points.size());
+  const auto count = static_cast<double>(points.size());
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& point : points) mean += point / count;
+  Mat3 scatter = Mat3::Zero();
+  for (const Vec3& point : points) scatter += (point - mean) * (point - mean).transpose();
+  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
+  eigen.computeDirect(scatter);
+  Vec3 normal = eigen.eigenvectors().col(0);
+  if (normal.dot(mean) > 0) normal = -normal;
+  const double range = mean.norm(), cosine = std::abs(normal.dot(mean)) / std::max(range, 1e-9);
+  const double sigma = noise.at(range, cosine) * cosine;
+  const double rms = std::sqrt(std::max(eigen.eigenvalues()[0], 0.0) / count);
+  if (!normal.allFinite() || rms > kMostScatter * sigma + kUneven_m || !(eigen.eigenvalues()[1] > 0))
+    return record;
+  record.state = SQUARE_PLANAR;
+  record.rms = static_cast<float>(rms);
+  record.offset = static_cast<float>(normal.dot(mean));
+  record.sigma_normal = static_cast<float>(std::max(sigma, rms) / std::sqrt(eigen.eigenvalues()[1]));
+  for (int k = 0; k < 3; ++k) {
+    record.normal[k] = static_cast<float>(normal[k]);
+    record.centroid[k] = static_cast<float>(mean[k]);
+  }
+  return record;
+}
+
+}  // namespace
+
+SquarePlanes fit_strips(const RangeImage& image, const std::vector<std::uint32_t>& labels,
+                        const SquarePlanes& squares, int height, int width) {
+  SquarePlanes strips;
+  strips.square = std::max(height, width);
+  strips.rows = (image.rows + height - 1) / height;
+  strips.cols = (image.cols + width - 1) / width;
+  strips.sigma_m = squares.sigma_m;
+  strips.noise = squares.noise;
+  strips.squares.resize(static_cast<std::size_t>(strips.rows) * static_cast<std::size_t>(strips.cols));
+  const double least = std::max(3.0, kLeastShare * height * width);
+  parallel_for(static_cast<std::size_t>(strips.rows), [&](std::size_t r) {
+    const int top = static_cast<int>(r) * height;
+    std::vector<Vec3> points;
+    for (int c = 0; c < strips.cols; ++c) {
+      points.clear();
+      for (int row = top; row < std::min(top + height, image.rows); ++row)
+        for (int col = c * width; col < std::min((c + 1) * width, image.cols); ++col)
+          if (const std::size_t i = image.index(row, col); image.mask[i] == kMeasured && labels[i] == 0)
+            points.push_back(image.point(i));
+      if (static_cast<double>(points.size()) < least) continue;
+      strips.squares[r * static_cast<std::size_t>(strips.cols) + static_cast<std::size_t>(c)] =
+          fit(points, squares.noise);
+    }
+  });
+  return strips;
+}
+
+}  // namespace hybrid::stages

@@ -1,0 +1,24 @@
+#pragma once
+#include "stages/rendering/curtains.hpp"
+
+namespace hybrid::stages {
+
+inline constexpr int kColumnSides =
+    24;  // of what stands for a column; inscribed, by 1 % of the radius at most
+
+// The place on a cylinder's surface, or so far off it, along its axis and around it; its own frame.
+Vec3 on_cylinder(const Cylinder& cylinder, double along_m, double turn_rad, double off_m = 0);
+
+// A quadrilateral of a column's surface, world frame, front side outwards.
+struct ColumnBack {
+  std::size_t scan = 0;
+  std::uint32_t cylinder = 0;  // id in that scan
+  Curtain corners;
+};
+
+// The parts of columns and pipes that no scan has seen: neither their surface, nor that the place is empty. A
+// column is known to be round from the part that was seen, so its back is known, too. Strips along the axis,
+// in slices of 10 cm joined where they follow each other; in the order of scans and cylinders.
+std::vector<ColumnBack> column_backs(const std::vector<CurtainScan>& scans, double tolerance_m = 0.02);
+
+}  // namespace hybrid::stages
