@@ -9,6 +9,7 @@
 #include "device.hpp"
 #include "stages/box_room.hpp"
 #include "stages/planes/cylinder_fit.hpp"
+#include "stages/planes/cylinder_patches.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -117,6 +118,17 @@ TEST(Cylinders, the_column_of_a_room_is_one_however_the_scanner_stands) {
     }
 }
 
+TEST(Cylinders, a_pipe_narrower_than_two_squares_shows_itself_on_strips) {
+  BoxRoom room;
+  room.column_radius_m = 0.09;  // 11 nodes across, squares are 5 wide
+  room.noise_m = 0.0005;
+  const auto found = cylinders_of(scan_room(room), room.noise_m);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].radius_m, 0.09, 0.001);
+  EXPECT_GT(found[0].length_m, 2);
+  EXPECT_LT(angle_deg(found[0].axis, Vec3::UnitZ()), 0.2);
+}
+
 TEST(Cylinders, none_without_a_column_nor_when_none_is_asked_for) {
   BoxRoom room;
   const auto scan = scan_room(room);
@@ -125,6 +137,72 @@ TEST(Cylinders, none_without_a_column_nor_when_none_is_asked_for) {
   EXPECT_TRUE(cylinders_of(scan, room.noise_m, none).empty());
   room.column_radius_m = 0;
   EXPECT_TRUE(cylinders_of(scan_room(room), room.noise_m).empty());
+}
+
+// A tunnel of 3 m radius along x about the scanner, two patches of it labelled as planes 1 and 3, and a board
+// 30 cm before it as plane 2.
+TEST(Cylinders, planes_that_are_patches_of_a_vault_are_forgotten_and_others_are_not) {
+  RangeImage image = make_range_image(60, 60);
+  PlaneSegmentation segmentation;
+  segmentation.square = 5;
+  segmentation.square_rows = segmentation.square_cols = 12;
+  segmentation.sample_label.assign(image.count(), 0);
+  segmentation.square_label.assign(144, 0);
+  segmentation.square_class.assign(144, kNonPlanar);
+  const auto inside = [](int row, int col, int top, int left) {
+    return row >= top && row < top + 5 && col >= left && col < left + 5;
+  };
+  for (int row = 0; row < 60; ++row)
+    for (int col = 0; col < 60; ++col) {
+      const std::size_t i = image.index(row, col);
+      const std::uint32_t label = inside(row, col, 10, 10)   ? 1
+                                  : inside(row, col, 20, 30) ? 2
+                                  : inside(row, col, 40, 40) ? 3
+                                                             : 0;
+      const double el = 1.2 - 0.02 * row, az = std::numbers::pi / 2 + 0.02 * (30 - col);
+      const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+      const double range = (label == 2 ? 2.7 : 3) / ray.tail<2>().norm();
+      image.range_m[i] = static_cast<float>(range);
+      image.x[i] = static_cast<float>(range * ray.x());
+      image.y[i] = static_cast<float>(range * ray.y());
+      image.z[i] = static_cast<float>(range * ray.z());
+      image.mask[i] = kMeasured;
+      segmentation.sample_label[i] = label;
+      segmentation.square_label[static_cast<std::size_t>(row / 5 * 12 + col / 5)] = label;
+      if (label != 0)
+        segmentation.square_class[static_cast<std::size_t>(row / 5 * 12 + col / 5)] = kSuperclusterMember;
+    }
+  for (std::uint32_t id = 1; id <= 3; ++id) {
+    Supercluster plane;
+    plane.id = id;
+    plane.samples = 25;
+    const std::size_t middle = id == 1   ? image.index(12, 12)
+                               : id == 2 ? image.index(22, 32)
+                                         : image.index(42, 42);
+    plane.centroid_m = image.point(middle);
+    plane.plane.normal = -Vec3(0, plane.centroid_m.y(), plane.centroid_m.z()).normalized();
+    plane.plane.offset_m = plane.plane.normal.dot(plane.centroid_m);
+    segmentation.superclusters.push_back(plane);
+  }
+  Cylinder tunnel;
+  tunnel.foot = {-8, 0, 0};
+  tunnel.axis = Vec3::UnitX();
+  tunnel.length_m = 16;
+  tunnel.radius_m = 3;
+  tunnel.samples = 3500;
+  tunnel.inside = true;
+  segmentation.cylinders = {tunnel};
+  stages::RangeNoise noise;
+  noise.base_m = 0.001;
+  stages::forget_planes_on_cylinders(image, noise, {}, segmentation);
+  ASSERT_EQ(segmentation.superclusters.size(), 1u);
+  EXPECT_EQ(segmentation.superclusters[0].id, 1u);
+  EXPECT_NEAR(segmentation.superclusters[0].centroid_m.tail<2>().norm(), 2.7, 1e-6);
+  EXPECT_EQ(segmentation.sample_label[image.index(12, 12)], 0u);
+  EXPECT_EQ(segmentation.sample_label[image.index(22, 32)], 1u);
+  EXPECT_EQ(segmentation.square_label[2 * 12 + 2], 0u);
+  EXPECT_EQ(segmentation.square_class[2 * 12 + 2], kPlanarTooSmall);
+  EXPECT_EQ(segmentation.square_class[4 * 12 + 6], kSuperclusterMember);
 }
 
 TEST(Cylinders, bad_images_have_none) {
