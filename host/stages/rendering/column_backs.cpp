@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "stages/scan/node_lookup.hpp"
 
@@ -10,9 +11,11 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kSlice_m = 0.1;
+constexpr double kBeside = 3;  // times the tolerance
 constexpr double kTurn = 2 * std::numbers::pi / kColumnSides;
 
-// Whether any of the scans has a sample at the place or behind it, beside whose node others may be missing.
+// Whether any of the scans has a sample at the place or behind it; where a scan has none in that direction,
+// whether the surface is there beside it.
 class Sight {
  public:
   Sight(const std::vector<CurtainScan>& scans, double tolerance_m)
@@ -24,26 +27,32 @@ class Sight {
   }
 
   bool knows(const Vec3& place) const {
-    for (std::size_t s = 0; s < scans_.size(); ++s) {
-      if (scans_[s].image->count() == 0) continue;
-      const Vec3 point = scan_from_world_[s] * place;
-      const auto found = lookups_[s].towards(point);
-      if (!found.within) continue;
-      for (int k = 0; k < 9; ++k)
-        if (reaches(scans_[s], found.row + k / 3 - 1, found.col + k % 3 - 1, point.norm() - tolerance_m_))
-          return true;
-    }
+    for (std::size_t s = 0; s < scans_.size(); ++s)
+      if (scans_[s].image->count() > 0 && reaches(s, scan_from_world_[s] * place)) return true;
     return false;
   }
 
  private:
-  static bool reaches(const CurtainScan& scan, int row, int col, double range_m) {
+  bool reaches(std::size_t s, const Vec3& point) const {
+    const auto node = lookups_[s].towards(point);
+    if (!node.within) return false;
+    const double least_m = point.norm() - tolerance_m_;
+    if (const auto range = range_m(scans_[s], node.row, node.col)) return *range > least_m;
+    for (int k = 0; k < 9; ++k)
+      if (const auto range = range_m(scans_[s], node.row + k / 3 - 1, node.col + k % 3 - 1);
+          range && std::abs(*range - point.norm()) <= kBeside * tolerance_m_)
+        return true;
+    return false;
+  }
+
+  static std::optional<double> range_m(const CurtainScan& scan, int row, int col) {
     const RangeImage& image = *scan.image;
     if (image.wraps) col = (col + image.cols) % image.cols;
-    if (row < 0 || col < 0 || row >= image.rows || col >= image.cols) return false;
+    if (row < 0 || col < 0 || row >= image.rows || col >= image.cols) return std::nullopt;
     const std::size_t i = image.index(row, col);
     const bool is_stray = scan.stray && !scan.stray->empty() && (*scan.stray)[i];
-    return image.mask[i] == kMeasured && !is_stray && image.point(i).norm() > range_m;
+    if (image.mask[i] != kMeasured || is_stray) return std::nullopt;
+    return image.point(i).norm();
   }
 
   const std::vector<CurtainScan>& scans_;
