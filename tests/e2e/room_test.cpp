@@ -3,6 +3,8 @@
 // measured.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "io/output.hpp"
@@ -76,6 +78,30 @@ TEST(TinyRoom, door_leaf_and_recesses_are_polygons_and_no_interior_is_lost) {
     }
     EXPECT_GE(polygons, 2) << scan["id"];
   }
+}
+
+TEST(TinyRoom, columns_have_their_true_radii_and_unseen_backs_stand_in_the_model) {
+  const auto read = [](const std::filesystem::path& file) {
+    return nlohmann::json::parse(io::read_text(file));
+  };
+  const auto truth = read(room() / "truth.json");
+  std::vector<double> radii;
+  for (const auto& solid : truth["clutter"])
+    if (solid["kind"] == "cylinder")
+      radii.push_back((solid["high"][0].get<double>() - solid["low"][0].get<double>()) / 2);
+  ASSERT_EQ(radii.size(), 2u);
+  std::size_t found = 0;
+  for (const char* scan : {"east", "west"}) {
+    const auto planes = read(result() / "scans" / scan / "planes.json");
+    for (const auto& column : planes["cylinders"]) {
+      EXPECT_EQ(column["seen_from"], "outside");
+      const double radius = column["radius_m"].get<double>();
+      EXPECT_LT(std::min(std::abs(radius - radii[0]), std::abs(radius - radii[1])), 0.001) << scan;
+      ++found;
+    }
+  }
+  EXPECT_GE(found, 3u);  // the west scan sees one of them from too far
+  EXPECT_NE(io::read_text(result() / "model" / "unexplained.obj").find("-column-1"), std::string::npos);
 }
 
 TEST(TinyRoom, stray_samples_are_counted_and_stay_in_the_detail) {
