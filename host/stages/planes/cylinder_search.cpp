@@ -276,8 +276,7 @@ class Search {
     return fit_cylinder(points, cylinder, 1.5 * reach / static_cast<double>(points.size()));
   }
 
-  // Some of the samples of the squares that agree; what a flood finds of a small cylinder is more and as
-  // quick.
+  // Some of the samples of the squares that agree.
   Nodes sampled(const Cylinder& cylinder, const Nodes& members) const {
     const std::size_t each = static_cast<std::size_t>(height_) * static_cast<std::size_t>(width_);
     const std::size_t total = members.size() * each, stride = 1 + total / kMostFitted;
@@ -291,15 +290,18 @@ class Search {
     return nodes;
   }
 
+  // Of columns the last round takes all that a flood finds, and so do the others where squares hold little.
+  Nodes nodes_to_fit(const Cylinder& cylinder, int growth) {
+    if (inside_) return sampled(cylinder, agreeing(cylinder, growth > 0 ? kSmooth : kRoughReach));
+    if (growth + 1 == kGrowths) return flood(cylinder);
+    Nodes nodes = sampled(cylinder, agreeing(cylinder, kRoughReach));
+    return 2 * nodes.size() < kMostFitted ? flood(cylinder) : nodes;
+  }
+
   std::optional<Cylinder> settle(Cylinder cylinder) {
     Nodes nodes;
     for (int growth = 0; growth < kGrowths; ++growth) {
-      nodes.clear();
-      if (!inside_ && growth + 1 < kGrowths) nodes = sampled(cylinder, agreeing(cylinder, kRoughReach));
-      if (inside_)
-        nodes = sampled(cylinder, agreeing(cylinder, growth > 0 ? kSmooth : kRoughReach));
-      else if (2 * nodes.size() < kMostFitted)
-        nodes = flood(cylinder);
+      nodes = nodes_to_fit(cylinder, growth);
       const auto fitted = refit(cylinder, nodes);
       if (!is_sought(fitted)) return std::nullopt;
       cylinder = *fitted;
