@@ -121,16 +121,20 @@ void forget_planes_on_cylinders(const RangeImage& image, const RangeNoise& noise
   if (segmentation.cylinders.empty()) return;
   auto found = patches_of(image, noise, options, segmentation);
   follow_rings(image, noise, options, segmentation, found);
-  std::vector<std::uint32_t> id(found.size());
-  std::vector<Supercluster> kept;
-  for (std::size_t old = 1; old < id.size(); ++old) {
-    if (found[old].is_one()) continue;
-    kept.push_back(std::move(segmentation.superclusters[old - 1]));
-    id[old] = kept.back().id = static_cast<std::uint32_t>(kept.size());
+  auto& planes = segmentation.superclusters;
+  std::vector<std::uint32_t> kept, id(found.size());
+  for (std::uint32_t old = 1; old < id.size(); ++old)
+    if (!found[old].is_one()) kept.push_back(old);
+  std::stable_sort(kept.begin(), kept.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return planes[a - 1].samples > planes[b - 1].samples;
+  });
+  if (kept.size() == planes.size() && std::is_sorted(kept.begin(), kept.end())) return;
+  std::vector<Supercluster> renumbered;
+  for (const std::uint32_t old : kept) {
+    renumbered.push_back(std::move(planes[old - 1]));
+    id[old] = renumbered.back().id = static_cast<std::uint32_t>(renumbered.size());
   }
-  const bool any = kept.size() < segmentation.superclusters.size();
-  segmentation.superclusters = std::move(kept);
-  if (!any) return;
+  planes = std::move(renumbered);
   parallel_for(
       segmentation.sample_label.size(),
       [&](std::size_t i) { segmentation.sample_label[i] = id[segmentation.sample_label[i]]; }, 1 << 14);

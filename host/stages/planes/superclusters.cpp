@@ -18,6 +18,7 @@
 #include "stages/planes/rejoin_planes.hpp"
 #include "stages/planes/sample_labels.hpp"
 #include "stages/planes/small_planes.hpp"
+#include "stages/planes/springings.hpp"
 #include "stages/planes/tangent_rims.hpp"
 #include "stages/scan/interleaving.hpp"
 
@@ -346,6 +347,7 @@ PlaneSegmentation grow_superclusters(device::Queue& queue, const RangeImage& ima
         tried.waviness_m <= options.most_waviness_m)
       continue;
     result.cylinders = find_cylinders(image, squares, result, used);
+    trim_springings(image, squares.noise, used, result);
     forget_planes_on_cylinders(image, squares.noise, used, result);
     return result;
   }
