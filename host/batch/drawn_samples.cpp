@@ -5,12 +5,14 @@
 
 #include "core/parallel.hpp"
 #include "stages/rendering/column_backs.hpp"
+#include "stages/rendering/column_ends.hpp"
 
 namespace hybrid::batch {
 namespace {
 
 constexpr double kCompatibleDeg = 30;  // normals of a sample's plane and of a polygon it lies on
 constexpr double kNoiseSigmas = 3;     // of the difference of two scans
+constexpr double kSightTolerance_m = 0.02;
 
 double largest_sigma(const std::vector<ScanProduct>& products) {
   double sigma_m = 0;
@@ -18,30 +20,44 @@ double largest_sigma(const std::vector<ScanProduct>& products) {
   return sigma_m;
 }
 
-void append_column_backs(const std::vector<ScanProduct>& products,
-                         const std::vector<std::optional<ScanRegistration>>& registrations,
-                         WorldContours& all) {
+std::vector<std::uint32_t> add_ring(const std::vector<Vec3>& points, PolygonModel& model) {
+  std::vector<std::uint32_t> ring;
+  for (const Vec3& point : points) {
+    ring.push_back(static_cast<std::uint32_t>(model.vertices.size()));
+    model.vertices.push_back(point);
+  }
+  return ring;
+}
+
+// What columns are on the sides that no scan has seen.
+void append_columns(const std::vector<ScanProduct>& products,
+                    const std::vector<std::optional<ScanRegistration>>& registrations, WorldContours& all) {
   std::vector<std::uint32_t> product_of;
   for (std::size_t i = 0; i < products.size(); ++i)
     if (registrations[i]) product_of.push_back(static_cast<std::uint32_t>(i));
-  for (const stages::ColumnBack& back : stages::column_backs(curtain_scans(products, registrations))) {
-    Face face;
-    face.name = fmt::format("{}-column-{}", products[product_of[back.scan]].id, back.cylinder);
-    for (const Vec3& corner : back.corners) {
-      face.outer.push_back(static_cast<std::uint32_t>(all.model.vertices.size()));
-      all.model.vertices.push_back(corner);
-    }
+  const auto add = [&](std::size_t scan, std::uint32_t cylinder, Face face) {
+    face.name = fmt::format("{}-column-{}", products[product_of[scan]].id, cylinder);
     all.model.faces.push_back(std::move(face));
-    all.scan.push_back(product_of[back.scan]);
+    all.scan.push_back(product_of[scan]);
+  };
+  const auto scans = sight_scans(products, registrations);
+  const stages::ScanSight sight(scans, kSightTolerance_m);
+  const auto ends = stages::column_ends(sight, all.model);
+  for (const stages::ColumnBack& back : stages::column_backs(sight))
+    add(back.scan, back.cylinder, {"", add_ring({back.corners.begin(), back.corners.end()}, all.model), {}});
+  for (const stages::ColumnEnd& end : ends) {
+    Face face{"", add_ring(end.outer, all.model), {}};
+    for (const auto& hole : end.holes) face.holes.push_back(add_ring(hole, all.model));
+    add(end.scan, end.cylinder, std::move(face));
   }
 }
 
 }  // namespace
 
-std::vector<stages::CurtainScan> curtain_scans(
+std::vector<stages::SightScan> sight_scans(
     const std::vector<ScanProduct>& products,
     const std::vector<std::optional<ScanRegistration>>& registrations) {
-  std::vector<stages::CurtainScan> scans;
+  std::vector<stages::SightScan> scans;
   for (std::size_t i = 0; i < products.size(); ++i)
     if (registrations[i])
       scans.push_back({&products[i].image, &products[i].segmentation.sample_label, &products[i].stray,
@@ -69,7 +85,7 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
       all.scan.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  if (unseen_m > 0) append_column_backs(products, registrations, all);
+  if (unseen_m > 0) append_columns(products, registrations, all);
   return all;
 }
 

@@ -5,9 +5,8 @@
 namespace hybrid::batch {
 
 // The registered scans as evidence of what is in sight.
-std::vector<stages::CurtainScan> curtain_scans(
-    const std::vector<ScanProduct>& products,
-    const std::vector<std::optional<ScanRegistration>>& registrations);
+std::vector<stages::SightScan> sight_scans(const std::vector<ScanProduct>& products,
+                                           const std::vector<std::optional<ScanRegistration>>& registrations);
 
 // The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>, and
 // the backs of their columns that no scan has seen (column_backs.hpp), faces named <scan>-column-<cylinder

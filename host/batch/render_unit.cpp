@@ -125,7 +125,7 @@ std::vector<stages::Curtain> curtains_of(const std::vector<ScanProduct>& product
                                          double unseen_m) {
   stages::CurtainOptions options;
   options.length_m = unseen_m;
-  return stages::hang_curtains(curtain_scans(products, registrations), options);
+  return stages::hang_curtains(sight_scans(products, registrations), options);
 }
 
 }  // namespace

@@ -5,102 +5,155 @@
 #include <numbers>
 #include <optional>
 
-#include "stages/scan/node_lookup.hpp"
+#include "core/parallel.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr double kSlice_m = 0.1;
-constexpr double kBeside = 3;  // times the tolerance
+constexpr double kSlice_m = 0.1;  // of a shaft
 constexpr double kTurn = 2 * std::numbers::pi / kColumnSides;
 
-// Whether any of the scans has a sample at the place or behind it; where a scan has none in that direction,
-// whether the surface is there beside it.
-class Sight {
- public:
-  Sight(const std::vector<CurtainScan>& scans, double tolerance_m)
-      : scans_(scans), tolerance_m_(tolerance_m) {
-    for (const CurtainScan& scan : scans) {
-      lookups_.emplace_back(*scan.image);
-      scan_from_world_.push_back(scan.world_from_scan.inverse());
-    }
-  }
+// Of bases and heads: thin slices whose samples are equally far from the axis.
+constexpr double kThin_m = 0.02, kBeyond = 2;      // radii from an end, along the axis
+constexpr double kNearest = 0.6, kFarthest = 2.2;  // radii from the axis
+constexpr std::size_t kFewest = 8;                 // samples of a slice
+constexpr double kSpread = 0.16;                   // of the radius, within which most of them are
+constexpr double kMost = 0.6;
+constexpr int kMostMissing = 5;  // slices one after the other that are not round or hidden
+constexpr double kSimplify_m = 0.01;
 
-  bool knows(const Vec3& place) const {
-    for (std::size_t s = 0; s < scans_.size(); ++s)
-      if (scans_[s].image->count() > 0 && reaches(s, scan_from_world_[s] * place)) return true;
-    return false;
-  }
-
- private:
-  bool reaches(std::size_t s, const Vec3& point) const {
-    const auto node = lookups_[s].towards(point);
-    if (!node.within) return false;
-    const double least_m = point.norm() - tolerance_m_;
-    if (const auto range = range_m(scans_[s], node.row, node.col)) return *range > least_m;
-    for (int k = 0; k < 9; ++k)
-      if (const auto range = range_m(scans_[s], node.row + k / 3 - 1, node.col + k % 3 - 1);
-          range && std::abs(*range - point.norm()) <= kBeside * tolerance_m_)
-        return true;
-    return false;
-  }
-
-  static std::optional<double> range_m(const CurtainScan& scan, int row, int col) {
-    const RangeImage& image = *scan.image;
-    if (image.wraps) col = (col + image.cols) % image.cols;
-    if (row < 0 || col < 0 || row >= image.rows || col >= image.cols) return std::nullopt;
-    const std::size_t i = image.index(row, col);
-    const bool is_stray = scan.stray && !scan.stray->empty() && (*scan.stray)[i];
-    if (image.mask[i] != kMeasured || is_stray) return std::nullopt;
-    return image.point(i).norm();
-  }
-
-  const std::vector<CurtainScan>& scans_;
-  double tolerance_m_;
-  std::vector<NodeLookup> lookups_;
-  std::vector<Pose> scan_from_world_;
+// A column's outline at a height: along its axis, from it.
+struct Height {
+  double along_m, radius_m;
 };
 
-void append_backs(const Sight& sight, const CurtainScan& scan, std::size_t index, const Cylinder& cylinder,
+// Appends what stays of an outline after its place `first`, up to `last` (Douglas and Peucker).
+void simplify(const std::vector<Height>& outline, std::size_t first, std::size_t last,
+              std::vector<Height>& kept) {
+  if (last == first) return;
+  const Height &from = outline[first], &to = outline[last];
+  std::size_t farthest = first;
+  double most = kSimplify_m;
+  for (std::size_t k = first + 1; k < last; ++k) {
+    const double share = (outline[k].along_m - from.along_m) / (to.along_m - from.along_m);
+    const double off = std::abs(outline[k].radius_m - from.radius_m - share * (to.radius_m - from.radius_m));
+    if (off <= most) continue;
+    most = off;
+    farthest = k;
+  }
+  if (farthest == first) {
+    kept.push_back(to);
+    return;
+  }
+  simplify(outline, first, farthest, kept);
+  simplify(outline, farthest, last, kept);
+}
+
+// What most samples of a slice have, but for what stands beside the column; nothing where it is not round.
+std::optional<double> common_radius(std::vector<double>& radii, double spread) {
+  if (radii.size() < kFewest) return std::nullopt;
+  std::sort(radii.begin(), radii.end());
+  std::size_t first = 0, count = 0, end = 0;
+  for (std::size_t k = 0; k < radii.size(); ++k) {
+    while (end < radii.size() && radii[end] <= radii[k] + spread) ++end;
+    if (end - k <= count) continue;
+    count = end - k;
+    first = k;
+  }
+  if (static_cast<double>(count) < kMost * static_cast<double>(radii.size())) return std::nullopt;
+  return radii[first + count / 2];
+}
+
+// Of the base (-1) or the head (1), from the shaft's end outwards, as far as it is round; at least the end.
+std::vector<Height> profile(const ScanSight& sight, const Cylinder& column, int end) {
+  const double from = end < 0 ? 0 : column.length_m, reach = kBeyond * column.radius_m;
+  std::vector<std::vector<double>> radii(static_cast<std::size_t>(reach / kThin_m));
+  const Vec3 middle = column.foot + (from + 0.5 * end * reach) * column.axis;
+  for (const Vec3& point : sight.samples_near(middle, std::hypot(0.5 * reach, kFarthest * column.radius_m))) {
+    const double beyond = end * (column.along(point) - from), radius = column.outwards(point).norm();
+    if (!(beyond > 0) || radius < kNearest * column.radius_m || radius > kFarthest * column.radius_m)
+      continue;
+    const auto slice = static_cast<std::size_t>(beyond / kThin_m);
+    if (slice < radii.size()) radii[slice].push_back(radius);
+  }
+  std::vector<Height> outline = {{from, column.radius_at(from)}};
+  int missing = 0;
+  for (std::size_t slice = 0; slice < radii.size(); ++slice) {
+    const auto radius = common_radius(radii[slice], kSpread * column.radius_m);
+    missing = radius ? 0 : missing + 1;
+    if (missing > kMostMissing) break;
+    if (!radius) continue;
+    outline.push_back({from + end * (static_cast<double>(slice) + 0.5) * kThin_m, *radius});
+  }
+  std::vector<Height> heights = {outline[0]};
+  simplify(outline, 0, outline.size() - 1, heights);
+  return heights;
+}
+
+Vec3 place_on(const Cylinder& cylinder, const Height& height, double turn_rad) {
+  const Vec3 a = cylinder.axis.unitOrthogonal(), b = cylinder.axis.cross(a);
+  return cylinder.foot + height.along_m * cylinder.axis +
+         height.radius_m * (std::cos(turn_rad) * a + std::sin(turn_rad) * b);
+}
+
+// What no scan knows between the first height and the last, which lie on a line; from below upwards.
+void append_backs(const ScanSight& sight, const SightColumn& column, const std::vector<Height>& heights,
                   std::vector<ColumnBack>& backs) {
-  const Pose& world = scan.world_from_scan;
-  const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kSlice_m)));
-  const auto at = [&](double slice, double side) {
-    return Vec3(world * on_cylinder(cylinder, cylinder.length_m * slice / slices, kTurn * side));
+  const auto at = [&](const Height& height, double side) {
+    return place_on(column.cylinder, height, kTurn * side);
+  };
+  const auto middle = [&](std::size_t k) {
+    const Height &low = heights[k], &high = heights[k + 1];
+    return Height{0.5 * (low.along_m + high.along_m), 0.5 * (low.radius_m + high.radius_m)};
   };
   for (int side = 0; side < kColumnSides; ++side) {
-    int first = 0;
-    for (int slice = 0; slice <= slices; ++slice) {
-      if (slice < slices && !sight.knows(at(slice + 0.5, side + 0.5))) continue;
-      if (slice > first)
-        backs.push_back({index,
-                         cylinder.id,
-                         {at(first, side), at(first, side + 1), at(slice, side + 1), at(slice, side)}});
-      first = slice + 1;
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < heights.size(); ++k) {
+      if (k + 1 < heights.size() && !sight.is_known(at(middle(k), side + 0.5))) continue;
+      const Height &low = heights[first], &high = heights[k];
+      if (k > first)
+        backs.push_back({column.scan,
+                         column.cylinder.id,
+                         {at(low, side), at(low, side + 1), at(high, side + 1), at(high, side)}});
+      first = k + 1;
     }
   }
+}
+
+std::vector<ColumnBack> backs_of(const ScanSight& sight, const SightColumn& column) {
+  const Cylinder& cylinder = column.cylinder;
+  const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kSlice_m)));
+  std::vector<Height> shaft;
+  for (int k = 0; k <= slices; ++k) {
+    const double along = cylinder.length_m * k / slices;
+    shaft.push_back({along, cylinder.radius_at(along)});
+  }
+  std::vector<ColumnBack> backs;
+  append_backs(sight, column, shaft, backs);
+  for (const int end : {-1, 1}) {
+    const auto heights = profile(sight, cylinder, end);
+    for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
+      std::vector<Height> stretch = {heights[k], heights[k + 1]};
+      if (end < 0) std::swap(stretch[0], stretch[1]);
+      append_backs(sight, column, stretch, backs);
+    }
+  }
+  return backs;
 }
 
 }  // namespace
 
 Vec3 on_cylinder(const Cylinder& cylinder, double along_m, double turn_rad, double off_m) {
-  const Vec3 a = cylinder.axis.unitOrthogonal(), b = cylinder.axis.cross(a);
   const double radius = cylinder.radius_at(std::clamp(along_m, 0.0, cylinder.length_m)) + off_m;
-  return cylinder.foot + along_m * cylinder.axis + radius * (std::cos(turn_rad) * a + std::sin(turn_rad) * b);
+  return place_on(cylinder, {along_m, radius}, turn_rad);
 }
 
-std::vector<ColumnBack> column_backs(const std::vector<CurtainScan>& scans, double tolerance_m) {
+std::vector<ColumnBack> column_backs(const ScanSight& sight) {
+  const auto columns = sight.columns();
+  std::vector<std::vector<ColumnBack>> of_column(columns.size());
+  parallel_for(columns.size(), [&](std::size_t k) { of_column[k] = backs_of(sight, columns[k]); });
   std::vector<ColumnBack> backs;
-  const auto shows_one = [](const Cylinder& cylinder) { return !cylinder.inside; };
-  if (std::none_of(scans.begin(), scans.end(), [&](const CurtainScan& scan) {
-        return scan.cylinders && std::any_of(scan.cylinders->begin(), scan.cylinders->end(), shows_one);
-      }))
-    return backs;
-  const Sight sight(scans, tolerance_m);
-  for (std::size_t s = 0; s < scans.size(); ++s)
-    if (scans[s].cylinders)
-      for (const Cylinder& cylinder : *scans[s].cylinders)
-        if (shows_one(cylinder)) append_backs(sight, scans[s], s, cylinder, backs);
+  for (const auto& some : of_column) backs.insert(backs.end(), some.begin(), some.end());
   return backs;
 }
 

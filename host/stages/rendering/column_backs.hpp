@@ -1,5 +1,6 @@
 #pragma once
 #include "stages/rendering/curtains.hpp"
+#include "stages/rendering/scan_sight.hpp"
 
 namespace hybrid::stages {
 
@@ -19,6 +20,6 @@ struct ColumnBack {
 // The parts of columns and pipes that no scan has seen: neither their surface, nor that the place is empty. A
 // column is known to be round from the part that was seen, so its back is known, too. Strips along the axis,
 // in slices of 10 cm joined where they follow each other; in the order of scans and cylinders.
-std::vector<ColumnBack> column_backs(const std::vector<CurtainScan>& scans, double tolerance_m = 0.02);
+std::vector<ColumnBack> column_backs(const ScanSight& sight);
 
 }  // namespace hybrid::stages

@@ -7,7 +7,6 @@
 
 #include "core/parallel.hpp"
 #include "stages/rendering/column_backs.hpp"
-#include "stages/scan/node_lookup.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -23,11 +22,8 @@ constexpr double kSlice_m = 0.1;      // of a column, that a scan may have seen 
 // One scan among all.
 class Hanger {
  public:
-  Hanger(const std::vector<CurtainScan>& scans, const std::vector<NodeLookup>& lookups,
-         const CurtainOptions& options, std::size_t own)
-      : scans_(scans), lookups_(lookups), options_(options), own_(own), image_(*scans[own].image) {
-    for (const auto& scan : scans) scan_from_world_.push_back(scan.world_from_scan.inverse());
-  }
+  Hanger(const ScanSight& sight, const CurtainOptions& options, std::size_t own)
+      : sight_(sight), options_(options), own_(own), scan_(sight.scans()[own]), image_(*scan_.image) {}
 
   std::vector<Curtain> row(int row) const {
     std::vector<Curtain> curtains;
@@ -47,7 +43,7 @@ class Hanger {
     const auto go_on = [&](int slice) {
       const auto pieces = ring(cylinder, slice, slices);
       for (const Curtain& piece : pieces)
-        if (seen_empty(centre(piece), scans_.size())) return false;
+        if (sight_.is_empty(centre(piece))) return false;
       curtains.insert(curtains.end(), pieces.begin(), pieces.end());
       return true;
     };
@@ -63,28 +59,28 @@ class Hanger {
     return image_.index(row, col);
   }
 
-  bool says(std::size_t scan, std::size_t i) const {
-    const auto* stray = scans_[scan].stray;
-    return scans_[scan].image->mask[i] == kMeasured && (!stray || stray->empty() || !(*stray)[i]);
+  bool says(std::size_t i) const {
+    const auto* stray = scan_.stray;
+    return image_.mask[i] == kMeasured && (!stray || stray->empty() || !(*stray)[i]);
   }
 
   // The next sample that stands for a surface, in steps of one node.
   std::optional<std::size_t> beyond(int row, int col, int down, int across) const {
     for (int k = 1; k <= kReach; ++k) {
       const auto i = node(row + k * down, col + k * across);
-      if (i && says(own_, *i)) return i;
+      if (i && says(*i)) return i;
     }
     return std::nullopt;
   }
 
   bool one_surface(std::size_t a, std::size_t b) const {
-    const auto* label = scans_[own_].sample_label;
+    const auto* label = scan_.sample_label;
     return label && !label->empty() && (*label)[a] != 0 && (*label)[a] == (*label)[b];
   }
 
   void hang(int row, int col, int down, int across, std::vector<Curtain>& curtains) const {
     const std::size_t near = image_.index(row, col);
-    if (!says(own_, near)) return;
+    if (!says(near)) return;
     const auto far = beyond(row, col, down, across);
     if (!far || one_surface(near, *far)) return;
     const Vec3 from = image_.point(near);
@@ -103,12 +99,12 @@ class Hanger {
 
   void pieces(const Vec3& middle, const Vec3& side, double begin_m, double end_m,
               std::vector<Curtain>& curtains) const {
-    const Pose& world = scans_[own_].world_from_scan;
+    const Pose& world = scan_.world_from_scan;
     const int count = std::max(1, static_cast<int>(std::ceil((end_m - begin_m) / kPiece_m)));
     const auto at = [&](int k) { return begin_m + (end_m - begin_m) * k / count; };
     int first = 0;
     for (int k = 0; k <= count; ++k) {
-      if (k < count && !seen_empty(world * Vec3(0.5 * (at(k) + at(k + 1)) * middle), own_)) continue;
+      if (k < count && !sight_.is_empty(world * Vec3(0.5 * (at(k) + at(k + 1)) * middle), own_)) continue;
       if (k > first) {
         const auto corner = [&](int end, double sign) {
           return Vec3(world * Vec3(at(end) * (middle + sign * side)));
@@ -123,7 +119,7 @@ class Hanger {
 
   // Around a cylinder between two of the heights that divide it, world frame; also below and above it.
   std::vector<Curtain> ring(const Cylinder& cylinder, int slice, int slices) const {
-    const Pose& world = scans_[own_].world_from_scan;
+    const Pose& world = scan_.world_from_scan;
     const auto corner = [&](int height, double side) {
       return Vec3(world * on_cylinder(cylinder, cylinder.length_m * height / slices,
                                       2 * std::numbers::pi * side / kColumnSides, -options_.tolerance_m));
@@ -135,36 +131,20 @@ class Hanger {
     return pieces;
   }
 
-  // By a scan other than `but`.
-  bool seen_empty(const Vec3& place, std::size_t but) const {
-    for (std::size_t s = 0; s < scans_.size(); ++s) {
-      if (s == but || scans_[s].image->count() == 0) continue;
-      const Vec3 point = scan_from_world_[s] * place;
-      const auto found = lookups_[s].towards(point);
-      const std::size_t i = scans_[s].image->index(found.row, found.col);
-      if (found.within && says(s, i) &&
-          scans_[s].image->point(i).norm() > point.norm() + options_.tolerance_m)
-        return true;
-    }
-    return false;
-  }
-
-  const std::vector<CurtainScan>& scans_;
-  const std::vector<NodeLookup>& lookups_;
+  const ScanSight& sight_;
   const CurtainOptions& options_;
   std::size_t own_;
+  const SightScan& scan_;
   const RangeImage& image_;
-  std::vector<Pose> scan_from_world_;
 };
 
 }  // namespace
 
-std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const CurtainOptions& options) {
-  std::vector<NodeLookup> lookups;
-  for (const auto& scan : scans) lookups.emplace_back(*scan.image);
+std::vector<Curtain> hang_curtains(const std::vector<SightScan>& scans, const CurtainOptions& options) {
+  const ScanSight sight(scans, options.tolerance_m);
   std::vector<Curtain> curtains;
   for (std::size_t s = 0; s < scans.size(); ++s) {
-    const Hanger hanger(scans, lookups, options, s);
+    const Hanger hanger(sight, options, s);
     std::vector<std::vector<Curtain>> rows(static_cast<std::size_t>(scans[s].image->rows));
     parallel_for(rows.size(), [&](std::size_t row) { rows[row] = hanger.row(static_cast<int>(row)); });
     for (const auto& row : rows) curtains.insert(curtains.end(), row.begin(), row.end());

@@ -1,22 +1,10 @@
 #pragma once
 #include <array>
-#include <cstdint>
 #include <vector>
 
-#include "geometry/cylinder.hpp"
-#include "geometry/pose.hpp"
-#include "geometry/range_image.hpp"
+#include "stages/rendering/scan_sight.hpp"
 
 namespace hybrid::stages {
-
-// A registered scan as evidence of what is in sight and what is not.
-struct CurtainScan {
-  const RangeImage* image = nullptr;
-  const std::vector<std::uint32_t>* sample_label = nullptr;  // per node, 0: no supercluster; or empty
-  const std::vector<std::uint8_t>* stray = nullptr;          // per node, Stray; or empty
-  Pose world_from_scan;
-  const std::vector<Cylinder>* cylinders = nullptr;  // that it shows, its own frame
-};
 
 struct CurtainOptions {
   double length_m = 0.1;      // how far a curtain hangs behind the outline it begins at
@@ -31,6 +19,6 @@ using Curtain = std::array<Vec3, 4>;  // a quadrilateral's corners in order, wor
 // What a scan shows to be a column or a pipe is as wide beyond its ends, up to one and a half radii, where no
 // scan says otherwise: a curtain goes all around there, tolerance_m inside. In the order of scans
 // and nodes: same result for any number of threads.
-std::vector<Curtain> hang_curtains(const std::vector<CurtainScan>& scans, const CurtainOptions& options = {});
+std::vector<Curtain> hang_curtains(const std::vector<SightScan>& scans, const CurtainOptions& options = {});
 
 }  // namespace hybrid::stages

@@ -7,50 +7,20 @@
 #include <functional>
 
 #include "device.hpp"
-#include "stages/rendering/column_backs.hpp"
 #include "stages/rendering/render.hpp"
+#include "stages/rendering/small_scans.hpp"
 
 namespace hybrid::testing {
 namespace {
 
 using stages::Curtain;
 using stages::CurtainOptions;
-using stages::CurtainScan;
-
-constexpr double kStep_rad = 0.01;
-
-// What a scanner that looks along +y sees, 80 x 120 nodes; `range` of a direction.
-RangeImage scan_of(const std::function<double(const Vec3&)>& range) {
-  RangeImage image = make_range_image(80, 120);
-  for (int row = 0; row < 80; ++row)
-    image.elevation_rad[static_cast<std::size_t>(row)] = kStep_rad * (39.5 - row);
-  for (int col = 0; col < 120; ++col)
-    image.azimuth_rad[static_cast<std::size_t>(col)] = std::acos(0.0) + kStep_rad * (col - 59.5);
-  for (int row = 0; row < 80; ++row)
-    for (int col = 0; col < 120; ++col) {
-      const std::size_t i = image.index(row, col);
-      const double el = image.elevation_rad[static_cast<std::size_t>(row)],
-                   az = image.azimuth_rad[static_cast<std::size_t>(col)];
-      const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
-      const double r = range(ray);
-      image.range_m[i] = static_cast<float>(r);
-      image.x[i] = static_cast<float>(r * ray.x());
-      image.y[i] = static_cast<float>(r * ray.y());
-      image.z[i] = static_cast<float>(r * ray.z());
-      image.mask[i] = kMeasured;
-    }
-  return image;
-}
+using stages::SightScan;
 
 // A wall at y = 4 and before it, at y = 2, the front of a thing 60 cm wide and high.
 double thing_and_wall(const Vec3& ray) {
   const double near = 2 / ray.y();
   return std::abs(near * ray.x()) < 0.3 && std::abs(near * ray.z()) < 0.3 ? near : 4 / ray.y();
-}
-
-// The same wall from 3 m farther left, with nothing before it that this scanner sees.
-double empty(const Vec3& ray) {
-  return 4 / ray.y();
 }
 
 }  // namespace
@@ -86,21 +56,6 @@ TEST(Curtains, none_where_surfaces_are_one_or_another_scan_saw_through) {
   EXPECT_TRUE(together.empty());
 }
 
-// A column behind a wall that hides it, and scans from the same place that see it or through it.
-class ColumnBehindAWall : public ::testing::Test {
- protected:
-  ColumnBehindAWall() {
-    column.foot = {0, 6, -0.5};
-    column.length_m = 1;
-    column.radius_m = 0.3;
-    columns = {column};
-  }
-
-  Cylinder column;
-  std::vector<Cylinder> columns;
-  RangeImage hiding = scan_of(empty), through = scan_of([](const Vec3&ray) { return 9 / ray.y(); });
-};
-
 TEST_F(ColumnBehindAWall, curtains_go_on_beyond_its_ends_where_no_scan_sees_through) {
   const auto curtains = stages::hang_curtains({{&hiding, nullptr, nullptr, {}, &columns}});
   EXPECT_EQ(curtains.size(), 192u);  // 24 sides, 4 slices at either end
@@ -110,38 +65,6 @@ TEST_F(ColumnBehindAWall, curtains_go_on_beyond_its_ends_where_no_scan_sees_thro
       EXPECT_GE(std::abs(column.along(corner) - 0.5), 0.5 - 1e-9);
     }
   EXPECT_TRUE(stages::hang_curtains({{&through, nullptr, nullptr, {}, &columns}}).empty());
-}
-
-TEST_F(ColumnBehindAWall, its_back_is_what_no_scan_knows) {
-  const auto all = stages::column_backs({{&hiding, nullptr, nullptr, {}, &columns}});
-  EXPECT_EQ(all.size(), 24u);  // strips from end to end
-  for (const auto& back : all) {
-    EXPECT_EQ(back.scan, 0u);
-    for (const Vec3& corner : back.corners) EXPECT_NEAR(column.distance(corner), 0, 1e-9);
-    const auto& c = back.corners;
-    EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(c[0])), 0);  // front side outwards
-  }
-  EXPECT_TRUE(
-      stages::column_backs({{&hiding, nullptr, nullptr, {}, &columns}, {&through, nullptr, nullptr, {}}})
-          .empty());
-  // One that sees its front: that is known, the rest is not.
-  const RangeImage front = scan_of([&](const Vec3& ray) {
-    const double b = ray.head<2>().dot(Vec2(0, 6)), a = ray.head<2>().squaredNorm();
-    const double root = b * b - a * (36 - 0.09);
-    return root > 0 ? (b - std::sqrt(root)) / a : 9 / ray.y();
-  });
-  const auto rest = stages::column_backs({{&front, nullptr, nullptr, {}, &columns}});
-  // But for strips that it meets at a grazing angle, whose samples are farther apart than the tolerance.
-  EXPECT_GE(rest.size(), 12u);
-  EXPECT_LE(rest.size(), 16u);
-  for (const auto& back : rest) EXPECT_GT(0.5 * (back.corners[0] + back.corners[1]).y(), 6 - 0.3 / 2);
-  // Where its front has a hole what is around says that it is seen.
-  RangeImage holed = front;
-  for (std::size_t i = 0; i < holed.count(); i += 7) holed.mask[i] = kEmpty;
-  for (const auto& back : stages::column_backs({{&holed, nullptr, nullptr, {}, &columns}}))
-    EXPECT_GT(0.5 * (back.corners[0] + back.corners[1]).y(), 6 - 0.3 / 2);
-  columns[0].inside = true;
-  EXPECT_TRUE(stages::column_backs({{&hiding, nullptr, nullptr, {}, &columns}}).empty());
 }
 
 TEST(Curtains, no_view_looks_through_them) {

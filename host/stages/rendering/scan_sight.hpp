@@ -1,0 +1,65 @@
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "geometry/cylinder.hpp"
+#include "geometry/pose.hpp"
+#include "geometry/range_image.hpp"
+#include "stages/scan/node_lookup.hpp"
+
+namespace hybrid::stages {
+
+// A registered scan as evidence of what is in sight and what is not.
+struct SightScan {
+  const RangeImage* image = nullptr;
+  const std::vector<std::uint32_t>* sample_label = nullptr;  // per node, 0: no supercluster; or empty
+  const std::vector<std::uint8_t>* stray = nullptr;          // per node, Stray; or empty
+  Pose world_from_scan;
+  const std::vector<Cylinder>* cylinders = nullptr;  // that it shows, its own frame
+};
+
+// A column or a pipe that a scan shows, world frame.
+struct SightColumn {
+  std::size_t scan = 0;
+  Cylinder cylinder;
+};
+
+// What registered scans say of places in the world.
+class ScanSight {
+ public:
+  static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
+  // The scans must outlive this. A sample this far behind a place shows that the place is empty.
+  ScanSight(const std::vector<SightScan>& scans, double tolerance_m);
+
+  // Whether a scan other than `but` sees past the place.
+  bool is_empty(const Vec3& place, std::size_t but = kAll) const;
+
+  // Whether any scan has a sample at the place or behind it; where a scan has none in that direction, whether
+  // the surface is there beside it.
+  bool is_known(const Vec3& place) const;
+
+  // Samples of all scans within a radius of a place, no strays, world frame; of a scan with more than about
+  // `many` there those of every few rows and columns. In the order of scans and nodes.
+  std::vector<Vec3> samples_near(const Vec3& place, double radius_m, double many = 1e5) const;
+
+  // Those that the scans show, in the order of scans and ids; vaults are none.
+  std::vector<SightColumn> columns() const;
+
+  const std::vector<SightScan>& scans() const { return scans_; }
+  double tolerance_m() const { return tolerance_m_; }
+
+ private:
+  bool reaches(std::size_t scan, const Vec3& point) const;
+  std::optional<double> range_m(std::size_t scan, int row, int col) const;
+  std::vector<Vec3> samples_near(std::size_t scan, const Vec3& point, double radius_m, double many) const;
+
+  const std::vector<SightScan>& scans_;
+  double tolerance_m_;
+  std::vector<NodeLookup> lookups_;
+  std::vector<Pose> scan_from_world_;
+};
+
+}  // namespace hybrid::stages

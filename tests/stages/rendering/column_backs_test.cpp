@@ -1,0 +1,151 @@
+#include "stages/rendering/column_backs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+#include "stages/rendering/column_ends.hpp"
+#include "stages/rendering/small_scans.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+using stages::SightScan;
+
+std::vector<stages::ColumnBack> backs_of(const std::vector<SightScan>& scans) {
+  return stages::column_backs(stages::ScanSight(scans, 0.02));
+}
+
+std::vector<stages::ColumnEnd> ends_of(const std::vector<SightScan>& scans, const PolygonModel& contours) {
+  return stages::column_ends(stages::ScanSight(scans, 0.02), contours);
+}
+
+// Heights and radii, from below upwards; straight in between.
+using Outline = std::vector<std::pair<double, double>>;
+
+double radius_of(const Outline& outline, double z) {
+  for (std::size_t k = 0; k + 1 < outline.size(); ++k) {
+    const auto& [low, first] = outline[k];
+    const auto& [high, last] = outline[k + 1];
+    if (z >= low && z <= high) return first + (last - first) * (z - low) / (high - low);
+  }
+  return 0;
+}
+
+// What is upright about the column's axis, seen from one side, and a wall at y = 9.
+RangeImage front_of(const Cylinder& column, const Outline& outline) {
+  return scan_of([&](const Vec3& ray) {
+    const double wall = 9 / ray.y();
+    for (double range = 5; range < 7; range += 0.001)
+      if (const Vec3 at = range * ray; column.outwards(at).norm() < radius_of(outline, at.z())) return range;
+    return wall;
+  });
+}
+
+// A rectangle before the column's axis, its front side towards the scanner.
+PolygonModel plinth(double half_width, double before_axis) {
+  PolygonModel model;
+  const double y = 6 - before_axis;
+  model.vertices = {{-half_width, y, -0.9}, {half_width, y, -0.9}, {half_width, y, -0.5},
+                    {-half_width, y, -0.5}, {-0.1, y, -0.8},       {-0.1, y, -0.6},
+                    {0.1, y, -0.6},         {0.1, y, -0.8}};
+  model.faces = {{"plinth", {0, 1, 2, 3}, {{4, 5, 6, 7}}}};
+  return model;
+}
+
+}  // namespace
+
+TEST_F(ColumnBehindAWall, its_back_is_what_no_scan_knows) {
+  const auto all = backs_of({{&hiding, nullptr, nullptr, {}, &columns}});
+  EXPECT_EQ(all.size(), 24u);  // strips from end to end
+  for (const auto& back : all) {
+    EXPECT_EQ(back.scan, 0u);
+    for (const Vec3& corner : back.corners) EXPECT_NEAR(column.distance(corner), 0, 1e-9);
+    const auto& c = back.corners;
+    EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(c[0])), 0);  // front side outwards
+  }
+  EXPECT_TRUE(
+      backs_of({{&hiding, nullptr, nullptr, {}, &columns}, {&through, nullptr, nullptr, {}}}).empty());
+  // One that sees its front: that is known, the rest is not.
+  const RangeImage front = front_of(column, {{-0.5, 0.3}, {0.5, 0.3}});
+  const auto rest = backs_of({{&front, nullptr, nullptr, {}, &columns}});
+  // But for strips that it meets at a grazing angle, whose samples are farther apart than the tolerance.
+  EXPECT_GE(rest.size(), 12u);
+  EXPECT_LE(rest.size(), 16u);
+  for (const auto& back : rest) EXPECT_GT(0.5 * (back.corners[0] + back.corners[1]).y(), 6 - 0.3 / 2);
+  // Where its front has a hole what is around says that it is seen.
+  RangeImage holed = front;
+  for (std::size_t i = 0; i < holed.count(); i += 7) holed.mask[i] = kEmpty;
+  for (const auto& back : backs_of({{&holed, nullptr, nullptr, {}, &columns}}))
+    EXPECT_GT(0.5 * (back.corners[0] + back.corners[1]).y(), 6 - 0.3 / 2);
+  columns[0].inside = true;
+  EXPECT_TRUE(backs_of({{&hiding, nullptr, nullptr, {}, &columns}}).empty());
+}
+
+TEST_F(ColumnBehindAWall, a_head_seen_from_one_side_is_as_round_on_the_other) {
+  const Outline outline = {{-0.5, 0.3}, {0.5, 0.3}, {0.9, 0.5}, {0.9001, 0}};
+  const RangeImage front = front_of(column, outline);
+  double highest = 0;
+  int above = 0;
+  for (const auto& back : backs_of({{&front, nullptr, nullptr, {}, &columns}})) {
+    const auto& c = back.corners;
+    EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(c[0])), 0);  // front side outwards
+    for (const Vec3& corner : c) {
+      if (corner.z() > 0.51) {
+        EXPECT_NEAR(column.outwards(corner).norm(), radius_of(outline, corner.z()), 0.015);
+      }
+      highest = std::max(highest, corner.z());
+      EXPECT_GE(corner.z(), -0.5 - 1e-9);
+    }
+    above += c[3].z() > 0.51;
+  }
+  EXPECT_GE(above, 12);
+  EXPECT_NEAR(highest, 0.89, 0.02);
+  // Square above its shaft, or with other things in it: only the shaft.
+  const RangeImage square = scan_of([&](const Vec3& ray) {
+    for (double range = 5; range < 7; range += 0.001) {
+      const Vec3 at = range * ray;
+      const double side = at.z() > 0.5 && at.z() < 0.9 ? 0.45 : 0;
+      if (std::abs(at.x()) < side && std::abs(at.y() - 6) < side) return range;
+    }
+    return 9 / ray.y();
+  });
+  for (const auto& back : backs_of({{&square, nullptr, nullptr, {}, &columns}}))
+    for (const Vec3& corner : back.corners) EXPECT_LE(corner.z(), 0.5 + 1e-9);
+}
+
+TEST_F(ColumnBehindAWall, a_side_of_its_plinth_is_there_on_all_four) {
+  const auto ends = ends_of({{&hiding, nullptr, nullptr, {}, &columns}}, plinth(0.45, 0.45));
+  ASSERT_EQ(ends.size(), 3u);
+  const double right[] = {0.45, 0, -0.45}, behind[] = {0, 0.45, 0};  // a quarter, a half, three quarters on
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(ends[k].scan, 0u);
+    ASSERT_EQ(ends[k].outer.size(), 4u);
+    ASSERT_EQ(ends[k].holes.size(), 1u);
+    const auto& c = ends[k].outer;
+    const Vec3 middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
+    EXPECT_LT((middle - Vec3(right[k], 6 + behind[k], -0.7)).norm(), 1e-9) << k;
+    EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(middle)), 0) << k;
+    EXPECT_NEAR((c[1] - c[0]).norm(), 0.9, 1e-9);
+  }
+  // The same column of another scan brings nothing new.
+  EXPECT_EQ(ends_of({{&hiding, nullptr, nullptr, {}, &columns}, {&hiding, nullptr, nullptr, {}, &columns}},
+                    plinth(0.45, 0.45))
+                .size(),
+            3u);
+}
+
+TEST_F(ColumnBehindAWall, no_plinth_where_it_is_empty_too_wide_or_far_or_no_column) {
+  const auto sides = [&](const RangeImage& image, const PolygonModel& model) {
+    return ends_of({{&image, nullptr, nullptr, {}, &columns}}, model).size();
+  };
+  EXPECT_EQ(sides(hiding, plinth(0.45, 0.45)), 3u);
+  EXPECT_EQ(sides(through, plinth(0.45, 0.45)), 0u);
+  EXPECT_EQ(sides(hiding, plinth(0.8, 0.45)), 0u);
+  EXPECT_EQ(sides(hiding, plinth(0.3, 0.6)), 0u);
+  EXPECT_EQ(sides(hiding, {}), 0u);
+  columns[0].inside = true;
+  EXPECT_EQ(sides(hiding, plinth(0.45, 0.45)), 0u);
+}
+
+}  // namespace hybrid::testing

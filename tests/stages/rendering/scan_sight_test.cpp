@@ -1,0 +1,95 @@
+#include "stages/rendering/scan_sight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "stages/rendering/small_scans.hpp"
+
+namespace hybrid::testing {
+namespace {
+
+using stages::ScanSight;
+using stages::SightScan;
+
+// All around, from 80 degrees below to the zenith, on a sphere of 4 m.
+RangeImage all_around() {
+  RangeImage image = make_range_image(85, 180);
+  image.wraps = true;
+  for (int row = 0; row < image.rows; ++row)
+    image.elevation_rad[static_cast<std::size_t>(row)] = (90 - 2.0 * row) * std::numbers::pi / 180;
+  for (int col = 0; col < image.cols; ++col)
+    image.azimuth_rad[static_cast<std::size_t>(col)] = (2.0 * col - 180) * std::numbers::pi / 180;
+  for (int row = 0; row < image.rows; ++row)
+    for (int col = 0; col < image.cols; ++col) {
+      const std::size_t i = image.index(row, col);
+      const double el = image.elevation_rad[static_cast<std::size_t>(row)],
+                   az = image.azimuth_rad[static_cast<std::size_t>(col)];
+      image.range_m[i] = 4;
+      image.x[i] = static_cast<float>(4 * std::cos(el) * std::cos(az));
+      image.y[i] = static_cast<float>(4 * std::cos(el) * std::sin(az));
+      image.z[i] = static_cast<float>(4 * std::sin(el));
+      image.mask[i] = i % 5 == 0 ? kEmpty : kMeasured;
+    }
+  return image;
+}
+
+std::size_t count_near(const RangeImage& image, const Vec3& place, double radius_m) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < image.count(); ++i)
+    count += image.mask[i] == kMeasured && (image.point(i) - place).norm() <= radius_m;
+  return count;
+}
+
+}  // namespace
+
+TEST(ScanSight, samples_near_a_place_are_those_within_the_radius_wherever_it_is) {
+  const RangeImage image = all_around();
+  const std::vector<SightScan> scans = {{&image, nullptr, nullptr, {}}};
+  const ScanSight sight(scans, 0.02);
+  for (const Vec3& place : {Vec3(4, 0, 0), Vec3(-4, 0, 0), Vec3(-4, -0.01, 0.3), Vec3(0, 0, 4),
+                            Vec3(0, 0, -3.9), Vec3(1, 1, 3.6), Vec3(0.1, 0, 0), Vec3(0, 0, 0), Vec3(0, 9, 0)})
+    for (const double radius_m : {0.3, 1.0, 5.0}) {
+      const auto found = sight.samples_near(place, radius_m);
+      EXPECT_EQ(found.size(), count_near(image, place, radius_m)) << place.transpose() << ", " << radius_m;
+      for (const Vec3& point : found) EXPECT_LE((point - place).norm(), radius_m);
+    }
+  const auto few = sight.samples_near({4, 0, 0}, 3, 100).size();
+  EXPECT_GT(few, 10u);
+  EXPECT_LT(few, count_near(image, {4, 0, 0}, 3) / 4);
+}
+
+TEST(ScanSight, what_is_at_a_place_before_it_and_behind_it) {
+  const RangeImage wall = scan_of(empty);
+  std::vector<std::uint8_t> stray(wall.count(), 1);
+  const std::vector<SightScan> scans = {{&wall, nullptr, nullptr, {}}},
+                               strays = {{&wall, nullptr, &stray, {}}};
+  const ScanSight sight(scans, 0.02), blind(strays, 0.02);
+  EXPECT_TRUE(sight.is_empty({0, 3, 0}));
+  EXPECT_TRUE(sight.is_known({0, 3, 0}));
+  EXPECT_FALSE(sight.is_empty({0, 4, 0}));
+  EXPECT_TRUE(sight.is_known({0, 4, 0}));
+  EXPECT_FALSE(sight.is_empty({0, 5, 0}));
+  EXPECT_FALSE(sight.is_known({0, 5, 0}));
+  EXPECT_FALSE(sight.is_known({0, -3, 0}));    // behind the scanner
+  EXPECT_FALSE(sight.is_empty({0, 3, 0}, 0));  // by another than the first
+  EXPECT_FALSE(blind.is_empty({0, 3, 0}));
+  EXPECT_FALSE(blind.is_known({0, 3, 0}));
+  EXPECT_TRUE(ScanSight({}, 0.02).columns().empty());
+}
+
+TEST_F(ColumnBehindAWall, columns_stand_in_the_world) {
+  columns.push_back(column);
+  columns[1].inside = true;
+  const Pose placed{1, Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ())), {1, 2, 3}};
+  const std::vector<SightScan> scans = {{&hiding, nullptr, nullptr, {}},
+                                        {&hiding, nullptr, nullptr, placed, &columns}};
+  const auto found = ScanSight(scans, 0.02).columns();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].scan, 1u);
+  EXPECT_LT((found[0].cylinder.foot - Vec3(-5, 2, 2.5)).norm(), 1e-12);
+  EXPECT_EQ(found[0].cylinder.radius_m, column.radius_m);
+}
+
+}  // namespace hybrid::testing
