@@ -8,14 +8,30 @@
 namespace hybrid::stages {
 namespace {
 
-// The first look: about this many texels over all sides of all faces, none with fewer or more on its longer
-// side; but narrow faces have some across, too.
+// The first look: about this many texels over both sides of all faces, as large on one face as on another,
+// but none with fewer or more on its longer side than these; narrow faces have some across, too.
 constexpr double kLook_texels = 4e6;
 constexpr int kLeastLook = 16, kMostLook = 192, kAcross = 6;
 
-int look_side(std::size_t sides) {
-  const double side = std::sqrt(kLook_texels / static_cast<double>(std::max<std::size_t>(1, sides)));
-  return std::clamp(static_cast<int>(side), kLeastLook, kMostLook);
+double look_texel_m(const AtlasChart& chart, double common_m) {
+  const double longer = std::max(chart.width_m, chart.height_m);
+  return std::min(std::clamp(common_m, longer / (kMostLook - 2), longer / (kLeastLook - 2)),
+                  std::min(chart.width_m, chart.height_m) / kAcross);
+}
+
+// The side of the first look's texels, by bisection.
+double common_look_m(const std::vector<AtlasChart>& sides) {
+  double low = 1e-6, high = 1e3;
+  for (int round = 0; round < 50; ++round) {
+    const double middle = std::sqrt(low * high);
+    double texels = 0;
+    for (const AtlasChart& side : sides) {
+      const double texel = look_texel_m(side, middle);
+      if (texel > 0) texels += side.width_m * side.height_m / (texel * texel);
+    }
+    (texels > kLook_texels ? low : high) = middle;
+  }
+  return high;
 }
 
 // Shadow rays ignore what they meet this near to a face at grazing angles (lib/photo_packet.h), so that
@@ -100,7 +116,14 @@ const std::vector<OptionRow<AtlasOptions>>& atlas_option_table() {
 Atlas plan_atlas(Renderer& renderer, const RenderScene& scene, const AtlasOptions& options) {
   Atlas atlas;
   atlas.padding = options.padding;
-  const int side = look_side(2 * (scene.proxy.faces.size() + scene.contours.faces.size()));
+  std::vector<AtlasChart> sides;
+  for (const bool contour : {false, true}) {
+    const PolygonModel& model = contour ? scene.contours : scene.proxy;
+    for (std::uint32_t face = 0; face < model.faces.size(); ++face)
+      for (const bool back : {false, true}) sides.push_back(make_chart(model, face, contour, back));
+  }
+  const double look_m = common_look_m(sides);
+  auto side = sides.begin();
   const int most = options.page - 2 * options.padding;
   for (const bool contour : {false, true}) {
     const PolygonModel& model = contour ? scene.contours : scene.proxy;
@@ -108,11 +131,8 @@ Atlas plan_atlas(Renderer& renderer, const RenderScene& scene, const AtlasOption
       std::optional<AtlasChart> unseen;
       bool seen = false;
       for (const bool back : {false, true}) {
-        AtlasChart chart = make_chart(model, face, contour, back);
-        size_chart(chart,
-                   std::min(std::max(chart.width_m, chart.height_m) / (side - 2),
-                            std::min(chart.width_m, chart.height_m) / kAcross),
-                   most);
+        AtlasChart chart = *side++;
+        size_chart(chart, look_texel_m(chart, look_m), most);
         const auto mask = chart_mask(chart, model);
         const auto look = renderer.bake(chart, mask);
         const auto footprint = footprint_m(chart, look, scene.photographs);
