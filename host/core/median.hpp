@@ -1,13 +1,23 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/parallel_blocks.hpp"
 
 namespace hybrid {
+
+// Of n values the one that n / 2 are before in ascending order, NaN of none; reorders them.
+inline double median(std::vector<double>& values) {
+  if (values.empty()) return NAN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 // The median of those of value(i), i in [0, count), that are numbers (NaN: none): of n the one that n / 2 are
 // before in ascending order; 0 when there are none. On all threads, from three counts of eleven bits, the

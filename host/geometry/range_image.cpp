@@ -4,17 +4,17 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "core/large_vector.hpp"
 #include "core/parallel.hpp"
+#include "geometry/angles.hpp"
 #include "geometry/placed_range_image.hpp"
 
 namespace hybrid {
 
 bool is_full_turn(const std::vector<double>& azimuth_rad) {
-  constexpr double kTurn = 2 * std::numbers::pi, kOpenGap = 3;  // columns
+  constexpr double kOpenGap = 3;  // columns
   if (azimuth_rad.size() < 2) return false;
   const double turn = azimuth_rad.back() - azimuth_rad.front();
   return kTurn - std::abs(turn) <= kOpenGap * (turn / static_cast<double>(azimuth_rad.size() - 1));
@@ -27,7 +27,6 @@ RangeImage make_range_image(int rows, int cols, std::vector<std::uint32_t> sourc
   image.source = std::move(source);
   image.elevation_rad.assign(static_cast<std::size_t>(rows), 0.0);
   image.azimuth_rad.assign(static_cast<std::size_t>(cols), 0.0);
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const std::size_t count = image.count();
   // Memory touched for the first time costs more than the values: a thread for each.
   const std::function<void()> fill[] = {[&] { assign_large(image.range_m, count, kNaN); },

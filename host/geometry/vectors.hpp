@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <limits>
 
 namespace hybrid {
 
@@ -10,5 +11,14 @@ using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Vec3f = Eigen::Vector3f;
+
+inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();  // coordinates that were not measured
+// Floats so far from the origin still have a tenth of a millimetre.
+inline constexpr double kFarFromOrigin_m = 1000;
+
+// As a record's three floats.
+inline void store(const Vec3& v, float* to) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v(k));
+}
 
 }  // namespace hybrid
