@@ -13,8 +13,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kManySamples = 2'000'000;  // say what the percentiles are
-constexpr double kCylinderSigmas = 3.5;          // of its scatter: samples shown as a cylinder's
+constexpr double kCylinderSigmas = 3.5;  // of its scatter: samples shown as a cylinder's
 
 using Colour = std::array<std::uint8_t, 3>;
 

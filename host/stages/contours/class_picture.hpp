@@ -6,6 +6,8 @@
 
 namespace hybrid::stages {
 
+inline constexpr std::size_t kManySamples = 2'000'000;  // say what the percentiles of a scan are
+
 // Figure 2(b) of the paper, one RGB pixel per node: a pastel colour per supercluster (by id, neighbouring ids
 // far apart in hue), orange = on a column or pipe, brown = on a barrel vault, dark blue = locally planar but
 // too small, dark green = non-planar (also outliers in a supercluster's square), black = undersampled or no

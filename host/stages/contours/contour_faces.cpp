@@ -35,7 +35,7 @@ struct Extent {
   }
 };
 
-constexpr std::size_t kRows = 64;  // of the image, looked at together
+constexpr std::size_t kFaceRows = 64;  // of the image, looked at together
 
 std::vector<Extent> find_extents(const RangeImage& image, const PlaneSegmentation& segmentation,
                                  const std::vector<std::uint8_t>& explained) {
@@ -58,7 +58,7 @@ std::vector<Extent> find_extents(const RangeImage& image, const PlaneSegmentatio
       }
     return extents;
   };
-  return sum_blocks<Extents>(static_cast<std::size_t>(image.rows), of_rows, kRows);
+  return sum_blocks<Extents>(static_cast<std::size_t>(image.rows), of_rows, kFaceRows);
 }
 
 struct Judge {

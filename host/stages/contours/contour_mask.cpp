@@ -10,18 +10,18 @@ namespace hybrid::stages {
 namespace {
 
 // Equal labels in a row, columns [begin, end).
-struct Run {
+struct RowRun {
   int row, begin, end;
   std::uint32_t label, patch;
 };
 
 struct Patches {
-  std::vector<Run> runs;               // row by row, left to right
+  std::vector<RowRun> runs;            // row by row, left to right
   std::vector<std::size_t> row_begin;  // rows + 1
 };
 
 void find_runs(const RangeImage& image, const std::vector<std::uint32_t>& labels, Patches& patches) {
-  std::vector<std::vector<Run>> rows(static_cast<std::size_t>(image.rows));
+  std::vector<std::vector<RowRun>> rows(static_cast<std::size_t>(image.rows));
   parallel_for(rows.size(), [&](std::size_t row) {
     const std::uint32_t* line = &labels[image.index(static_cast<int>(row), 0)];
     for (int begin = 0; begin < image.cols;) {
@@ -43,7 +43,7 @@ template <typename Body>
 void touching(const Patches& patches, std::size_t row, const Body& body) {
   std::size_t a = patches.row_begin[row], b = patches.row_begin[row + 1];
   while (a < patches.row_begin[row + 1] && b < patches.row_begin[row + 2]) {
-    const Run &upper = patches.runs[a], &lower = patches.runs[b];
+    const RowRun &upper = patches.runs[a], &lower = patches.runs[b];
     const int overlap = std::min(upper.end, lower.end) - std::max(upper.begin, lower.begin);
     if (overlap > 0) body(a, b, overlap);
     if (upper.end <= lower.end) ++a;
@@ -95,10 +95,10 @@ constexpr std::uint32_t kNoRim = 0xffffffffu;
 std::vector<Rim> find_rims(const RangeImage& image, const Patches& patches,
                            const std::vector<std::uint32_t>& slot, std::size_t count) {
   std::vector<Rim> rims(count);
-  const auto add = [&](const Run& from, std::uint32_t other, int edges) {
+  const auto add = [&](const RowRun& from, std::uint32_t other, int edges) {
     if (slot[from.patch] != kNoRim) rims[slot[from.patch]].add(other, edges);
   };
-  const auto meet = [&](const Run& a, const Run& b, int edges) {
+  const auto meet = [&](const RowRun& a, const RowRun& b, int edges) {
     if (a.patch == b.patch) return;
     add(a, b.label, edges);
     add(b, a.label, edges);
@@ -133,7 +133,7 @@ void clean(const RangeImage& image, int least, Kind kind, std::vector<std::uint3
            std::vector<LabelChange>& changes) {
   const Patches patches = find_patches(image, labels);
   std::vector<std::int64_t> size(patches.runs.size(), 0);
-  for (const Run& run : patches.runs) size[run.patch] += run.end - run.begin;
+  for (const RowRun& run : patches.runs) size[run.patch] += run.end - run.begin;
   std::vector<std::uint32_t> slot(patches.runs.size(), kNoRim), owner;
   for (std::uint32_t i = 0; i < patches.runs.size(); ++i)
     if (patches.runs[i].patch == i && size[i] < least &&
@@ -142,7 +142,7 @@ void clean(const RangeImage& image, int least, Kind kind, std::vector<std::uint3
       owner.push_back(i);
     }
   const auto rims = find_rims(image, patches, slot, owner.size());
-  for (const Run& run : patches.runs) {
+  for (const RowRun& run : patches.runs) {
     if (slot[run.patch] == kNoRim) continue;
     const std::uint32_t after = replacement(run.label, rims[slot[run.patch]]);
     if (after == run.label) continue;

@@ -45,7 +45,7 @@ std::vector<std::uint32_t> gather_nodes(const RangeImage& image, const std::vect
 }
 
 // Edges of a cell, clockwise as the image is seen: edge k lies between corners k and k + 1.
-enum Edge { kUpperEdge, kRightEdge, kLowerEdge, kLeftEdge };
+enum CellEdge { kUpperEdge, kRightEdge, kLowerEdge, kLeftEdge };
 
 bool inside(std::uint32_t code, int corner) {
   return (code >> (corner & 3) & 1u) != 0;

@@ -4,18 +4,16 @@
 #include <array>
 #include <cmath>
 #include <nanoflann.hpp>
-#include <numbers>
 #include <unordered_map>
 
 #include "core/parallel_blocks.hpp"
+#include "geometry/angles.hpp"
 #include "stages/contours/contour_mask.hpp"
 #include "stages/contours/contour_rings.hpp"
 #include "stages/contours/simple_rings.hpp"
 
 namespace hybrid::stages {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 // Samples by their measured direction, the azimuth unwrapped to that of their column.
 struct Directions {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/contours/class_picture.hpp"
+
 namespace hybrid::stages {
 namespace {
 
 constexpr std::uint8_t kNothingThere = 40;
-constexpr std::size_t kManySamples = 2'000'000;  // say what the percentiles are
-
 // Right and up as someone sees them who stands before a wall; on floors and ceilings up is Y.
 void set_axes(const Vec3& normal, Orthophoto& photo) {
   const Vec3 above = std::abs(normal.z()) > 0.95 ? Vec3::UnitY() : Vec3::UnitZ();

@@ -54,10 +54,10 @@ double distance_nm(const RingVertex& p, const RingVertex& a, const RingVertex& b
   return (arm - along * side).norm();
 }
 
-struct Edge {
+struct RingEdge {
   std::uint32_t ring, index;  // from vertex `index` to the next one
 };
-using Crossing = std::pair<Edge, Edge>;
+using Crossing = std::pair<RingEdge, RingEdge>;
 
 // All edges in ring order under a binary tree of boxes: successive edges are near each other. Edges meet,
 // too, when an end of one comes nearer to the other than `reach_nm`.
@@ -86,8 +86,8 @@ class Crossings {
   }
 
  private:
-  const RingVertex& start(const Edge& e) const { return rings_[e.ring].vertices[e.index]; }
-  const RingVertex& finish(const Edge& e) const {
+  const RingVertex& start(const RingEdge& e) const { return rings_[e.ring].vertices[e.index]; }
+  const RingVertex& finish(const RingEdge& e) const {
     const auto& vertices = rings_[e.ring].vertices;
     return vertices[(e.index + 1) % vertices.size()];
   }
@@ -106,10 +106,10 @@ class Crossings {
     for (std::size_t i = 0; i < 2; ++i)
       for (std::size_t j = 0; j < 2; ++j) across(2 * a + i, 2 * b + j);
   }
-  void test(const Edge& e, const Edge& f) {
+  void test(const RingEdge& e, const RingEdge& f) {
     if (cross(e, f) || touch(e, f)) found_.push_back({e, f});
   }
-  bool cross(const Edge& e, const Edge& f) const {
+  bool cross(const RingEdge& e, const RingEdge& f) const {
     if (e.ring == f.ring) {
       const auto count = static_cast<std::uint32_t>(rings_[e.ring].vertices.size());
       if ((e.index + 1) % count == f.index) return folds(start(e), start(f), finish(f));
@@ -125,7 +125,7 @@ class Crossings {
     if (equal(b, d)) return folds(a, b, c);
     return meet(a, b, c, d);
   }
-  bool touch(const Edge& e, const Edge& f) const {
+  bool touch(const RingEdge& e, const RingEdge& f) const {
     if (reach_nm_ == 0) return false;
     const RingVertex &a = start(e), &b = finish(e), &c = start(f), &d = finish(f);
     const auto near = [&](const RingVertex& p, const RingVertex& from, const RingVertex& to) {
@@ -141,7 +141,7 @@ class Crossings {
 
   const std::vector<FlatRing>& rings_;
   std::int64_t reach_nm_;
-  std::vector<Edge> edges_;
+  std::vector<RingEdge> edges_;
   std::vector<Box> boxes_;
   std::size_t leaves_ = 1;
   std::vector<Crossing> found_;
@@ -156,10 +156,10 @@ Box bounds(const FlatRing& ring) {
 // Marks what one crossing costs.
 void mark(const std::vector<FlatRing>& rings, const Crossing& crossing,
           std::vector<std::vector<std::uint8_t>>& drop) {
-  Edge e = crossing.first, f = crossing.second;
+  RingEdge e = crossing.first, f = crossing.second;
   if (e.ring != f.ring) {
     const bool first = bounds(rings[e.ring]).size() < bounds(rings[f.ring]).size();
-    const Edge& loser = first ? e : f;
+    const RingEdge& loser = first ? e : f;
     const std::size_t count = rings[loser.ring].vertices.size();
     drop[loser.ring][loser.index] = drop[loser.ring][(loser.index + 1) % count] = 1;
     return;

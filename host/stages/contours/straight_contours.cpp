@@ -28,7 +28,7 @@ struct Segment {
 };
 
 // Consecutive points of a ring on one segment (kFree: on none), by their indices modulo the ring's size.
-struct Run {
+struct StraightRun {
   std::size_t first, last;
   int segment;
 };
@@ -41,10 +41,10 @@ class Straightener {
         step_rad_(std::max(std::abs(image.elevation_step_rad()), std::abs(image.azimuth_step_rad()))) {}
 
   std::vector<Vec3> straighten(const std::vector<Vec3>& ring) const {
-    const std::vector<Run> runs = runs_of(ring);
+    const std::vector<StraightRun> runs = runs_of(ring);
     std::vector<Vec3> result;
     for (std::size_t k = 0; k < runs.size(); ++k) {
-      const Run& run = runs[k];
+      const StraightRun& run = runs[k];
       if (run.segment == kFree) {
         for (std::size_t i = run.first; i <= run.last; ++i) result.push_back(ring[i % ring.size()]);
         continue;
@@ -78,13 +78,13 @@ class Straightener {
   }
 
   // Runs of a ring, gaps inside them bridged; the first begins where a run begins.
-  std::vector<Run> runs_of(const std::vector<Vec3>& ring) const {
+  std::vector<StraightRun> runs_of(const std::vector<Vec3>& ring) const {
     const std::size_t n = ring.size();
     std::vector<int> on;
     for (const Vec3& point : ring) on.push_back(nearest_segment(point));
     std::size_t start = 0;
     while (start < n && on[start] == on[(start + n - 1) % n]) ++start;
-    std::vector<Run> runs;
+    std::vector<StraightRun> runs;
     for (std::size_t i = start; i < start + n; ++i) {
       if (!runs.empty() && runs.back().segment == on[i % n])
         runs.back().last = i;
@@ -98,12 +98,12 @@ class Straightener {
         runs.resize(k - 2);
       }
     }
-    std::vector<Run> trimmed;
-    for (const Run& run : runs) append_trimmed(ring, run, trimmed);
+    std::vector<StraightRun> trimmed;
+    for (const StraightRun& run : runs) append_trimmed(ring, run, trimmed);
     return trimmed;
   }
 
-  bool stays_near(const std::vector<Vec3>& ring, const Run& gap, int segment) const {
+  bool stays_near(const std::vector<Vec3>& ring, const StraightRun& gap, int segment) const {
     const Segment& line = segments_[static_cast<std::size_t>(segment)];
     for (std::size_t i = gap.first; i <= gap.last; ++i) {
       const Vec3& point = ring[i % ring.size()];
@@ -114,7 +114,8 @@ class Straightener {
 
   // A run ends where it is farthest along its line: beyond that, the contour turns back beside it. One
   // shorter than the spacing of its samples has no direction.
-  void append_trimmed(const std::vector<Vec3>& ring, const Run& run, std::vector<Run>& runs) const {
+  void append_trimmed(const std::vector<Vec3>& ring, const StraightRun& run,
+                      std::vector<StraightRun>& runs) const {
     const std::size_t n = ring.size();
     if (run.segment == kFree) return runs.push_back(run);
     const Segment& line = segments_[static_cast<std::size_t>(run.segment)];
@@ -134,9 +135,9 @@ class Straightener {
 
   // Where run k and the next one meet: the corner of three planes, if it is near both. A gap between the two
   // is left as it is.
-  std::optional<Vec3> corner(const std::vector<Vec3>& ring, const std::vector<Run>& runs,
+  std::optional<Vec3> corner(const std::vector<Vec3>& ring, const std::vector<StraightRun>& runs,
                              std::size_t k) const {
-    const Run &one = runs[k % runs.size()], &next = runs[(k + 1) % runs.size()];
+    const StraightRun &one = runs[k % runs.size()], &next = runs[(k + 1) % runs.size()];
     if (one.segment == kFree || next.segment == kFree || one.segment == next.segment) return std::nullopt;
     const auto met = meet(segments_[static_cast<std::size_t>(one.segment)],
                           segments_[static_cast<std::size_t>(next.segment)]);

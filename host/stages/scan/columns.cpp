@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
 #include "core/error.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
+#include "geometry/angles.hpp"
 #include "stages/scan/scattered.hpp"
 #include "stages/scan/sweeps.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kSameColumn = 0.5;         // columns: sweeps closer than this share one
 constexpr double kMissingColumn = 1.75;     // columns: wider gaps get empty columns
 constexpr double kOpenGap = 3;              // columns: a wider gap may stay open

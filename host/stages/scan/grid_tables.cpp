@@ -2,23 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/median.hpp"
 #include "core/parallel.hpp"
+#include "geometry/angles.hpp"
 #include "stages/scan/sweeps.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kMostSteps = 0.9;  // of a table's steps that must go one way
-
-double median(std::vector<double>& values) {
-  if (values.empty()) return NAN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kOneWay = 0.9;  // of a table's steps that must go one way
 
 // Calls take(point) for the returns of a row or column of `count` nodes, of which node(k, point) finds the
 // k-th: for some of them evenly spread, enough for a median, or for all where these hold few returns.
@@ -103,7 +96,7 @@ int complete(std::vector<double>& table) {
     down += table[i] < table[i - 1];
   }
   const std::size_t steps = table.size() - 1;
-  if (static_cast<double>(std::max(up, down)) < kMostSteps * static_cast<double>(steps)) return 0;
+  if (static_cast<double>(std::max(up, down)) < kOneWay * static_cast<double>(steps)) return 0;
   if (std::max(up, down) < steps) {  // noise about an even table
     const double from = table.front(), step = (table.back() - from) / static_cast<double>(steps);
     for (std::size_t i = 0; i < table.size(); ++i) table[i] = from + step * static_cast<double>(i);

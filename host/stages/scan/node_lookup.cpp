@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "geometry/angles.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kMostSteps = 8;  // of a walk
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kFloor_m = 1e-4;
-constexpr std::size_t kFewest = 12;  // squares in a bin
-constexpr std::size_t kMost = 4096;  // more squares weigh no more: bins compete by what they cover
+constexpr std::size_t kFewestSquares = 12;  // squares in a bin
+constexpr std::size_t kMost = 4096;         // more squares weigh no more: bins compete by what they cover
 constexpr std::array kTangents = {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 13.0, 20.0};
 constexpr int kRangeBins = 32;  // half octaves from 1/8 m
 constexpr double kLeastCosine = 0.05;
@@ -57,7 +57,7 @@ struct Equation {
 std::vector<Equation> equations(std::vector<Bin>& bins) {
   std::vector<Equation> result;
   for (Bin& squares : bins) {
-    if (squares.size() < kFewest) continue;
+    if (squares.size() < kFewestSquares) continue;
     double range = 0, tangent = 0, both = 0;
     const auto count = static_cast<double>(squares.size());
     for (const Scatter& square : squares) {

@@ -4,21 +4,16 @@
 #include <cmath>
 #include <vector>
 
+#include "core/median.hpp"
 #include "core/parallel.hpp"
 
 namespace hybrid::stages {
 namespace {
 
 constexpr int kBlock = 16;
-constexpr std::size_t kFewest = 32;  // triples that make a block's median worth something
+constexpr std::size_t kFewestTriples = 32;  // triples that make a block's median worth something
 constexpr double kFloorM = 1e-4;
 constexpr double kNormalMedian = 0.67449;  // median of |N(0, 1)|
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // |residual| of sample `b` against the line through `a` above and `c` below, in parts of its standard
 // deviation for noise of 1 m; NaN when one was not measured.
@@ -44,7 +39,7 @@ double block_noise(const RangeImage& image, int first_row, int first_col) {
           residual(image, image.index(row - 1, col), image.index(row, col), image.index(row + 1, col));
       if (!std::isnan(size)) residuals.push_back(size);
     }
-  return residuals.size() < kFewest ? NAN : median(residuals) / kNormalMedian;
+  return residuals.size() < kFewestTriples ? NAN : median(residuals) / kNormalMedian;
 }
 
 }  // namespace

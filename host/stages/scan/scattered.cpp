@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/angles.hpp"
+
 namespace hybrid::stages {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kPerBin = 16;  // samples of a bin in which they are counted
 constexpr int kRounds = 4;      // each makes the bins fit the density that the one before found
 

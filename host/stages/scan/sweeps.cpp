@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/median.hpp"
 #include "core/parallel.hpp"
 
 namespace hybrid::stages {
@@ -71,12 +72,6 @@ Sweeps cut(const SampleAngles& angles, const std::vector<std::uint32_t>& order, 
   sweeps.begin.push_back(order.size());
   add_azimuths(angles, sweeps);
   return sweeps;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double azimuth_step(const Sweeps& sweeps) {
