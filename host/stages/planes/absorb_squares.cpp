@@ -7,10 +7,10 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLeastShare = 0.8;   // of a square's samples: METHOD 2's qualifying plane
-constexpr double kMostScatter = 1.5;  // rms over the noise expected: 3 sigmas for 20 samples
+constexpr double kSquareShare = 0.8;        // of a square's samples: METHOD 2's qualifying plane
+constexpr double kMostSquareScatter = 1.5;  // rms over the noise expected: 3 sigmas for 20 samples
 constexpr std::size_t kMuchSmaller = 4;
-constexpr double kLeastCosine = 0.05;
+constexpr double kNoiseCosine = 0.05;
 
 bool lies_on(const RangeImage& image, const SquarePlanes& squares, const SquareGrid& grid,
              const SuperclusterOptions& options, const PlaneFit& fit, std::uint32_t square) {
@@ -25,13 +25,14 @@ bool lies_on(const RangeImage& image, const SquarePlanes& squares, const SquareG
       if (!std::isfinite(point.x())) continue;
       valid += 1;
       const double along = fit.plane.normal.dot(point), distance = along - fit.plane.offset_m;
-      const double noise = squares.sigma_m * std::max(std::abs(along) / point.norm(), kLeastCosine);
+      const double noise = squares.sigma_m * std::max(std::abs(along) / point.norm(), kNoiseCosine);
       if (std::abs(distance) > options.label_sigmas * noise + options.waviness_m) continue;
       inliers += 1;
       scatter += distance * distance;
       expected += std::max(noise * noise, fit.rms_m * fit.rms_m);
     }
-  return inliers > 0 && inliers >= kLeastShare * valid && scatter <= kMostScatter * kMostScatter * expected;
+  return inliers > 0 && inliers >= kSquareShare * valid &&
+         scatter <= kMostSquareScatter * kMostSquareScatter * expected;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 constexpr double kLargeJump_m = 0.3;  // its mixed samples are within the tolerance of few planes
 constexpr double kNearest_m = 0.25;   // where the half octaves begin
 constexpr std::size_t kRangeBins = 24;
-constexpr std::int64_t kFewest = 50;  // crossings of a bin
+constexpr std::int64_t kFewestCrossings = 50;  // crossings of a bin
 // Wider is no beam: a side of a recess, seen over a few nodes, that is no plane in a scan so coarse.
 constexpr BeamWidth kWidest{0.01, 0.003};
 constexpr int kSolid = 3;  // samples of each plane beside the gap
@@ -100,7 +100,7 @@ BeamWidth measure_beam(const RangeImage& image, const RimCrossings& crossings,
     for (const GapBins& row : of_row) bin.add(row[b]);
     std::int64_t all = 0;
     for (const std::int64_t count : bin.crossings) all += count;
-    if (all < kFewest) continue;
+    if (all < kFewestCrossings) continue;
     const MeanGap gap = mean_gap(bin);
     const double range = bin.ranges / static_cast<double>(all);
     const double width = gap.nodes * bin.spacings / static_cast<double>(all);

@@ -10,7 +10,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kFewestHeights = 30;
-constexpr double kLeastGain = 30;          // fall of chi2 for 3 more parameters
+constexpr double kLeastFall = 30;          // fall of chi2 for 3 more parameters
 constexpr double kLeastPivot = 1e-3;       // of the largest; samples in two lines fix no quadratic
 constexpr double kLeastOfCurvature = 0.5;  // for a part of a plane that bends
 constexpr double kAsSharp = 0.5;           // of the curvature with the rim
@@ -65,7 +65,7 @@ Bend bend_of(const std::vector<Vec3>& heights, double min_curvature) {
       std::max(fits.quadratic, 1e-12 * fits.linear) / static_cast<double>(heights.size() - 6);
   bend.sigma = fits.spread * std::sqrt(variance);
   const double fall = fits.linear - fits.quadratic;
-  if (bend.determined && variance > 0 && fall >= kLeastGain * variance && bend.curvature > min_curvature)
+  if (bend.determined && variance > 0 && fall >= kLeastFall * variance && bend.curvature > min_curvature)
     bend.share = fall / fits.linear;
   return bend;
 }

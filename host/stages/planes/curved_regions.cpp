@@ -15,19 +15,20 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kMostSamples = 40000;  // of a region in the quadratic fit
-constexpr double kMostRim = 8;               // samples
+constexpr double kMostMargin = 8;            // samples
 constexpr double kShareFaint =
     0.001;                            // of the squared residuals, where the surface goes on and bends as much
 constexpr double kLikeCurvature = 2;  // factor between here and there
-constexpr std::array<int, 3> kRings = {4, 8, 16};  // squares that the surface is followed beyond the region
+constexpr std::array<int, 3> kRingsBeyond = {4, 8,
+                                             16};  // squares that the surface is followed beyond the region
 constexpr double kLeastGrowth = 2;                 // of the number of squares within those
 constexpr double kShareBeyond = 0.3, kShareSmooth = 0.7;  // of the squared residuals of their centroids
 constexpr double kLeastLike = 10, kNotUnlike = -4;  // bends_like() where these bend, and where they only bend
 constexpr std::size_t kNoFragment = 16;             // squares
-constexpr double kMostTurn = 0.3;                   // rad: across a region that goes on, narrowly
+constexpr double kMostTurnAcross = 0.3;             // rad: across a region that goes on, narrowly
 constexpr double kCreaseFrom = 2.5 * std::numbers::pi / 180, kCreaseTo = 30 * std::numbers::pi / 180;
 constexpr double kBendSigmas = 4;
-constexpr double kFlat = 0.25;              // of the curvature that the turn of the neighbours would make
+constexpr double kFlatBend = 0.25;          // of the curvature that the turn of the neighbours would make
 constexpr std::size_t kFewestOfCore = 400;  // samples
 constexpr double kBulgeScatter = 0.3;    // rms of a parabola about its mean, over its height: 2 / (3 sqrt 5)
 constexpr double kMostBulge = 2;         // times the scatter
@@ -44,7 +45,7 @@ PlaneHeights heights(const RangeImage& image, const SquarePlanes& squares, const
       options.label_sigmas * std::max(squares.sigma_m, region.fit.rms_m) + options.waviness_m;
   // So many samples of a face that stands on this one lie on both.
   const double spacing_m = region.fit.centroid.norm() * image.step_rad();
-  const int rim = static_cast<int>(std::lround(std::min(reach_m / std::max(spacing_m, 1e-9), kMostRim)));
+  const int rim = static_cast<int>(std::lround(std::min(reach_m / std::max(spacing_m, 1e-9), kMostMargin)));
   const auto on_plane = [&](int row, int col) {
     if (image.wraps) col = (col + image.cols) % image.cols;
     if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return false;
@@ -134,8 +135,8 @@ bool is_facet(const RangeImage& image, const SquarePlanes& squares, const Square
     return false;
   const PlaneHeights samples = heights(image, squares, grid, options, region);
   const Bend own = bend_of(samples.core.size() >= kFewestOfCore ? samples.core : samples.inner, 0);
-  const bool flat = own.determined &&
-                    own.curvature + kBendSigmas * own.sigma < kFlat * std::abs(bend) / std::max(reach, 1e-9);
+  const bool flat = own.determined && own.curvature + kBendSigmas * own.sigma <
+                                          kFlatBend * std::abs(bend) / std::max(reach, 1e-9);
   return !flat;
 }
 
@@ -178,7 +179,7 @@ bool goes_on_bending(const PlaneRegion& region, const Bend& here, const std::vec
       here.curvature < kLikeCurvature * beyond.curvature)
     return true;
   const double width = std::sqrt(12 * region.fit.spread[0] / region.fit.weight);
-  return laid_on && width * beyond.curvature < kMostTurn &&
+  return laid_on && width * beyond.curvature < kMostTurnAcross &&
          bends_like(own, wide) > (beyond.share < kShareSmooth ? kLeastLike : kNotUnlike);
 }
 
@@ -190,7 +191,7 @@ bool bends(const RangeImage& image, const SquarePlanes& squares, const SquareGri
   const bool is_flat = here.determined && kBendSigmas * here.sigma < options.min_curvature;
   const bool laid_on = fragments || region.squares.size() >= kNoFragment;
   if (here.share < kShareFaint && (!laid_on || (here.share == 0 && is_flat))) return false;
-  return std::any_of(kRings.begin(), kRings.end(), [&](int rings) {
+  return std::any_of(kRingsBeyond.begin(), kRingsBeyond.end(), [&](int rings) {
     return goes_on_bending(region, here, own.inner,
                            heights_beyond(image, squares, grid, options, region, rings),
                            options.min_curvature, laid_on);

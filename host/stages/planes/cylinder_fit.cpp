@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kLeastTurn = 0.3;  // rad, of the normals about the axis: its variance is kLeastTurn^2 / 12
 constexpr double kMostAlong = 0.3;  // of the normals' variance about the axis: how much of it may be along
-constexpr std::size_t kFewest = 6;  // oriented points
-constexpr std::size_t kFewestFit = 10;  // points
-constexpr int kRounds = 20;
+constexpr std::size_t kFewestOriented = 6;  // oriented points
+constexpr std::size_t kFewestFit = 10;      // points
+constexpr int kFitRounds = 20;
 constexpr double kSettled = 1e-4;  // of the reach: change of the radius and the axis' place
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -87,7 +87,7 @@ void span(const std::vector<Vec3>& points, double reach_m, Cylinder& cylinder) {
 }  // namespace
 
 std::optional<Cylinder> cylinder_through(const std::vector<OrientedPoint>& points) {
-  if (points.size() < kFewest) return std::nullopt;
+  if (points.size() < kFewestOriented) return std::nullopt;
   Mat3 directions = Mat3::Zero();
   for (const auto& [point, normal] : points) directions += normal * normal.transpose();
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(directions / static_cast<double>(points.size()));
@@ -119,7 +119,7 @@ std::optional<Cylinder> cylinder_through(const std::vector<OrientedPoint>& point
 
 std::optional<Cylinder> fit_cylinder(const std::vector<Vec3>& points, const Cylinder& start, double reach_m) {
   Cylinder at = start;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kFitRounds; ++round) {
     span(points, reach_m, at);
     const auto frame = across(at.axis);
     const Normal sums = normal_equations(points, at, frame, reach_m);

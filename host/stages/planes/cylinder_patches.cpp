@@ -16,12 +16,12 @@ namespace {
 // A plane all but whose last samples lie on a cylinder, and that is a small part of it, is a patch of it; so
 // is one of a rib along a vault: a ring about the vault's axis goes on at the plane's radius.
 constexpr double kPatchShare = 0.9, kMostPatch = 0.15, kPatchTurn = 15 * std::numbers::pi / 180;
-constexpr double kRib_m = 0.5;           // from the vault's surface
-constexpr double kBeyond_m = 1;          // its ends
-constexpr int kSectors = 72;             // of 5 degrees
-constexpr std::int64_t kFewest = 10;     // samples of a sector that the ring goes through
-constexpr int kRingSectors = 12;         // that it must
-constexpr std::int64_t kRingLarger = 4;  // times the plane's samples
+constexpr double kRib_m = 0.5;                // from the vault's surface
+constexpr double kBeyond_m = 1;               // its ends
+constexpr int kSectorsAround = 72;            // of 5 degrees
+constexpr std::int64_t kFewestInSector = 10;  // samples of a sector that the ring goes through
+constexpr int kRingSectors = 12;              // that it must
+constexpr std::int64_t kRingLarger = 4;       // times the plane's samples
 
 // What the samples of a plane say of a cylinder that it may be a patch of.
 struct Patch {
@@ -29,7 +29,8 @@ struct Patch {
   std::int64_t samples = 0, on = 0;
   double distances = 0;                                               // their sum, from the cylinder
   double low = std::numeric_limits<double>::infinity(), high = -low;  // along it
-  std::array<std::atomic<std::int64_t>, kSectors> ring{};  // samples of no plane that go on at its radius
+  std::array<std::atomic<std::int64_t>, kSectorsAround>
+      ring{};  // samples of no plane that go on at its radius
 
   bool is_on_it() const { return static_cast<double>(on) >= kPatchShare * static_cast<double>(samples); }
   double off_m() const { return distances / static_cast<double>(samples); }
@@ -39,7 +40,7 @@ struct Patch {
     int sectors = 0;
     for (const auto& count : ring) {
       all += count;
-      sectors += count >= kFewest;
+      sectors += count >= kFewestInSector;
     }
     return is_on_it() || (sectors >= kRingSectors && all >= kRingLarger * samples);
   }
@@ -48,7 +49,7 @@ struct Patch {
 int sector_of(const Cylinder& cylinder, const Vec3& point) {
   const Vec3 a = cylinder.axis.unitOrthogonal(), out = cylinder.outwards(point);
   const double turn = std::atan2(out.dot(cylinder.axis.cross(a)), out.dot(a)) / (2 * std::numbers::pi) + 0.5;
-  return std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1);
+  return std::clamp(static_cast<int>(turn * kSectorsAround), 0, kSectorsAround - 1);
 }
 
 bool may_be_patch(const Supercluster& plane, const Cylinder& cylinder) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/parallel.hpp"
+#include "geometry/angles.hpp"
 #include "stages/planes/cylinder_fit.hpp"
 #include "stages/planes/cylinders.hpp"
 #include "stages/planes/plane_regions.hpp"
@@ -18,12 +19,12 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Squares about the first, until a cylinder shows itself; a vault is wide and its squares are many.
 constexpr std::array<int, 3> kRings = {2, 4, 8};
 constexpr std::array<int, 2> kRingsInside = {8, 16};
-constexpr double kMostTurn = 50 * kDegree;  // of a square to the next
-constexpr double kMostLean = 15 * kDegree;  // of a square's normal from the cylinder's, beyond its noise
+constexpr double kMostTurnToNext = 50 * kDegree;  // of a square to the next
+constexpr double kMostNormalLean =
+    15 * kDegree;                     // of a square's normal from the cylinder's, beyond its noise
 constexpr double kRoughReach = 0.08;  // of the radius, at most of kSmall_m: squares from the first guess
 constexpr double kSmall_m = 1;
 constexpr double kLeastAgree = 0.6;  // of the squares that suggested it
@@ -44,7 +45,7 @@ constexpr double kMostSigma = 0.03;                              // of the radiu
 constexpr double kMostBow = 0.005;  // of its length: how far the axis may leave its chord
 constexpr double kMiddle = 0.8;     // of its length, where mouldings at its ends do not reach
 constexpr double kMostSeenThrough = 0.05, kLeastSeen = 0.4;
-constexpr double kGrazing = 0.35;           // cosine: rays nearer to the limb say nothing
+constexpr double kLimb = 0.35;              // cosine: rays nearer to the limb say nothing
 constexpr int kSlices = 64, kSectors = 48;  // where it is asked whether it is seen
 
 using Nodes = std::vector<std::uint32_t>;
@@ -73,7 +74,8 @@ class Search {
     for (std::uint32_t i = 0; i < free_.size(); ++i) {
       if (!free_[i]) continue;
       all_free_.push_back(i);
-      const double lean = kMostLean + options.angle_sigmas * static_cast<double>(square(i).sigma_normal);
+      const double lean =
+          kMostNormalLean + options.angle_sigmas * static_cast<double>(square(i).sigma_normal);
       least_cosine_[i] = std::cos(std::min(lean, std::numbers::pi / 2));
     }
   }
@@ -113,7 +115,7 @@ class Search {
 
   // Free squares in contact within so many steps of the seed.
   Nodes around(std::uint32_t seed, int rings) {
-    const ContactLimits limits{kMostTurn, options_.angle_sigmas, options_.distance_factor,
+    const ContactLimits limits{kMostTurnToNext, options_.angle_sigmas, options_.distance_factor,
                                options_.offset_sigmas};
     Nodes reached = {seed};
     seen_[seed] = 1;
@@ -396,7 +398,7 @@ class Search {
         const Vec3 out = std::cos(turn) * a + std::sin(turn) * b;
         const Vec3 point = cylinder.foot + along * cylinder.axis + cylinder.radius_at(along) * out;
         const double cosine = (inside_ ? 1 : -1) * out.dot(point.normalized());
-        if (cosine < kGrazing) continue;
+        if (cosine < kLimb) continue;
         const auto node = lookup_.towards(point);
         const std::size_t i = image_.index(node.row, node.col);
         if (!node.within || image_.mask[i] != kMeasured) continue;

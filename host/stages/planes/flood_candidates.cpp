@@ -10,28 +10,29 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr int kBlock = 64, kAround = 16;  // samples; floods of a block look so far around it
+constexpr int kBlockSide = 64, kAround = 16;  // samples; floods of a block look so far around it
 
 }  // namespace
 
 std::vector<FloodCandidate> try_seeds(const RangeImage& image, const std::vector<std::uint8_t>& use,
                                       const RangeNoise& noise, const std::vector<WindowSeed>& seeds,
                                       std::size_t least) {
-  const int block_cols = (image.cols + kBlock - 1) / kBlock, block_rows = (image.rows + kBlock - 1) / kBlock;
+  const int block_cols = (image.cols + kBlockSide - 1) / kBlockSide,
+            block_rows = (image.rows + kBlockSide - 1) / kBlockSide;
   std::vector<std::vector<WindowSeed>> of_block(static_cast<std::size_t>(block_cols) *
                                                 static_cast<std::size_t>(block_rows));
   for (const WindowSeed& seed : seeds) {
     const int row = static_cast<int>(seed.sample) / image.cols,
               col = static_cast<int>(seed.sample) % image.cols;
-    of_block[static_cast<std::size_t>(row / kBlock * block_cols + col / kBlock)].push_back(seed);
+    of_block[static_cast<std::size_t>(row / kBlockSide * block_cols + col / kBlockSide)].push_back(seed);
   }
   std::vector<std::vector<FloodCandidate>> found(of_block.size());
   parallel_for(of_block.size(), [&](std::size_t b) {
-    const int row = static_cast<int>(b) / block_cols * kBlock,
-              col = static_cast<int>(b) % block_cols * kBlock;
+    const int row = static_cast<int>(b) / block_cols * kBlockSide,
+              col = static_cast<int>(b) % block_cols * kBlockSide;
     const int top = std::max(row - kAround, 0), left = std::max(col - kAround, 0);
-    const Tile limits{top, left, std::min(row + kBlock + kAround, image.rows) - top,
-                      std::min(col + kBlock + kAround, image.cols) - left};
+    const Tile limits{top, left, std::min(row + kBlockSide + kAround, image.rows) - top,
+                      std::min(col + kBlockSide + kAround, image.cols) - left};
     if (of_block[b].empty()) return;
     std::sort(of_block[b].begin(), of_block[b].end(),
               [](const auto& one, const auto& other) { return one.sample < other.sample; });

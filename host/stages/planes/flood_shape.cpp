@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/median.hpp"
 #include "stages/planes/bending.hpp"
 #include "stages/planes/step_sharing.hpp"
 
@@ -14,11 +15,10 @@ namespace {
 
 constexpr std::size_t kMostHeights = 4000;  // of a flood in a quadratic fit
 constexpr std::size_t kNarrow = 4;          // samples
-constexpr double kContinuitySigmas = 3;
 constexpr double kLeastEdge = 10 * std::numbers::pi / 180;
-constexpr double kMostTurn = 0.25;  // of what the surface turned before
+constexpr double kMostTurnOnwards = 0.25;  // of what the surface turned before
 constexpr double kFlat = 0.07;
-constexpr int kSides = 4;
+constexpr int kStripSides = 4;
 
 // Index of the node `steps` beyond sample `i` to the right, below, left or above; none outside the image.
 std::optional<std::uint32_t> beyond(const RangeImage& image, std::uint32_t i, int side, int steps) {
@@ -42,14 +42,8 @@ double slope(const Vec3& normal, const Vec3& step) {
   return std::atan2(out, std::sqrt(std::max(step.squaredNorm() - out * out, 0.0)));
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // One side of a strip: where the surface goes on beyond the rim.
-struct Rim {
+struct StripRim {
   std::size_t smooth = 0;                     // samples from which it does
   std::array<std::vector<double>, 3> slopes;  // of the steps to them, and of the second and third beyond them
 
@@ -60,7 +54,7 @@ struct Rim {
     if (slopes[0].empty() || 2 * slopes[0].size() < smooth) return false;
     const double rim = median(slopes[0]), second = median(slopes[1]), third = median(slopes[2]);
     const double turned = second - rim, turns = third - second;
-    return (std::abs(turned) >= kLeastEdge && turns * turned < kMostTurn * turned * turned) ||
+    return (std::abs(turned) >= kLeastEdge && turns * turned < kMostTurnOnwards * turned * turned) ||
            (std::abs(third) >= 2 * kLeastEdge && std::abs(rim) < kFlat * std::abs(third));
   }
 };
@@ -69,7 +63,7 @@ struct Rim {
 // one may step from sample to sample of another face. Only the first of the two may be a noisy step away:
 // noise must not make an edge of 90 degrees shallow.
 void look_beyond(const RangeImage& image, const PlaneFlood& flood, const Plane& plane, double slack_m,
-                 int side, std::uint32_t i, Rim& rim) {
+                 int side, std::uint32_t i, StripRim& rim) {
   const auto first = beyond(image, i, side, 1), second = beyond(image, i, side, 2);
   if (!first || !second || covers(flood, *first) || covers(flood, *second)) return;
   if (image.mask[*first] != kMeasured || image.mask[*second] != kMeasured) return;
@@ -106,8 +100,8 @@ bool flood_bends(const RangeImage& image, const PlaneFlood& flood, const PlaneRe
   const std::size_t stride = (flood.samples.size() + kMostHeights - 1) / kMostHeights;
   PlaneHeights heights;
   for (std::size_t k = 0; k < flood.samples.size(); k += stride) {
-    std::array<bool, kSides> neighbours{};
-    for (int side = 0; side < kSides; ++side) {
+    std::array<bool, kStripSides> neighbours{};
+    for (int side = 0; side < kStripSides; ++side) {
       const auto next = beyond(image, flood.samples[k], side, 1);
       neighbours[static_cast<std::size_t>(side)] = next && covers(flood, *next);
     }
@@ -127,8 +121,8 @@ bool is_strip_of_smooth_surface(const RangeImage& image, const PlaneFlood& flood
   if (flood.samples.size() >= kNarrow * std::max(rows, width)) return false;
   const Plane plane = flood.plane.plane();
   std::size_t smooth = 0;
-  for (int side = rows >= width ? 0 : 1; side < kSides; side += 2) {
-    Rim rim;
+  for (int side = rows >= width ? 0 : 1; side < kStripSides; side += 2) {
+    StripRim rim;
     for (const std::uint32_t i : flood.samples)
       look_beyond(image, flood, plane, kContinuitySigmas * sigma_m, side, i, rim);
     if (!rim.is_edge()) smooth += rim.smooth;

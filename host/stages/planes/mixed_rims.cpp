@@ -23,13 +23,13 @@ constexpr double kRoom_m = 4;  // a range for which the rounds, of a sample each
 // where it is narrower, it meets fewer of the rims.
 constexpr double kOdds = -1.3, kByLean = 1.13, kByAway = 0.144, kByJump = 0.87, kTolerances = 2;
 constexpr double kFewestOfScatter = 30;  // samples
-constexpr double kMostLean = 4, kLeastCosine = 0.05;
+constexpr double kMostLean = 4, kLeastRimCosine = 0.05;
 // At a crease, where another surface takes over within half a beam: how far that one is from the plane there.
 // 77 of 100 that lose their label are mixed (the same scan).
 constexpr double kAtCrease_m = 0.012;
 // Of a small plane's samples, those with none of another surface beside them; fewer of them are a strip where
 // the plane is seen from the side, as that through mixed samples is.
-constexpr double kLeastInside = 0.1, kLeastInsideGrazing = 0.5, kGrazing = 0.1;
+constexpr double kLeastInsideSteep = 0.1, kLeastInsideGrazing = 0.5, kGrazing = 0.1;
 constexpr std::int64_t kFewestInside = 128;
 
 class Strips {
@@ -55,7 +55,7 @@ class Strips {
     }
     bool is_strip() const {
       const auto all = static_cast<double>(samples), share = static_cast<double>(inside) / all;
-      return share < kLeastInside ||
+      return share < kLeastInsideSteep ||
              (cosines < kGrazing * all && share < kLeastInsideGrazing && inside < kFewestInside);
     }
   };
@@ -185,7 +185,7 @@ class MixedSamples {
     const double jump = crossing.jump_m();
     const auto off = crossings_.behind_m(crossings_.plane(i), i);
     if (std::abs(jump) < kJump_m || !off) return false;
-    const double cosine = std::max(crossings_.cosine(i), kLeastCosine);
+    const double cosine = std::max(crossings_.cosine(i), kLeastRimCosine);
     const double sigma = noise_.at(image_.point(i).norm(), crossings_.cosine(i));
     const double tolerance = tolerance_.sigmas * sigma + tolerance_.waviness_m / cosine;
     const double lean =

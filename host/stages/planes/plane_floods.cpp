@@ -11,7 +11,6 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kFloodSigmas = 3;
-constexpr double kLeastCosine = 0.02;       // as window_planes' seeds
 constexpr int kSparseReach = kUseReach;     // samples
 constexpr double kLeastBody = 0.7;          // of a flood's samples, in what is no tongue of it
 constexpr std::uint8_t kEnoughFloods = 16;  // of too few samples each, over one sample
@@ -65,7 +64,7 @@ class LiesOn {
   bool operator()(const FloodSample& sample, bool unsure) const {
     const double reached = plane_.reached(sample.point);
     const double cosine = std::abs(reached) * plane_.inverse_length() * sample.inverse_range;
-    if (!(reached > 0) || !(cosine >= kLeastCosine)) return false;
+    if (!(reached > 0) || !(cosine >= kSeedCosine)) return false;
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
     const double sigma_cosine =
         (noise_.base_m + noise_.per_m * sample.range) * cosine +

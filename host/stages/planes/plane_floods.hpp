@@ -19,6 +19,9 @@ enum SampleUse : std::uint8_t {
 // So many nodes from their samples floods, and what judges them, ask for the use of others.
 inline constexpr int kUseReach = 2;
 
+// Nearer to grazing a ray's sample is on no flood and no seed, as window_planes has it.
+inline constexpr double kSeedCosine = 0.02;
+
 // A window that lies on a plane: its upper left sample and its shape (params_window_planes.h), or kSparseSeed
 // (sparse_seeds.hpp).
 inline constexpr std::uint8_t kSparseSeed = 255;

@@ -7,9 +7,9 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kBehind_m = 0.02;        // of the plane, and the noise
-constexpr double kMostSeenThrough = 0.1;  // of the samples between two parts
-constexpr std::size_t kMostRim = 256;     // squares of a rim in the search for the nearest pair
+constexpr double kBehind_m = 0.02;            // of the plane, and the noise
+constexpr double kMostThroughGap = 0.1;       // of the samples between two parts
+constexpr std::size_t kMostRimSquares = 256;  // squares of a rim in the search for the nearest pair
 
 }  // namespace
 
@@ -30,8 +30,8 @@ PlaneGap nearest_squares(const SquareGrid& grid, const std::vector<std::uint32_t
                          const std::vector<std::uint32_t>& to) {
   PlaneGap best;
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
-  const std::size_t from_stride = (from.size() + kMostRim - 1) / kMostRim;
-  const std::size_t to_stride = (to.size() + kMostRim - 1) / kMostRim;
+  const std::size_t from_stride = (from.size() + kMostRimSquares - 1) / kMostRimSquares;
+  const std::size_t to_stride = (to.size() + kMostRimSquares - 1) / kMostRimSquares;
   for (std::size_t i = 0; i < from.size(); i += from_stride)
     for (std::size_t j = 0; j < to.size(); j += to_stride) {
       const std::uint32_t a = from[i], b = to[j];
@@ -70,7 +70,7 @@ bool is_seen_through(const RangeImage& image, const SquarePlanes& squares, const
     seen += 1;
     through += plane.distance(point) < -behind_m;
   }
-  return through > kMostSeenThrough * seen;
+  return through > kMostThroughGap * seen;
 }
 
 }  // namespace hybrid::stages

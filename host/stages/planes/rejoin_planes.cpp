@@ -13,12 +13,12 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kMostLooked = 1024;  // samples of a plane
-constexpr std::size_t kBlock = 1 << 18;    // samples
-constexpr double kLeastCosine = 0.98;      // of the normals of a plane and a part that samples have tilted
-constexpr double kMostApart_m = 0.02;      // of a part's centre from the plane
-constexpr double kAsClose = 1.3;           // a part's residuals about the plane to those about its own
-constexpr double kLeastOwn = 0.5;          // standard deviations; few samples fit their own plane too well
+constexpr std::size_t kMostLooked = 1024;    // samples of a plane
+constexpr std::size_t kVoteBlock = 1 << 18;  // samples
+constexpr double kTiltedCosine = 0.98;       // of the normals of a plane and a part that samples have tilted
+constexpr double kMostApart_m = 0.02;        // of a part's centre from the plane
+constexpr double kAsClose = 1.3;             // a part's residuals about the plane to those about its own
+constexpr double kLeastOwn = 0.5;            // standard deviations; few samples fit their own plane too well
 // Standard deviations: samples this close that lie to both sides are the plane's however well another fits
 // them, for it crosses the plane and took those that lie its way.
 constexpr double kCrossing = 1.5, kTurnsMost = 2, kCentred = 0.5;
@@ -45,8 +45,8 @@ std::vector<Looked> look_at(const RangeImage& image, const std::vector<std::uint
                             const PlaneRegions& regions) {
   const auto counts = [&](std::size_t i) { return labels[i] != 0 && image.mask[i] == kMeasured; };
   // Of every block of samples: how many of each plane come before its own.
-  std::vector<std::vector<std::uint32_t>> before((labels.size() + kBlock - 1) / kBlock);
-  for_blocks(labels.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+  std::vector<std::vector<std::uint32_t>> before((labels.size() + kVoteBlock - 1) / kVoteBlock);
+  for_blocks(labels.size(), kVoteBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
     before[block].resize(regions.regions.size());
     for (std::size_t i = begin; i < end; ++i)
       if (counts(i)) before[block][labels[i] - 1] += 1;
@@ -59,7 +59,7 @@ std::vector<Looked> look_at(const RangeImage& image, const std::vector<std::uint
     while ((looked.count + looked.stride - 1) / looked.stride >= 2 * kMostLooked) looked.stride *= 2;
     looked.samples.resize((looked.count + looked.stride - 1) / looked.stride);
   }
-  for_blocks(labels.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+  for_blocks(labels.size(), kVoteBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (!counts(i)) continue;
       Looked& looked = of[labels[i] - 1];
@@ -216,7 +216,7 @@ class Rejoining {
 
   bool is_part(std::uint32_t part, std::uint32_t of, const std::vector<std::uint32_t>& heir) {
     const Plane& plane = planes_[of - 1];
-    if (plane.normal.dot(planes_[part - 1].normal) < kLeastCosine) return false;
+    if (plane.normal.dot(planes_[part - 1].normal) < kTiltedCosine) return false;
     const Looked& small = looked_[part - 1];
     if (std::abs(plane.distance(small.mean)) > kMostApart_m) return false;
     Looked& large = looked_[of - 1];
@@ -259,7 +259,7 @@ std::vector<std::uint32_t> rejoin_planes(const RangeImage& image, const SquarePl
   }
   if (grown.empty()) return grown;
   parallel_for(
-      labels.size(), [&](std::size_t i) { labels[i] = heir[labels[i]]; }, kBlock);
+      labels.size(), [&](std::size_t i) { labels[i] = heir[labels[i]]; }, kVoteBlock);
   for (auto& [square, id] : presence) id = heir[id];
   std::sort(presence.begin(), presence.end());
   presence.erase(std::unique(presence.begin(), presence.end()), presence.end());

@@ -23,8 +23,8 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLeastNoise_m = 1e-4;    // as estimate_range_noise(): what floats and the model leave
-constexpr double kMostChi2 = 1.6;         // per sample
+constexpr double kNoiseFloor_m = 1e-4;    // as estimate_range_noise(): what floats and the model leave
+constexpr double kMostFloodChi2 = 1.6;    // per sample
 constexpr double kFoundBySquares = 0.25;  // of the samples
 constexpr double kSameNormal = 0.998;     // cosine
 constexpr double kFollowing = 2;          // standard deviations
@@ -103,7 +103,7 @@ class SmallPlanes {
         thinned_(image),
         seen_(thinned_.image()),
         least_(static_cast<std::size_t>(least_plane_samples(seen_, options))),
-        sigma_m_(std::max(squares.sigma_m, kLeastNoise_m)),
+        sigma_m_(std::max(squares.sigma_m, kNoiseFloor_m)),
         use_(free_samples()),
         flooder_(seen_, use_, squares.noise),
         islands_(seen_, use_),
@@ -193,7 +193,7 @@ class SmallPlanes {
 
   // kTaken: a plane; kBlocked: part of a curved surface; kFree: neither.
   SampleUse judge_as_is(const PlaneFlood& flood, const PlaneRegion& region) const {
-    const bool scattered = flood.chi2 > kMostChi2 * static_cast<double>(flood.samples.size() - 3) &&
+    const bool scattered = flood.chi2 > kMostFloodChi2 * static_cast<double>(flood.samples.size() - 3) &&
                            !(squares_found(flood) && !follows_neighbours(seen_, squares_.noise, flood));
     const Plane plane = flood.plane.plane();
     // Floods that bend have their normals by number of the sample, regions that do by their labels.

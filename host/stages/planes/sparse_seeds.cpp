@@ -10,12 +10,11 @@ namespace hybrid::stages {
 namespace {
 
 constexpr int kWindow = 8, kStride = 4;
-constexpr std::size_t kFewest = 12;
-constexpr double kLeastShare = 0.4;  // of the free samples
+constexpr std::size_t kFewestOfWindow = 12;
+constexpr double kWindowShareOfSeed = 0.4;  // of the free samples
 constexpr std::uint32_t kTestPlanes = 32, kSeed = 1;
 constexpr double kSigmas = 3;
-constexpr double kLeastCosine = 0.02;  // as window_planes' seeds
-constexpr double kSliver = 1e-2;       // sine of the angle between two sides of a test triangle
+constexpr double kSliver = 1e-2;  // sine of the angle between two sides of a test triangle
 
 struct WindowPoint {
   Vec3 at;
@@ -38,7 +37,7 @@ void free_in_window(const RangeImage& image, const std::vector<std::uint8_t>& us
 // |measured - predicted range| on the plane through `a` with this unit normal, in sigmas.
 bool lies_on(const RangeNoise& noise, const Vec3& normal, double offset, const WindowPoint& point) {
   const double cosine = normal.dot(point.at) / point.range;
-  return std::abs(cosine) >= kLeastCosine &&
+  return std::abs(cosine) >= kSeedCosine &&
          std::abs(point.range - offset / cosine) <= kSigmas * noise.at(point.range, std::abs(cosine));
 }
 
@@ -46,8 +45,9 @@ bool lies_on(const RangeNoise& noise, const Vec3& normal, double offset, const W
 std::uint64_t best_members(const std::vector<WindowPoint>& points, const RangeNoise& noise,
                            std::uint32_t corner) {
   const auto count = static_cast<std::uint32_t>(points.size());
-  if (points.size() < kFewest) return 0;
-  std::size_t most = std::max(kFewest, static_cast<std::size_t>(std::ceil(kLeastShare * count))) - 1;
+  if (points.size() < kFewestOfWindow) return 0;
+  std::size_t most =
+      std::max(kFewestOfWindow, static_cast<std::size_t>(std::ceil(kWindowShareOfSeed * count))) - 1;
   std::uint64_t best = 0;
   for (std::uint32_t k = 0; k < kTestPlanes; ++k) {
     const Vec3 &a = points[random_below(kSeed, corner, 3 * k, count)].at,

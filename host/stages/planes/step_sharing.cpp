@@ -26,7 +26,6 @@ constexpr double kMostChi2 = 1.6;  // per sample
 constexpr std::int64_t kFewestOfRim = 12;
 constexpr int kNear = 3;  // samples from the border
 constexpr std::int64_t kFewestNear = 8;
-constexpr double kContinuitySigmas = 3;
 constexpr double kMostStretch = 3;  // of a move along the surface, against the plane's own
 
 }  // namespace

@@ -22,6 +22,7 @@ PlaneHeight height_over(const RangeImage& image, const RangeNoise& noise, const 
 // Whether a surface may go on between two samples beside or on a plane: by less than 45 degrees and `slack_m`
 // out of the plane, and not over a gap.
 bool surface_goes_on(const Plane& plane, const Vec3& from, const Vec3& to, double slack_m);
+inline constexpr double kContinuitySigmas = 3;  // of the noise there, as that slack
 
 // Measured, and on no plane.
 inline bool is_on_no_plane(const RangeImage& image, const std::vector<std::uint32_t>& labels,

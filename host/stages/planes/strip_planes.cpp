@@ -9,9 +9,9 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLeastShare = 0.7;   // of the strip: free samples
-constexpr double kMostScatter = 1.5;  // times the noise
-constexpr double kUneven_m = 0.001;   // beyond it
+constexpr double kStripShare = 0.7;        // of the strip: free samples
+constexpr double kMostStripScatter = 1.5;  // times the noise
+constexpr double kUneven_m = 0.001;        // beyond it
 
 SquareRecord fit(const std::vector<Vec3>& points, const RangeNoise& noise) {
   SquareRecord record{};
@@ -29,7 +29,7 @@ SquareRecord fit(const std::vector<Vec3>& points, const RangeNoise& noise) {
   const double range = mean.norm(), cosine = std::abs(normal.dot(mean)) / std::max(range, 1e-9);
   const double sigma = noise.at(range, cosine) * cosine;
   const double rms = std::sqrt(std::max(eigen.eigenvalues()[0], 0.0) / count);
-  if (!normal.allFinite() || rms > kMostScatter * sigma + kUneven_m || !(eigen.eigenvalues()[1] > 0))
+  if (!normal.allFinite() || rms > kMostStripScatter * sigma + kUneven_m || !(eigen.eigenvalues()[1] > 0))
     return record;
   record.state = SQUARE_PLANAR;
   record.rms = static_cast<float>(rms);
@@ -53,7 +53,7 @@ SquarePlanes fit_strips(const RangeImage& image, const std::vector<std::uint32_t
   strips.sigma_m = squares.sigma_m;
   strips.noise = squares.noise;
   strips.squares.resize(static_cast<std::size_t>(strips.rows) * static_cast<std::size_t>(strips.cols));
-  const double least = std::max(3.0, kLeastShare * height * width);
+  const double least = std::max(3.0, kStripShare * height * width);
   parallel_for(static_cast<std::size_t>(strips.rows), [&](std::size_t r) {
     const int top = static_cast<int>(r) * height;
     std::vector<Vec3> points;

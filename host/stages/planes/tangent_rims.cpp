@@ -21,18 +21,17 @@ namespace {
 constexpr int kSquare = 7, kTile = 32, kInwards = 14, kOnwards = 6;
 constexpr int kMostStride = 8;
 constexpr double kStep_rad = 0.0018;
-constexpr double kTile_rad = 0.115;   // a rim is straight so far, and the longer it is, the better known
-constexpr int kApart = 4;             // samples: rims farther from each other than that to twice that are two
-constexpr double kLeastCosine = 0.1;  // of a tile's elevation
-constexpr std::size_t kFewest = 12;   // samples of a rim
-constexpr double kContinuitySigmas = 3;
-constexpr double kMostWidth = 0.35;     // of a rim, against its length
-constexpr int kStarts = 28;             // of the curve, that are tried
-constexpr double kMostSquares = 9;      // of a sample's residual, in sigmas
-constexpr double kMostChi2 = 2;         // per sample
-constexpr double kBetter = 8;           // of chi2, than a crease
-constexpr double kLeastGain = 40;       // of chi2, against the plane alone
-constexpr double kStraightest_m = 100;  // radius
+constexpr double kTile_rad = 0.115;  // a rim is straight so far, and the longer it is, the better known
+constexpr int kApart = 4;            // samples: rims farther from each other than that to twice that are two
+constexpr double kLeastElevationCosine = 0.1;  // of a tile's elevation
+constexpr std::size_t kFewestAlongRim = 12;    // samples of a rim
+constexpr double kMostWidth = 0.35;            // of a rim, against its length
+constexpr int kStarts = 28;                    // of the curve, that are tried
+constexpr double kMostOfResidual = 9;          // of a sample's residual, in sigmas
+constexpr double kMostCurveChi2 = 2;           // per sample
+constexpr double kBetter = 8;                  // of chi2, than a crease
+constexpr double kLeastGainOfCurve = 40;       // of chi2, against the plane alone
+constexpr double kStraightest_m = 100;         // radius
 
 struct Sample {
   Vec2 at;  // on the plane
@@ -93,7 +92,7 @@ Fit fit_rise(const Rim& rim, int power, double first_m, double last_m) {
     for (const auto* side : {&rim.inside, &rim.outside})
       for (const Sample& sample : *side) {
         const double off = sample.height_m - level - slope * rise(sample);
-        chi2 += std::min(sample.weight * off * off, kMostSquares);
+        chi2 += std::min(sample.weight * off * off, kMostOfResidual);
       }
     if (chi2 < best.chi2) best = {chi2, start, slope};
   }
@@ -108,8 +107,8 @@ std::optional<double> curve_start(const Rim& rim) {
   const auto count = static_cast<double>(rim.inside.size() + rim.outside.size());
   const Fit flat = fit_rise(rim, 0, 0, 0), curve = fit_rise(rim, 2, first, last),
             crease = fit_rise(rim, 1, first, last);
-  if (curve.chi2 > kMostChi2 * count || curve.chi2 > crease.chi2 - kBetter ||
-      curve.chi2 > flat.chi2 - kLeastGain || !(2 * std::abs(curve.rise) * kStraightest_m > 1))
+  if (curve.chi2 > kMostCurveChi2 * count || curve.chi2 > crease.chi2 - kBetter ||
+      curve.chi2 > flat.chi2 - kLeastGainOfCurve || !(2 * std::abs(curve.rise) * kStraightest_m > 1))
     return std::nullopt;
   return curve.start_m;
 }
@@ -141,7 +140,7 @@ class RimFinder {
     std::vector<std::vector<std::uint32_t>> lists;
     for (const auto& [label, samples] : rims)
       for (const auto& rim : apart(tile, samples))
-        if (rim.size() >= kFewest)
+        if (rim.size() >= kFewestAlongRim)
           if (auto list = trim(tile, label, rim); !list.empty()) lists.push_back(std::move(list));
     return lists;
   }
@@ -238,13 +237,14 @@ class RimFinder {
         const Sample sample{on_plane(i), height.height_m, height.weight / (excess_ * excess_)};
         (inside ? rim.inside : rim.outside).push_back(sample);
       }
-    if (rim.inside.size() < kFewest || rim.outside.size() < kFewest || !orient(rim, points)) return {};
+    if (rim.inside.size() < kFewestAlongRim || rim.outside.size() < kFewestAlongRim || !orient(rim, points))
+      return {};
     // Beyond the rim, and less than 45 degrees out of the plane.
     std::erase_if(rim.outside, [&](const Sample& sample) {
       const double s = rim.outwards.dot(sample.at - rim.middle);
       return !(s > 0) || std::abs(sample.height_m) > s + kContinuitySigmas / std::sqrt(sample.weight);
     });
-    if (rim.outside.size() < kFewest) return {};
+    if (rim.outside.size() < kFewestAlongRim) return {};
     const auto start = curve_start(rim);
     std::vector<std::uint32_t> beyond;
     if (!start) return beyond;
@@ -272,7 +272,8 @@ std::vector<Tile> rim_tiles(const RangeImage& image, int side) {
   for (int row = 0; row < image.rows; row += side) {
     const int rows = std::min(side, image.rows - row);
     const double cosine = std::cos(image.elevation_rad[static_cast<std::size_t>(row + rows / 2)]);
-    const int cols = static_cast<int>(std::min(side / std::max(cosine, kLeastCosine), 1.0 * image.cols));
+    const int cols =
+        static_cast<int>(std::min(side / std::max(cosine, kLeastElevationCosine), 1.0 * image.cols));
     for (int col = 0; col < image.cols; col += cols)
       tiles.push_back({row, col, rows, std::min(cols, image.cols - col)});
   }

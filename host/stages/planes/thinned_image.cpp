@@ -8,14 +8,14 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kStep_rad = 0.001;
-constexpr int kMostStride = 8;
+constexpr double kFinestStep_rad = 0.001;
+constexpr int kMostThinning = 8;
 
-// Of a scan with smaller steps than kStep_rad windows of a few samples say little, their noise is wider than
-// they are: planes are looked for among every so many rows and columns.
+// Of a scan with smaller steps than kFinestStep_rad windows of a few samples say little, their noise is wider
+// than they are: planes are looked for among every so many rows and columns.
 int thinning(const RangeImage& image) {
   const double step_rad = image.step_rad();
-  return step_rad > 0 ? std::clamp(static_cast<int>(kStep_rad / step_rad), 1, kMostStride) : 1;
+  return step_rad > 0 ? std::clamp(static_cast<int>(kFinestStep_rad / step_rad), 1, kMostThinning) : 1;
 }
 
 }  // namespace
