@@ -10,7 +10,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kFinest_m = 0.005;
+constexpr double kFinestTexel_m = 0.005;
 constexpr double kMostTexels = 6.4e7;
 
 double spacing_of(const FaceSamples& samples) {
@@ -81,7 +81,7 @@ std::vector<DisplacementMap> displacement_maps(const PolygonModel& model,
     if (samples.samples.empty()) continue;
     double texel_m = options.displacement_texel_m;
     if (texel_m == 0)
-      texel_m = std::max({kFinest_m, spacing_of(samples), std::sqrt(frame.size.prod() / kMostTexels)});
+      texel_m = std::max({kFinestTexel_m, spacing_of(samples), std::sqrt(frame.size.prod() / kMostTexels)});
     if (frame.size.prod() / (texel_m * texel_m) > kMostTexels)
       fail_input(
           "displacement_texel_m: face {} of {:.1f} x {:.1f} m needs {:.1e} texels of {} m, expected at most "

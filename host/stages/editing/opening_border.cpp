@@ -13,7 +13,7 @@ constexpr double kBow = 0.5;            // cells that the border may bow over it
 constexpr double kFine = 0.4;           // cells that curved parts may move when vertices go
 constexpr int kSmooth = 3;              // vertices on either side whose mean a curve's vertex takes
 constexpr double kAxisDeg = 10;         // an edge so near an axis is parallel to it
-constexpr double kReach = 3;            // cells on either side that speak for an edge's place
+constexpr double kEdgeReach = 3;        // cells on either side that speak for an edge's place
 constexpr double kWorse = 0.02;         // share of wrong samples that an axis may cost
 constexpr std::size_t kLeastMarks = 8;  // on both sides together
 
@@ -35,7 +35,7 @@ std::vector<std::pair<double, bool>> beside(const Vec2& a, const Vec2& b, const 
   for (const EvidenceMark& mark : marks) {
     const Vec2 arm = mark.at.cast<double>() - middle;
     const double across = normal.dot(arm);
-    if (std::abs(across) > kReach * cell_m || std::abs(along.dot(arm)) > half) continue;
+    if (std::abs(across) > kEdgeReach * cell_m || std::abs(along.dot(arm)) > half) continue;
     found.emplace_back(across, passes(mark));
   }
   std::sort(found.begin(), found.end());

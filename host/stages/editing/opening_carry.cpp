@@ -10,11 +10,11 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kThinnest_m = 0.02, kThickest_m = 1.5;  // a wall
-constexpr double kParallelDeg = 2;                       // of its two faces
+constexpr double kParallelFacesDeg = 2;                  // of its two faces
 constexpr double kAcrossDeg = 6;                         // a straight reveal is so near a right angle
 constexpr double kBeside_m = 0.05;                       // of the border: a straight reveal's samples
 constexpr double kSplayed = 0.25;                        // of the straight reveals' area: oblique at most
-constexpr double kAround_m = 0.4;                        // rays beside the opening that speak against it
+constexpr double kBesideOpening_m = 0.4;                 // rays beside the opening that speak against it
 
 // What stands between the two faces of a wall within an opening's bounding box.
 struct Reveals {
@@ -60,7 +60,7 @@ Opening carried(const Opening& seen, const FaceFrame& from, const FaceFrame& to,
   opening.against += std::count_if(marks.begin(), marks.end(), [&](const EvidenceMark& mark) {
     const Vec2 at = mark.at.cast<double>();
     return mark.kind == CellEvidence::through && !inside(opening.ring, at) &&
-           distance_to_border(opening.ring, at) < kAround_m &&
+           distance_to_border(opening.ring, at) < kBesideOpening_m &&
            distance_to_border(opening.ring, at) > face.cell_m;
   });
   opening.confidence = seen.confidence * lower_bound(static_cast<double>(opening.rays),
@@ -70,7 +70,7 @@ Opening carried(const Opening& seen, const FaceFrame& from, const FaceFrame& to,
 
 bool leads_through(const FaceFrame& seen, const FaceFrame& unseen) {
   const double thickness = -seen.plane.distance(unseen.world(0.5 * unseen.size));
-  return seen.plane.normal.dot(unseen.plane.normal) < -std::cos(kParallelDeg * std::numbers::pi / 180) &&
+  return seen.plane.normal.dot(unseen.plane.normal) < -std::cos(kParallelFacesDeg * std::numbers::pi / 180) &&
          thickness > kThinnest_m && thickness < kThickest_m;
 }
 

@@ -10,16 +10,16 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kSpare = 0.25;       // cells between the border and the samples beside it
-constexpr double kMostCost = 4;       // cells that a sample on the wrong side costs at most
-constexpr double kAttached = 0.25;    // of a sample before the face: what stands there may end elsewhere
-constexpr double kTight = 0.1;        // samples that it costs to be larger: least where nothing bounds it
-constexpr double kWrong = 0.5;        // cells on the wrong side that contradict
-constexpr double kMoreWrong = 0.01;   // of the samples beside the border: that a shape may contradict more
-constexpr double kBeside = 3;         // cells
-constexpr double kSimpler = 0.0025;   // of them: that a lintel may contradict more than an arch
-constexpr double kFirstStep_m = 0.2;  // of the search
-constexpr double kNear_m = 0.4;       // of the border: samples that the last search asks
+constexpr double kSpare = 0.25;        // cells between the border and the samples beside it
+constexpr double kMostCost = 4;        // cells that a sample on the wrong side costs at most
+constexpr double kAttached = 0.25;     // of a sample before the face: what stands there may end elsewhere
+constexpr double kTight = 0.1;         // samples that it costs to be larger: least where nothing bounds it
+constexpr double kWrong = 0.5;         // cells on the wrong side that contradict
+constexpr double kMoreWrong = 0.01;    // of the samples beside the border: that a shape may contradict more
+constexpr double kBeside = 3;          // cells
+constexpr double kSimpler = 0.0025;    // of them: that a lintel may contradict more than an arch
+constexpr double kFirstStep_m = 0.2;   // of the search
+constexpr double kNearBorder_m = 0.4;  // of the border: samples that the last search asks
 constexpr std::size_t kCoarseMarks = 3000;  // that the first ones ask
 constexpr double kFinest = 1.0 / 32;        // cells
 constexpr double kLeastSize_m = 0.1;        // of a shape
@@ -167,7 +167,7 @@ template <typename Shape>
 std::vector<EvidenceMark> near_border(const Shape& shape, const std::vector<EvidenceMark>& marks) {
   std::vector<EvidenceMark> near;
   for (const EvidenceMark& mark : marks)
-    if (std::abs(shape.outside(mark.at.cast<double>())) < kNear_m) near.push_back(mark);
+    if (std::abs(shape.outside(mark.at.cast<double>())) < kNearBorder_m) near.push_back(mark);
   return near;
 }
 

@@ -19,7 +19,8 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::size_t kBins = 16, kFewBins = 8;  // the few: of what fits a cluster
-constexpr std::size_t kBlock = 16384;  // items binned as one unit, fixed so that nothing depends on threads
+constexpr std::size_t kBinnedBlock =
+    16384;  // items binned as one unit, fixed so that nothing depends on threads
 constexpr std::size_t kParallelFrom = 256;  // smaller subtrees stay on one thread
 constexpr std::size_t kLargestLeaf = BVH_LARGEST_LEAF;
 constexpr int kDepthOfMedians =
@@ -33,13 +34,13 @@ static_assert((BVH_WIDTH - 1) * BVH_WIDE_LEVELS + kDepthOfMedians + BVH_COUNT_SH
 // x, y, z and a fourth lane that is finite and of no meaning.
 using Lanes = Eigen::Array4f;
 
-struct Box {
+struct LaneBox {
   Lanes low = Lanes::Constant(INFINITY), high = Lanes::Constant(-INFINITY);
   void add(const Lanes& l, const Lanes& h) {
     low = low.min(l);
     high = high.max(h);
   }
-  void add(const Box& box) { add(box.low, box.high); }
+  void add(const LaneBox& box) { add(box.low, box.high); }
   float area() const {
     const Lanes e = high - low;
     return e[0] < 0 ? 0 : e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
@@ -65,7 +66,7 @@ struct alignas(16) Item {
 static_assert(sizeof(Item) == 32);
 
 struct Bin {
-  Box box;
+  LaneBox box;
   float weight = 0;
 };
 template <std::size_t Count>
@@ -80,7 +81,7 @@ struct Split {
 // Which bin an item falls into, per axis.
 struct Binning {
   Lanes origin, scale = Lanes::Zero(), last;
-  Binning(const Box& centres, std::size_t bins) : origin(centres.low) {
+  Binning(const LaneBox& centres, std::size_t bins) : origin(centres.low) {
     const Lanes extent = centres.high - centres.low;
     for (int k = 0; k < 3; ++k) scale[k] = extent[k] > 0 ? static_cast<float>(bins) / extent[k] : 0;
     last = Lanes::Constant(static_cast<float>(bins - 1));
@@ -93,11 +94,11 @@ struct Binning {
 // The parts fold(from, to) makes of fixed blocks of [begin, end), on all threads, merged in order.
 template <typename Part, typename Fold, typename Merge>
 Part fold_blocks(std::size_t begin, std::size_t end, const Fold& fold, const Merge& merge) {
-  const std::size_t blocks = (end - begin + kBlock - 1) / kBlock;
+  const std::size_t blocks = (end - begin + kBinnedBlock - 1) / kBinnedBlock;
   if (blocks <= 1) return fold(begin, end);
   std::vector<Part> parts(blocks);
   parallel_for(blocks, [&](std::size_t i) {
-    parts[i] = fold(begin + i * kBlock, std::min(begin + (i + 1) * kBlock, end));
+    parts[i] = fold(begin + i * kBinnedBlock, std::min(begin + (i + 1) * kBinnedBlock, end));
   });
   for (std::size_t i = 1; i < blocks; ++i) merge(parts[0], parts[i]);
   return parts[0];
@@ -145,7 +146,7 @@ struct Work {
 
 struct Subtree {
   std::uint32_t code = BVH_EMPTY;
-  Box box;
+  LaneBox box;
   PlaceCosts costs{};
 };
 
@@ -158,7 +159,7 @@ class Builder {
   // The subtree of [begin, end).
   Subtree build(std::size_t begin, std::size_t end, int depth) {
     if (end - begin == 1 && items_[begin].cluster()) return build_cluster(items_[begin].index(), depth);
-    Box box, centres;
+    LaneBox box, centres;
     measure(begin, end, box, centres);
     const std::size_t middle = split(begin, end, depth, box, centres);
     if (middle == begin) return leaf(begin, end, box);
@@ -181,7 +182,7 @@ class Builder {
   }
 
  private:
-  Subtree leaf(std::size_t begin, std::size_t end, const Box& box) const {
+  Subtree leaf(std::size_t begin, std::size_t end, const LaneBox& box) const {
     Subtree made{.box = box};
     made.code = BVH_LEAF | kind_ | static_cast<std::uint32_t>((end - begin - 1) << BVH_COUNT_SHIFT) |
                 static_cast<std::uint32_t>(first_ + begin);
@@ -205,9 +206,9 @@ class Builder {
     return kind_ == BVH_SPHERES ? kSpheresCost * std::ceil(weight / kLargestLeaf) : weight;
   }
 
-  void measure(std::size_t begin, std::size_t end, Box& box, Box& centres) const {
+  void measure(std::size_t begin, std::size_t end, LaneBox& box, LaneBox& centres) const {
     struct Part {
-      Box box, centres;
+      LaneBox box, centres;
     };
     const auto fold = [&](std::size_t from, std::size_t to) {
       Part part;
@@ -227,7 +228,8 @@ class Builder {
   }
 
   // Orders [begin, end) into two sides and returns where the second begins; `begin` for a leaf.
-  std::size_t split(std::size_t begin, std::size_t end, int depth, const Box& box, const Box& centres) {
+  std::size_t split(std::size_t begin, std::size_t end, int depth, const LaneBox& box,
+                    const LaneBox& centres) {
     const std::size_t count = end - begin;
     const auto first = items_.begin() + static_cast<std::ptrdiff_t>(begin);
     const auto last = items_.begin() + static_cast<std::ptrdiff_t>(end);
@@ -262,7 +264,7 @@ class Builder {
   }
 
   template <std::size_t Count>
-  Split cheapest(std::size_t begin, std::size_t end, const Box& box, const Binning& binning) const {
+  Split cheapest(std::size_t begin, std::size_t end, const LaneBox& box, const Binning& binning) const {
     const auto fold = [&](std::size_t from, std::size_t to) {
       Bins<Count> block;
       for (std::size_t i = from; i < to; ++i) {
@@ -290,14 +292,14 @@ class Builder {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (binning.scale[static_cast<int>(axis)] == 0) continue;
       std::array<float, Count> right_cost{};
-      Box right;
+      LaneBox right;
       float right_weight = 0;
       for (std::size_t k = Count - 1; k > 0; --k) {
         right.add(bins[axis][k].box);
         right_weight += bins[axis][k].weight;
         right_cost[k] = right_weight > 0 ? right.area() * cost(right_weight) : -1;
       }
-      Box left;
+      LaneBox left;
       float left_weight = 0;
       for (std::size_t k = 1; k < Count; ++k) {
         left.add(bins[axis][k - 1].box);
@@ -328,7 +330,7 @@ std::vector<Item> top_items(const std::vector<TriangleRecord>& triangles, const 
           return;
         }
         const auto [begin, count] = clusters[i - triangles.size()];
-        Box box;
+        LaneBox box;
         for (std::size_t k = begin; k < begin + count; ++k) {
           const Item sphere = bound(work.spheres[work.clusters.order[k]], 0);
           box.add(sphere.lower(), sphere.upper());

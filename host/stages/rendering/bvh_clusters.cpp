@@ -17,7 +17,7 @@ namespace {
 // order is one.
 constexpr int kAxisBits = 12, kIndexBits = BVH_COUNT_SHIFT;
 static_assert(3 * kAxisBits + kIndexBits <= 64);
-constexpr std::size_t kBlock = 65536;
+constexpr std::size_t kSortedBlock = 65536;
 
 // 12 bits, each followed by two zeros.
 std::uint64_t spread(std::uint64_t x) {
@@ -41,14 +41,14 @@ class Clustering {
  public:
   explicit Clustering(const std::vector<SphereRecord>& spheres) : spheres_(spheres), keys_(spheres.size()) {
     parallel_for(
-        keys_.size(), [&](std::size_t i) { keys_[i] = i; }, kBlock);
+        keys_.size(), [&](std::size_t i) { keys_[i] = i; }, kSortedBlock);
   }
 
   SphereClusters run() {
     refine(0, keys_.size());
     made_.order.resize(keys_.size());
     parallel_for(
-        keys_.size(), [&](std::size_t i) { made_.order[i] = index(i); }, kBlock);
+        keys_.size(), [&](std::size_t i) { made_.order[i] = index(i); }, kSortedBlock);
     return std::move(made_);
   }
 
@@ -58,10 +58,10 @@ class Clustering {
   }
 
   Bounds measure(std::size_t begin, std::size_t end) const {
-    std::vector<Bounds> parts((end - begin + kBlock - 1) / kBlock);
+    std::vector<Bounds> parts((end - begin + kSortedBlock - 1) / kSortedBlock);
     parallel_for(parts.size(), [&](std::size_t b) {
       Bounds part;
-      for (std::size_t i = begin + b * kBlock; i < std::min(begin + (b + 1) * kBlock, end); ++i) {
+      for (std::size_t i = begin + b * kSortedBlock; i < std::min(begin + (b + 1) * kSortedBlock, end); ++i) {
         const float* at = spheres_[index(i)].centre;
         part.add({{at[0], at[1], at[2]}, {at[0], at[1], at[2]}});
       }
@@ -93,7 +93,7 @@ class Clustering {
           }
           keys_[begin + k] = code << kIndexBits | sphere;
         },
-        kBlock);
+        kSortedBlock);
     const auto first = keys_.begin() + static_cast<std::ptrdiff_t>(begin);
     tbb::parallel_sort(first, keys_.begin() + static_cast<std::ptrdiff_t>(end));
     cut(begin, end);

@@ -13,7 +13,7 @@ namespace {
 
 // Wide nodes this far below the root are pulled together on all threads, each into a tree of its own.
 constexpr std::size_t kBranchLevel = 3;
-constexpr std::size_t kBlock = 16384;  // spheres copied as one unit
+constexpr std::size_t kCopiedBlock = 16384;  // spheres copied as one unit
 
 struct Child {
   BinaryBox box;
@@ -139,7 +139,8 @@ Bvh collapse(BinaryTree tree, const std::vector<TriangleRecord>& triangles,
   out.sphere_source = std::move(tree.sphere_order);
   out.spheres.resize(out.sphere_source.size());
   parallel_for(
-      out.spheres.size(), [&](std::size_t i) { out.spheres[i] = spheres[out.sphere_source[i]]; }, kBlock);
+      out.spheres.size(), [&](std::size_t i) { out.spheres[i] = spheres[out.sphere_source[i]]; },
+      kCopiedBlock);
   return out;
 }
 

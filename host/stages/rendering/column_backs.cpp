@@ -10,8 +10,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kSlice_m = 0.1;  // of a shaft
-constexpr double kTurn = 2 * std::numbers::pi / kColumnSides;
+constexpr double kSide_rad = 2 * std::numbers::pi / kColumnSides;
 
 // Of bases and heads: thin slices whose samples are equally far from the axis.
 constexpr double kThin_m = 0.02, kBeyond = 2;      // radii from an end, along the axis
@@ -100,7 +99,7 @@ Vec3 place_on(const Cylinder& cylinder, const Height& height, double turn_rad) {
 void append_backs(const ScanSight& sight, const SightColumn& column, const std::vector<Height>& heights,
                   std::vector<ColumnBack>& backs) {
   const auto at = [&](const Height& height, double side) {
-    return place_on(column.cylinder, height, kTurn * side);
+    return place_on(column.cylinder, height, kSide_rad * side);
   };
   const auto middle = [&](std::size_t k) {
     const Height &low = heights[k], &high = heights[k + 1];
@@ -122,7 +121,7 @@ void append_backs(const ScanSight& sight, const SightColumn& column, const std::
 
 std::vector<ColumnBack> backs_of(const ScanSight& sight, const SightColumn& column) {
   const Cylinder& cylinder = column.cylinder;
-  const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kSlice_m)));
+  const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kColumnSlice_m)));
   std::vector<Height> shaft;
   for (int k = 0; k <= slices; ++k) {
     const double along = cylinder.length_m * k / slices;

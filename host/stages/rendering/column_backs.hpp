@@ -7,6 +7,8 @@ namespace hybrid::stages {
 inline constexpr int kColumnSides =
     24;  // of what stands for a column; inscribed, by 1 % of the radius at most
 
+inline constexpr double kColumnSlice_m = 0.1;  // of its length, that a scan may have seen to be empty
+
 // The place on a cylinder's surface, or so far off it, along its axis and around it; its own frame.
 Vec3 on_cylinder(const Cylinder& cylinder, double along_m, double turn_rad, double off_m = 0);
 

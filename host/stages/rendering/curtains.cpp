@@ -17,7 +17,6 @@ constexpr int kReach = 3;          // nodes to the far surface: over mixed sampl
 constexpr double kPiece_m = 0.05;  // that another scan may have seen to be empty
 constexpr double kShortest_m = 0.05;  // shorter ones hide nothing
 constexpr double kBeyondEnds = 1.5;   // radii: so far a column's base and head may go on
-constexpr double kSlice_m = 0.1;      // of a column, that a scan may have seen to be empty
 
 // One scan among all.
 class Hanger {
@@ -37,7 +36,7 @@ class Hanger {
   std::vector<Curtain> beyond_ends(const Cylinder& cylinder) const {
     std::vector<Curtain> curtains;
     if (cylinder.inside || !(cylinder.radius_m > 2 * options_.tolerance_m)) return curtains;
-    const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kSlice_m)));
+    const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kColumnSlice_m)));
     const int more = static_cast<int>(kBeyondEnds * cylinder.radius_m * slices / cylinder.length_m);
     // What carries it, and what it carries, is as wide as it is, unless any scan says otherwise.
     const auto go_on = [&](int slice) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.hpp"
 #include "core/parallel.hpp"
 #include "stages/rendering/light_cells.hpp"
 #include "stages/rendering/photo_blend.hpp"
@@ -56,12 +57,6 @@ void add_points(RenderState& state, const Photograph& photograph, std::vector<Su
     }
     points.push_back(point);
   }
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Of two photographs' points in ascending order, those of both.

@@ -10,10 +10,6 @@
 namespace hybrid::stages {
 namespace {
 
-// Among faces a shadow ray stops only this short of the surface: their coordinates are exact but for
-// rounding.
-constexpr float kFaceTolerance_m = 1e-3f;
-
 // Photographs remembered per point: the k best and the one whose penalty ends them.
 std::size_t kept_photographs(const RenderOptions& options) {
   return options.weights == "ulr" ? static_cast<std::size_t>(options.ulr_k) + 1 : 0;

@@ -10,6 +10,10 @@
 
 namespace hybrid::stages {
 
+// Among faces a shadow ray stops only this short of the surface: their coordinates are exact but for
+// rounding.
+inline constexpr float kFaceTolerance_m = 1e-3f;
+
 // From where, and how finely, surface points are seen.
 struct PhotoBlendView {
   std::array<float, 3> eye;  // local frame

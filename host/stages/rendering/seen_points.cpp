@@ -3,12 +3,11 @@
 #include <algorithm>
 
 #include "shared/params_rank_photos.h"
+#include "stages/rendering/photo_blend.hpp"
 #include "stages/rendering/render_state.hpp"
 
 namespace hybrid::stages {
 namespace {
-
-constexpr float kFaceTolerance_m = 1e-3f;  // as for views (photo_blend.cpp)
 
 // The points on the device, in the layout of kernels/ray_cast.cl, as points of proxy faces.
 device::Array<float> upload(device::Queue& queue, const std::vector<SurfacePoint>& points,
