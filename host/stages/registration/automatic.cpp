@@ -16,10 +16,10 @@ namespace {
 constexpr std::size_t kNamedRivals = 8;
 
 // Poses this near are one hypothesis, of which the best is looked at: ICP decides between them.
-constexpr double kNear_m = 0.3;
+constexpr double kOneHypothesis_m = 0.3;
 
 bool is_near(const ScanEvidence& scan, const Finalist& a, const Finalist& b) {
-  return same_place(scan, a.fit.world_from_scan, b.fit.world_from_scan, kNear_m);
+  return same_place(scan, a.fit.world_from_scan, b.fit.world_from_scan, kOneHypothesis_m);
 }
 
 std::vector<RivalPose> rivals_of(const ScanEvidence& scan, const Search& search, std::size_t chosen,

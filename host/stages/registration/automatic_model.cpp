@@ -10,7 +10,7 @@ namespace hybrid::stages {
 namespace {
 
 // Faces of one plane: normals within 1 degree, 2 cm apart at the smaller one's middle.
-constexpr double kSameNormal = 0.99985, kSameOffset_m = 0.02;
+constexpr double kSameFaceNormal = 0.99985, kSameFaceOffset_m = 0.02;
 
 void check_vertices(const PolygonModel& model) {
   if (model.faces.empty())
@@ -73,9 +73,9 @@ Vec3 middle_of(const FaceShape& face) {
 }  // namespace
 
 double FaceShape::outside_m(const Vec3& point, double most_m) const {
-  constexpr double kRounded = 1 + 1e-9;
+  constexpr double kRoundedUp = 1 + 1e-9;
   const Vec2 p(u.dot(point - origin), v.dot(point - origin));
-  if (const double least_m = box.exteriorDistance(p); least_m > most_m * kRounded) return least_m;
+  if (const double least_m = box.exteriorDistance(p); least_m > most_m * kRoundedUp) return least_m;
   bool inside = false;
   for (const auto& ring : rings)
     for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
@@ -112,8 +112,9 @@ ModelShapes measure_model(const PolygonModel& model) {
   for (FaceShape& face : shapes.faces) {
     const Vec3 middle = middle_of(face);
     std::size_t k = 0;
-    while (k < shapes.planes.size() && !(shapes.planes[k].plane.normal.dot(face.plane.normal) > kSameNormal &&
-                                         std::abs(shapes.planes[k].plane.distance(middle)) < kSameOffset_m))
+    while (k < shapes.planes.size() &&
+           !(shapes.planes[k].plane.normal.dot(face.plane.normal) > kSameFaceNormal &&
+             std::abs(shapes.planes[k].plane.distance(middle)) < kSameFaceOffset_m))
       ++k;
     if (k == shapes.planes.size()) shapes.planes.push_back({face.plane, 0});
     shapes.planes[k].area_m2 += face.area_m2;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <queue>
+
+#include "geometry/angles.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr double kRadian = std::numbers::pi / 180;
 constexpr double kPeakWidth_m = 0.2;
 constexpr std::size_t kPeaks = 20, kLargestTiles = 80;
 constexpr double kPeakShare = 0.02;  // of the highest peak of its axis
@@ -30,7 +30,7 @@ struct Axis {
 std::vector<Axis> collect_axes(const ScanEvidence& scan, const ModelShapes& model, const Mat3& linear,
                                double scale) {
   std::vector<Axis> axes;
-  const double along = std::cos(kAlongDeg * kRadian);
+  const double along = std::cos(kAlongDeg * kDegree);
   for (const ScanPlane& plane : scan.planes)
     for (const ModelPlane& face : model.planes) {
       if (face.plane.normal.dot(linear * plane.plane.normal) < scale * along) continue;
@@ -106,7 +106,7 @@ std::vector<Candidate> candidates_of(const ScanEvidence& scan, const ModelShapes
   });
   if (order.size() > kLargestTiles) order.resize(kLargestTiles);
   std::vector<Candidate> found;
-  const double along = scale * std::cos(kAlongDeg * kRadian);
+  const double along = scale * std::cos(kAlongDeg * kDegree);
   for (const std::size_t t : order)
     for (const FaceShape& face : model.faces)
       if (face.plane.normal.dot(linear * scan.tiles[t].normal) > along) {
@@ -139,12 +139,12 @@ class BestScores {
 
 // The area of the tiles near a face; where it cannot reach `least` something below.
 double near_area(const std::vector<Candidate>& candidates, const Vec3& translation, double least) {
-  constexpr double kRounded = 1 - 1e-9;
+  constexpr double kRoundedDown = 1 - 1e-9;
   double area = 0;
   std::size_t counted = static_cast<std::size_t>(-1);
   for (const Candidate& c : candidates) {
     if (c.tile == counted) continue;
-    if (area + c.rest < kRounded * least) return 0;
+    if (area + c.rest < kRoundedDown * least) return 0;
     if (std::abs(c.height + c.face->plane.normal.dot(translation)) > kNear_m) continue;
     if (c.face->outside_m(c.centroid + translation, kNear_m) > kNear_m) continue;
     area += c.area;

@@ -3,12 +3,12 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "geometry/angles.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr double kRadian = std::numbers::pi / 180;
 constexpr std::size_t kScanPlanes = 14, kModelPlanes = 24, kMostRotations = 48;
 constexpr double kLeastShare = 0.01;    // of the largest plane's area
 constexpr double kEqualAngleDeg = 3;    // between the two scan planes and the two model planes
@@ -52,7 +52,7 @@ Supported support_of(const Eigen::Quaterniond& q, const std::vector<ScanPlane>& 
   const Mat3 r = q.toRotationMatrix();
   for (const ScanPlane& plane : scan) {
     const Vec3 normal = r * plane.plane.normal;
-    double best = std::cos(kAlongDeg * kRadian);
+    double best = std::cos(kAlongDeg * kDegree);
     const ModelPlane* along = nullptr;
     for (const ModelPlane& candidate : model)
       if (const double cosine = candidate.plane.normal.dot(normal); cosine > best) {
@@ -81,7 +81,7 @@ class Collector {
  public:
   void add(const Eigen::Quaterniond& q) {
     for (const auto& known : found_)
-      if (angle_between(known, q) < kSameRotationDeg * kRadian) return;
+      if (angle_between(known, q) < kSameRotationDeg * kDegree) return;
     found_.push_back(q);
   }
   const std::vector<Eigen::Quaterniond>& found() const { return found_; }
@@ -92,7 +92,7 @@ class Collector {
 
 void add_turns(const std::vector<ScanPlane>& scan, const std::vector<ModelPlane>& model, Collector& into) {
   const auto is_wall = [](const Plane& plane) {
-    return std::abs(plane.normal.z()) < std::sin(kWallDeg * kRadian);
+    return std::abs(plane.normal.z()) < std::sin(kWallDeg * kDegree);
   };
   const auto azimuth = [](const Vec3& n) { return std::atan2(n.y(), n.x()); };
   for (const ScanPlane& a : scan)
@@ -109,11 +109,11 @@ void add_pairs(const std::vector<ScanPlane>& scan, const std::vector<ModelPlane>
   for (std::size_t i = 0; i < scan.size(); ++i)
     for (std::size_t j = i + 1; j < scan.size(); ++j) {
       const double scan_angle = angle(scan[i].plane, scan[j].plane);
-      if (scan_angle < 30 * kRadian || scan_angle > 150 * kRadian) continue;
+      if (scan_angle < 30 * kDegree || scan_angle > 150 * kDegree) continue;
       for (std::size_t k = 0; k < model.size(); ++k)
         for (std::size_t l = 0; l < model.size(); ++l)
           if (k != l &&
-              std::abs(angle(model[k].plane, model[l].plane) - scan_angle) < kEqualAngleDeg * kRadian)
+              std::abs(angle(model[k].plane, model[l].plane) - scan_angle) < kEqualAngleDeg * kDegree)
             into.add(frame_rotation(scan[i].plane.normal, scan[j].plane.normal, model[k].plane.normal,
                                     model[l].plane.normal));
     }
@@ -135,10 +135,10 @@ std::vector<RotationGuess> guess_rotations(const ScanEvidence& scan, const Model
 
   for (Eigen::Quaterniond q : found.found()) {
     for (int pass = 0; pass < 2; ++pass) q = refined(q, support_of(q, scan_planes, model_planes));
-    if (levelled && (q * Vec3::UnitZ()).z() < std::cos(kLargestTiltDeg * kRadian)) continue;
+    if (levelled && (q * Vec3::UnitZ()).z() < std::cos(kLargestTiltDeg * kDegree)) continue;
     const double area = support_of(q, scan_planes, model_planes).area_m2;
     const bool known = std::any_of(guesses.begin(), guesses.end(), [&](const RotationGuess& other) {
-      return angle_between(other.world_from_scan, q) < kSameRotationDeg / 4 * kRadian;
+      return angle_between(other.world_from_scan, q) < kSameRotationDeg / 4 * kDegree;
     });
     if (!known && area > 0) guesses.push_back({q, area});
   }

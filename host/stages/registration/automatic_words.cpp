@@ -7,19 +7,20 @@
 #include <vector>
 
 namespace hybrid::stages {
-namespace {
 
-std::string text(const Vec3& v) {
+std::string vector_in_words(const Vec3& v) {
   const Vec3 shown = (v.array().abs() < 0.005).select(0.0, v);  // no "-0.00"
   return fmt::format("({:.2f}, {:.2f}, {:.2f})", shown.x(), shown.y(), shown.z());
 }
+
+namespace {
 
 std::string about(const Vec3& axis) {
   const double cosine = std::cos(5 * std::numbers::pi / 180);
   if (std::abs(axis.z()) > cosine) return "the vertical";
   if (std::abs(axis.x()) > cosine) return "the x axis (upside down)";
   if (std::abs(axis.y()) > cosine) return "the y axis (upside down)";
-  return "the axis " + text(axis);
+  return "the axis " + vector_in_words(axis);
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ std::string motion_in_words(const Pose& from, const Pose& to) {
   if (std::abs(to.scale / from.scale - 1) > 0.005)
     add(fmt::format("{:.3f} times as large", to.scale / from.scale));
   if (moved.norm() > 0.01)
-    add(fmt::format("the scanner moved by {:.2f} m to {}", moved.norm(), text(to.translation)));
+    add(fmt::format("the scanner moved by {:.2f} m to {}", moved.norm(), vector_in_words(to.translation)));
   return words.empty() ? "the same place" : words;
 }
 

@@ -11,8 +11,6 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
 constexpr std::size_t kNodes = 1 << 19;  // looked at together
 constexpr double kGate = 2;              // of the distances asked for: their ends count too
 
@@ -67,7 +65,7 @@ class Distances {
         const std::uint32_t at = label(i);
         for (int a = 0; a < 3; ++a)
           queries_[3 + a][k] =
-              at == 0 ? kNan : static_cast<float>(segmentation_.superclusters[at - 1].plane.normal(a));
+              at == 0 ? kNaN : static_cast<float>(segmentation_.superclusters[at - 1].plane.normal(a));
         ++k;
       });
     });
@@ -110,7 +108,7 @@ std::vector<float> signed_distance_to_model(device::Queue& queue, const RangeIma
                                             const Pose& world_from_scan, double normal_deg,
                                             double free_gate_m) {
   Distances distances(queue, image, segmentation, model, world_from_scan, normal_deg);
-  std::vector<float> signed_m(image.count(), kNan);
+  std::vector<float> signed_m(image.count(), kNaN);
   const auto take = [&](std::size_t i, float distance, float height) {
     signed_m[i] = std::copysign(distance, height);
   };

@@ -11,7 +11,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kMostNodes = 1e6;
+constexpr double kMostQueries = 1e6;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 SearchQueries upload(device::Queue& queue, const std::array<std::vector<float>, 6>& columns) {
@@ -25,7 +25,7 @@ DistancesToScans distances_to_scans(device::Queue& queue, const RangeImage& imag
                                     const PlaneSegmentation& segmentation, const Pose& world_from_scan,
                                     const std::vector<PlacedScan>& others, double reach_m,
                                     double normal_deg) {
-  const auto least = std::ceil(std::sqrt(static_cast<double>(image.count()) / kMostNodes));
+  const auto least = std::ceil(std::sqrt(static_cast<double>(image.count()) / kMostQueries));
   const int every = std::max(static_cast<int>(least), 1);
   DistancesToScans result;
   result.image.rows = (image.rows + every - 1) / every;

@@ -13,7 +13,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kBeside_m = 1.5;  // a tile of 2 m reaches as far from its centroid
+constexpr double kBesideFace_m = 1.5;  // a tile of 2 m reaches as far from its centroid
 // Pieces of one plane: whole within the first, none of it beyond the second.
 constexpr double kSamePlane_m = 0.01, kOtherPlane_m = 0.03;
 // Of the offsets: a finer spread would lock onto floor and ceiling, which are most of the area, and drop
@@ -22,7 +22,7 @@ constexpr double kLeastSpread_m = 0.015;
 constexpr double kAgreeingShare = 0.5, kNearlyAll = 0.8;  // of the area
 constexpr double kHeldShare = 0.01, kHeldOfAll = 0.3;  // of icp_step.hpp's resistance; of that of all faces
 constexpr int kMaxIterations = 40;
-constexpr double kSettledAngleRad = 1e-7, kSettledDistanceM = 1e-6;
+constexpr double kOffsetsSettledAngleRad = 1e-7, kOffsetsSettledDistanceM = 1e-6;
 
 // 1 up to `whole`, falling to 0 at `none`.
 double taper(double value, double whole, double none) {
@@ -45,23 +45,23 @@ std::vector<TilePair> find_pairs(const ScanEvidence& scan, const ModelShapes& mo
     };
     const FaceShape& face = *std::ranges::max_element(on->second, larger)->first;
     const TilePair pair = pair_of(scan.tiles[t], face, pose);
-    if (std::abs(pair.height_m) < reach_m && face.outside_m(pair.centroid) < kBeside_m) pairs[t] = pair;
+    if (std::abs(pair.height_m) < reach_m && face.outside_m(pair.centroid) < kBesideFace_m) pairs[t] = pair;
   }
   return pairs;
 }
 
 // The tiles on one face, with the share of each that counts.
-struct OnFace {
+struct TilesOnFace {
   const FaceShape* shape = nullptr;
   std::vector<std::pair<std::size_t, double>> tiles;
   double area_m2 = 0, height = 0;  // counted area; times height
   double offset_m() const { return height / area_m2; }
 };
 
-using FaceMap = std::map<std::uint32_t, OnFace>;
+using FaceMap = std::map<std::uint32_t, TilesOnFace>;
 
 // Of the superclusters on one face the one with the most area.
-std::uint32_t leading_plane(const ScanEvidence& scan, const OnFace& on) {
+std::uint32_t leading_plane(const ScanEvidence& scan, const TilesOnFace& on) {
   std::map<std::uint32_t, double> areas;
   for (const auto& [t, share] : on.tiles) areas[scan.tiles[t].supercluster] += scan.tiles[t].area_m2;
   std::uint32_t leading = areas.begin()->first;
@@ -75,7 +75,7 @@ FaceMap find_faces(const PlaneSegmentation& segmentation, const ScanEvidence& sc
   FaceMap faces;
   for (std::size_t t = 0; t < pairs.size(); ++t) {
     if (!pairs[t].face) continue;
-    OnFace& on = faces[pairs[t].face->face];
+    TilesOnFace& on = faces[pairs[t].face->face];
     on.shape = pairs[t].face;
     on.tiles.emplace_back(t, 1.0);
   }
@@ -138,9 +138,9 @@ Pose solve_jointly(const PlaneSegmentation& segmentation, const ScanEvidence& sc
           add_tile(scan.tiles[t], pairs[t], pose, pivot, factor, sums);
     if (!(sums.weight > 0)) break;
     StepSize step = apply_plane_step(sums, pivot, radius, false, pose);
-    if (step.angle_rad >= kSettledAngleRad || step.distance_m >= kSettledDistanceM) continue;
+    if (step.angle_rad >= kOffsetsSettledAngleRad || step.distance_m >= kOffsetsSettledDistanceM) continue;
     if (!returned) step = return_along_open(sums, centre, radius, start, pose);
-    if (step.angle_rad < kSettledAngleRad && step.distance_m < kSettledDistanceM) break;
+    if (step.angle_rad < kOffsetsSettledAngleRad && step.distance_m < kOffsetsSettledDistanceM) break;
     returned = true;
   }
   return pose;
@@ -168,7 +168,7 @@ bool faces_agree(const ScanEvidence& scan, const std::vector<TilePair>& pairs, c
 }
 
 FaceOffset describe(const PlaneSegmentation& segmentation, const ScanEvidence& scan,
-                    const PolygonModel& model, const Pose& pose, const OnFace& on) {
+                    const PolygonModel& model, const Pose& pose, const TilesOnFace& on) {
   FaceOffset result;
   result.face = on.shape->face;
   result.name = model.faces[result.face].name;

@@ -11,7 +11,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoCutoff_m = std::numeric_limits<double>::infinity();
 constexpr std::size_t kFewestSamples = 10;  // some tens suffice, a few hold no pose
 constexpr double kOverlapM = 0.05;
 constexpr double kSettledAngleRad = 1e-6, kSettledDistanceM = 5e-6;
@@ -52,7 +52,7 @@ class Cutoff {
     scale_ = std::max(wanted, 0.5 * scale_);
     return true;
   }
-  double metres() const { return tukey_ ? 4.685 * scale_ : kInfinity; }
+  double metres() const { return tukey_ ? 4.685 * scale_ : kNoCutoff_m; }
   bool settled() const { return settled_; }
 
  private:

@@ -8,15 +8,6 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kBlock = 256;  // samples per partial sum
-
-device::Array<float> column(device::Queue& queue, const std::vector<std::array<float, 4>>& rows,
-                            std::size_t k) {
-  std::vector<float> values(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) values[i] = rows[i][k];
-  return queue.array(values);
-}
-
 void store_linear(const Pose& pose, float* target) {
   const Mat3 linear = pose.scale * pose.rotation.toRotationMatrix();
   for (int k = 0; k < 9; ++k) target[k] = static_cast<float>(linear(k / 3, k % 3));
@@ -33,6 +24,13 @@ Vec3 centre_of(const PlanarSamples& samples) {
 }
 
 }  // namespace
+
+device::Array<float> column(device::Queue& queue, const std::vector<std::array<float, 4>>& rows,
+                            std::size_t k) {
+  std::vector<float> values(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) values[i] = rows[i][k];
+  return queue.array(values);
+}
 
 double weighted_median(const std::vector<float>& values, const std::vector<float>& weights) {
   // A float's leading bits are its logarithm: 11 bits of mantissa give 2048 bins per octave.
@@ -78,7 +76,7 @@ IcpPairs::IcpPairs(device::Queue& queue, const PlanarSamples& samples, const Pro
   }
   radius_ = std::sqrt(square / total);
   area_ = queue.array(areas_);
-  partial_ = queue.array<float>((count_ + kBlock - 1) / kBlock * ICP_PLANE_SUMS);
+  partial_ = queue.array<float>((count_ + kSamplesPerSum - 1) / kSamplesPerSum * ICP_PLANE_SUMS);
 }
 
 void IcpPairs::find(const Pose& world_from_scan) {
@@ -97,9 +95,10 @@ std::vector<double> IcpPairs::sums(int point, int count, double cutoff_m) {
   }
   params.cutoff = static_cast<float>(cutoff_m);
   params.samples = static_cast<std::uint32_t>(count_);
-  const std::size_t blocks = (count_ + kBlock - 1) / kBlock;
+  const std::size_t blocks = (count_ + kSamplesPerSum - 1) / kSamplesPerSum;
   const auto& kernel = queue_.kernel(
-      "icp_sums", {{"VW", queue_.vector_width()}, {"BLOCK", static_cast<int>(kBlock)}, {"POINT", point}});
+      "icp_sums",
+      {{"VW", queue_.vector_width()}, {"BLOCK", static_cast<int>(kSamplesPerSum)}, {"POINT", point}});
   queue_.launch("icp_sums", kernel, device::grid(blocks), params, samples_.x, samples_.y, samples_.z, area_,
                 point ? pairs_.distance : pairs_.height, pairs_.triangle, pairs_.near_x, pairs_.near_y,
                 pairs_.near_z, search_.triangles(), partial_);

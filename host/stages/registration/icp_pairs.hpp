@@ -9,6 +9,12 @@
 
 namespace hybrid::stages {
 
+inline constexpr std::size_t kSamplesPerSum = 256;  // a partial sum's
+
+// The k-th of each row's numbers, on the device.
+device::Array<float> column(device::Queue& queue, const std::vector<std::array<float, 4>>& rows,
+                            std::size_t k);
+
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/registration/automatic_words.hpp"
 #include "stages/registration/landmarks.hpp"
 
 namespace hybrid::stages {
@@ -76,11 +77,6 @@ StepSize move(const Vec3& pivot, const Vec3& rotation, const Vec3& translation, 
   return {rotation.norm(), translation.norm(), std::abs(relative_scale)};
 }
 
-std::string text(const Vec3& v) {
-  const Vec3 shown = (v.array().abs() < 0.005).select(0.0, v);  // no "-0.00"
-  return fmt::format("({:.2f}, {:.2f}, {:.2f})", shown.x(), shown.y(), shown.z());
-}
-
 }  // namespace
 
 StepSize apply_plane_step(const PlaneSums& sums, const Vec3& pivot, double radius_m, bool free_scale,
@@ -131,10 +127,11 @@ std::vector<std::string> degenerate_directions(const PlaneSums& sums, double rad
   const Mat3 slide = h.block<3, 3>(3, 3), both = h.block<3, 3>(0, 3);
   std::vector<std::string> words;
   for (const Vec3& direction : open_directions(slide))
-    words.push_back("free to slide along " + text(direction));
+    words.push_back("free to slide along " + vector_in_words(direction));
   // What resists a turn when the translation gives way as it likes: the Schur complement.
   const Mat3 turn = h.block<3, 3>(0, 0) - both * inverse_of(slide, 0) * both.transpose();
-  for (const Vec3& axis : open_directions(turn)) words.push_back("free to turn about " + text(axis));
+  for (const Vec3& axis : open_directions(turn))
+    words.push_back("free to turn about " + vector_in_words(axis));
   if (free_scale) {
     const MatrixX coupling = h.topRightCorner(6, 1);
     const double rest =

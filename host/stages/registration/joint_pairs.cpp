@@ -13,7 +13,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kSameNormalDeg = 4;
-constexpr double kBeside_m = 0.3;  // a tile of 2 m may reach over the other scan's contour
+constexpr double kBesideContour_m = 0.3;  // a tile of 2 m may reach over the other scan's contour
 
 double median_by_area(std::vector<std::pair<double, double>> values) {
   std::sort(values.begin(), values.end());
@@ -35,11 +35,12 @@ std::vector<JointMatch> find_matches(const std::vector<JointScan>& scans, const 
       if (from == to) continue;
       const Pose to_from = poses[to].inverse() * poses[from];
       const ScanEvidence& evidence = *scans[from].evidence;
-      const auto pairs = find_tile_pairs(evidence, *scans[to].shapes, to_from, std::max(reach_m, kBeside_m));
+      const auto pairs =
+          find_tile_pairs(evidence, *scans[to].shapes, to_from, std::max(reach_m, kBesideContour_m));
       for (std::size_t t = 0; t < pairs.size(); ++t) {
         const FaceShape* face = pairs[t].face;
         if (!face || std::abs(pairs[t].height_m) > reach_m ||
-            face->outside_m(pairs[t].centroid) > kBeside_m ||
+            face->outside_m(pairs[t].centroid) > kBesideContour_m ||
             face->plane.normal.dot(to_from.rotate(evidence.tiles[t].normal)) < along)
           continue;
         matches.push_back({from, to, t, face, pairs[t].rms_m, 0});

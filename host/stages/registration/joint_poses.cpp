@@ -21,7 +21,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMostRounds = 30;
-constexpr double kSettledAngleRad = 1e-7, kSettledDistanceM = 1e-6;
+constexpr double kJointSettledAngleRad = 1e-7, kJointSettledDistanceM = 1e-6;
 constexpr double kLeastReach_m = 0.03;  // of matches in the last rounds
 // A start is never known better than this: the segmentation's errors are not in its covariance.
 constexpr double kLeastPrior_m = 1e-4, kLeastPriorRad = 1e-5;
@@ -84,7 +84,7 @@ struct StartPrior {
 };
 
 // From the world's origin to the scanner: a rotation about the origin also moves it.
-Matrix6 about(const Vec3& place) {
+Matrix6 moves_about(const Vec3& place) {
   Matrix6 m = Matrix6::Identity();
   m.block<3, 3>(3, 0) << 0, place.z(), -place.y(), -place.z(), 0, place.x(), place.y(), -place.x(), 0;
   return m;
@@ -94,7 +94,7 @@ Matrix6 about(const Vec3& place) {
 Matrix6 root_information(const JointScan& scan, const Vec3& place) {
   Matrix6 information = Matrix6::Zero();
   if (scan.covariance) {
-    const Matrix6 move = about(place);
+    const Matrix6 move = moves_about(place);
     Matrix6 c = move * Eigen::Map<const Matrix6>(scan.covariance->data()) * move.transpose();
     const double reach = std::max(scan.evidence->reach_m, 1e-3);
     for (int k = 0; k < 6; ++k) {
@@ -146,10 +146,10 @@ void weigh(const std::vector<JointScan>& scans, double scale, std::vector<JointM
   std::erase_if(matches, [](const JointMatch& match) { return !(match.weight > 0); });
 }
 
-class Problem {
+class JointProblem {
  public:
-  Problem(const std::vector<JointScan>& scans, const std::vector<bool>& fixed, const std::vector<Pose>& poses,
-          const std::vector<JointMatch>& matches, double sigma_m)
+  JointProblem(const std::vector<JointScan>& scans, const std::vector<bool>& fixed,
+               const std::vector<Pose>& poses, const std::vector<JointMatch>& matches, double sigma_m)
       : steps_(scans.size(), Step{}) {
     for (const JointMatch& match : matches) add(scans, poses, match, sigma_m);
     for (std::size_t i = 0; i < scans.size(); ++i) {
@@ -194,7 +194,7 @@ class Problem {
       if (fixed[i]) continue;
       Matrix6 at_scanner;
       covariance.GetCovarianceBlock(steps_[i].data(), steps_[i].data(), at_scanner.data());
-      const Matrix6 back = about(-poses[i].translation);
+      const Matrix6 back = moves_about(-poses[i].translation);
       Eigen::Map<Matrix6>(result[i].data()) = back * at_scanner * back.transpose();
     }
     return result;
@@ -255,7 +255,7 @@ JointPoses refine_jointly(const std::vector<JointScan>& scans, const JointOption
     scale = std::max(wanted, 0.5 * scale);
     reach = std::clamp(4.685 * scale, kLeastReach_m, options.reach_m);
     weigh(scans, scale, matches);
-    Problem problem(scans, fixed, poses, matches, scale);
+    JointProblem problem(scans, fixed, poses, matches, scale);
     double turn = 0, shift = 0;
     const auto& steps = problem.solve();
     if (last_scale) result.covariance = problem.covariances(fixed, poses);
@@ -265,7 +265,7 @@ JointPoses refine_jointly(const std::vector<JointScan>& scans, const JointOption
       turn = std::max(turn, Vec3(steps[i][0], steps[i][1], steps[i][2]).norm());
       shift = std::max(shift, Vec3(steps[i][3], steps[i][4], steps[i][5]).norm());
     }
-    settled = last_scale && turn < kSettledAngleRad && shift < kSettledDistanceM;
+    settled = last_scale && turn < kJointSettledAngleRad && shift < kJointSettledDistanceM;
     result.converged = settled;
   }
   result.sigma_m = scale;

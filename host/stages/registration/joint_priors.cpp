@@ -15,7 +15,7 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kReach_m = 0.1;
+constexpr double kFaceReach_m = 0.1;
 // What a supercluster is off its face by is never known better: curvature and strays of its own.
 constexpr double kLeastSigma_m = 2e-5, kLeastScale_m = 5e-4;
 constexpr double kUnknowns = 6;
@@ -29,7 +29,7 @@ struct OnFace {
 // Supercluster and face.
 using Groups = std::map<std::pair<std::uint32_t, std::uint32_t>, OnFace>;
 
-double median_rms(const ScanEvidence& scan, const std::vector<TilePair>& pairs) {
+double middle_rms(const ScanEvidence& scan, const std::vector<TilePair>& pairs) {
   std::vector<std::pair<double, double>> values;
   double total = 0, sum = 0;
   for (std::size_t t = 0; t < pairs.size(); ++t)
@@ -44,8 +44,8 @@ double median_rms(const ScanEvidence& scan, const std::vector<TilePair>& pairs) 
 }
 
 Groups group(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose, const Vec3& pivot) {
-  const auto pairs = find_tile_pairs(scan, model, pose, kReach_m);
-  const double cutoff = 4.685 * std::max(1.4826 * median_rms(scan, pairs), kLeastScale_m);
+  const auto pairs = find_tile_pairs(scan, model, pose, kFaceReach_m);
+  const double cutoff = 4.685 * std::max(1.4826 * middle_rms(scan, pairs), kLeastScale_m);
   Groups groups;
   for (std::size_t t = 0; t < pairs.size(); ++t) {
     const double ratio = pairs[t].rms_m / cutoff;

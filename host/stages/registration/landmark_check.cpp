@@ -104,7 +104,7 @@ std::string list_of_residuals(const Picks& picks, const LandmarkFit& fit) {
       "no single pick is to blame, nor the exchange of two: {}; check which corners were picked", list);
 }
 
-std::string text(const Vec3& p) {
+std::string scan_place(const Vec3& p) {
   return fmt::format("scan ({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z());
 }
 
@@ -135,8 +135,9 @@ void leave_out(const PolygonModel& model, const std::vector<LandmarkPair>& pairs
   checked.warning = fmt::format(
       "{}, {}, is left out of the fit: it misses the fit of the others by {:.3f} m, and these agree within "
       "{:.3f} m (with it {:.3f} m, its own residual {:.3f} m); pick that corner again",
-      pairs[*pick].name, pairs[*pick].place.empty() ? text(pairs[*pick].point_in_scan) : pairs[*pick].place,
-      miss, all.rms_without_m[*pick], all.rms_m, all.residual_m[*pick]);
+      pairs[*pick].name,
+      pairs[*pick].place.empty() ? scan_place(pairs[*pick].point_in_scan) : pairs[*pick].place, miss,
+      all.rms_without_m[*pick], all.rms_m, all.residual_m[*pick]);
 }
 
 }  // namespace

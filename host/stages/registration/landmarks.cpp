@@ -12,7 +12,7 @@ namespace {
 
 using Points = std::vector<Vec3>;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 std::string name_of(const std::vector<LandmarkPair>& pairs, std::size_t i) {
   return pairs[i].name.empty() ? fmt::format("landmark {}", i + 1) : pairs[i].name;
@@ -21,7 +21,7 @@ std::string name_of(const std::vector<LandmarkPair>& pairs, std::size_t i) {
 // No coordinate system on Earth goes farther, in millimetres either.
 constexpr double kFarthest_m = 1e12;
 
-std::string text(const Vec3& p) {
+std::string in_metres(const Vec3& p) {
   if (!(p.cwiseAbs().maxCoeff() <= kFarthest_m))
     return fmt::format("({:g}, {:g}, {:g})", p.x(), p.y(), p.z());
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z());
@@ -32,12 +32,13 @@ void check_finite(const std::vector<LandmarkPair>& pairs) {
     if (!pairs[i].point_in_scan.allFinite() || !pairs[i].point_in_model.allFinite())
       fail_input(
           "{}: expected finite coordinates, found scan {} and model {}; a pixel without a return has none",
-          name_of(pairs, i), text(pairs[i].point_in_scan), text(pairs[i].point_in_model));
+          name_of(pairs, i), in_metres(pairs[i].point_in_scan), in_metres(pairs[i].point_in_model));
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (std::max(pairs[i].point_in_scan.cwiseAbs().maxCoeff(),
                  pairs[i].point_in_model.cwiseAbs().maxCoeff()) > kFarthest_m)
       fail_input("{}: expected coordinates of at most {:g} m, found scan {} and model {}; correct them",
-                 name_of(pairs, i), kFarthest_m, text(pairs[i].point_in_scan), text(pairs[i].point_in_model));
+                 name_of(pairs, i), kFarthest_m, in_metres(pairs[i].point_in_scan),
+                 in_metres(pairs[i].point_in_model));
 }
 
 Vec3 snapped(const PolygonModel& model, const std::vector<LandmarkPair>& pairs, std::size_t i,
@@ -55,7 +56,8 @@ Vec3 snapped(const PolygonModel& model, const std::vector<LandmarkPair>& pairs, 
         "{}: expected a model vertex within {} m of {}, found the nearest (vertex {} at {}) {:.3f} m away; "
         "pick "
         "that vertex, or say snap = false for a control point that is no vertex",
-        name_of(pairs, i), tolerance_m, text(pick), nearest, text(model.vertices[nearest]), distance);
+        name_of(pairs, i), tolerance_m, in_metres(pick), nearest, in_metres(model.vertices[nearest]),
+        distance);
   return model.vertices[nearest];
 }
 
@@ -88,7 +90,7 @@ void check_spread(const std::vector<LandmarkPair>& pairs, const Points& points, 
     for (std::size_t j = i + 1; j < points.size(); ++j)
       if ((points[i] - points[j]).norm() <= 1e-6 * length)
         fail_input("{} and {} are the same point {} of the {}; pick different corners", name_of(pairs, i),
-                   name_of(pairs, j), text(points[i]), where);
+                   name_of(pairs, j), in_metres(points[i]), where);
   if (found.width >= kMinWidth) return;
   std::string names;
   for (std::size_t i = 0; i < pairs.size(); ++i) names += (i ? ", " : "") + name_of(pairs, i);
@@ -104,7 +106,7 @@ void leave_one_out(const Points& from, const Points& to, bool free_scale, Landma
     Points others_from = from, others_to = to;
     others_from.erase(others_from.begin() + static_cast<std::ptrdiff_t>(left));
     others_to.erase(others_to.begin() + static_cast<std::ptrdiff_t>(left));
-    double miss = kNan, rms = kNan;
+    double miss = kNotKnown, rms = kNotKnown;
     if (spread(others_from).width >= kMinWidth && spread(others_to).width >= kMinWidth) {
       const Pose pose = horn(others_from, others_to, {}, free_scale);
       miss = (pose * from[left] - to[left]).norm();

@@ -17,7 +17,7 @@ constexpr double kOddRatio = 100, kMostOfOddSize = 0.3;
 
 // A pose that so much contradicts is compared with those a search finds; one is better that lays so much more
 // on faces.
-constexpr double kSuspicious = 0.2, kBetter = 0.15;
+constexpr double kSuspicious = 0.2, kBetterSupported = 0.15;
 
 SightOptions sights_of(const AutomaticOptions& options, double scale) {
   SightOptions sight = sight_options(options);
@@ -55,7 +55,7 @@ std::string better_pose(SightCaster& caster, const ScanEvidence& scan, const Pro
                         const AutomaticOptions& options) {
   const Search search = search_poses(caster, scan, model.shapes(), 1, options);
   for (const Finalist& other : search.finalists)
-    if (other.shares.supported > supported + kBetter &&
+    if (other.shares.supported > supported + kBetterSupported &&
         strength(compare(scan.rays, other.lines, lines), margin_rule(options)) >= 1)
       return fmt::format("another pose lays {:.0f} % of the planar area on faces: {}",
                          100 * other.shares.supported, motion_in_words(pose, other.fit.world_from_scan));

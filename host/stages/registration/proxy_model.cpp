@@ -8,8 +8,6 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kBatch = 4096;
-
 Vec3 middle_of(const PolygonModel& model) {
   Eigen::AlignedBox3d box;
   for (const Face& face : model.faces)
@@ -32,7 +30,7 @@ std::vector<TriangleRecord> corners_of(const PolygonModel& model, const std::vec
         store(triangles[i].vertices[2], records[i].c);
         records[i].id = 1 + triangles[i].face;
       },
-      kBatch);
+      kTriangleBatch);
   return records;
 }
 
@@ -63,7 +61,7 @@ ProxyTree ProxyModel::tree_at(const Vec3& origin) const {
       std::vector<Triangle> ordered(facets.triangles.size());
       parallel_for(
           ordered.size(), [&](std::size_t i) { ordered[i] = facets.triangles[made_->plan.order[i]]; },
-          kBatch);
+          kTriangleBatch);
       facets.triangles = std::move(ordered);
     }
     made_->facets = std::move(facets);

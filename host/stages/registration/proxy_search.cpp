@@ -8,15 +8,15 @@ namespace hybrid::stages {
 namespace {
 
 ClosestPointParams params_of(const Pose& local_from_scan, double gate_m, double normal_deg) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNoLimit = std::numeric_limits<float>::infinity();
   const bool any_normal = normal_deg < 0 || normal_deg >= 180;
   const Mat3 linear = local_from_scan.scale * local_from_scan.rotation.toRotationMatrix();
   ClosestPointParams params{};
   for (int k = 0; k < 9; ++k) params.linear[k] = static_cast<float>(linear(k / 3, k % 3));
   for (int k = 0; k < 3; ++k) params.translation[k] = static_cast<float>(local_from_scan.translation(k));
-  params.gate2 = gate_m > 0 ? static_cast<float>(gate_m * gate_m) : kInfinity;
+  params.gate2 = gate_m > 0 ? static_cast<float>(gate_m * gate_m) : kNoLimit;
   params.min_facing =
-      any_normal ? -kInfinity
+      any_normal ? -kNoLimit
                  : static_cast<float>(local_from_scan.scale * std::cos(normal_deg * std::numbers::pi / 180));
   return params;
 }

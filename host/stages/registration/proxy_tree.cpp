@@ -5,15 +5,14 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
+#include "stages/registration/proxy_triangles.hpp"
 
 namespace hybrid::stages {
 namespace {
 
 // Roundings of a float that height, foot point and side tests may pile up.
-constexpr float kRounding = 4e-6f;
+constexpr float kRoundings = 4e-6f;
 constexpr float kSpanSteps = 31;  // of a normal's component in 5 bits
-constexpr std::size_t kBatch = 4096;
-
 struct Box {
   std::array<float, 3> low{INFINITY, INFINITY, INFINITY};
   std::array<float, 3> high{-INFINITY, -INFINITY, -INFINITY};
@@ -55,7 +54,7 @@ float margin_of(const ProxyTriangle& t, const TriangleRecord& corners) {
   }
   for (const float inverse : {t.inverse_ab2, t.inverse_bc2, t.inverse_ca2})
     longest2 = std::max(longest2, 1 / inverse);
-  return 2 * off + kRounding * (reach + std::sqrt(longest2));
+  return 2 * off + kRoundings * (reach + std::sqrt(longest2));
 }
 
 Box box_of(const ProxyTriangle& t) {
@@ -110,7 +109,7 @@ ProxyTree make_proxy_tree(const ProxyTreePlan& plan, std::vector<ProxyTriangle> 
   ProxyTree tree{std::move(ordered), std::vector<ProxyNode>(plan.children.size()), plan.root};
   std::vector<Box> boxes(tree.triangles.size()), of_nodes(tree.nodes.size());
   parallel_for(
-      boxes.size(), [&](std::size_t i) { boxes[i] = box_of(tree.triangles[i]); }, kBatch);
+      boxes.size(), [&](std::size_t i) { boxes[i] = box_of(tree.triangles[i]); }, kTriangleBatch);
   const auto box_below = [&](std::uint32_t code) {
     if (!(code & BVH_LEAF)) return of_nodes[code];
     Box box;
@@ -138,11 +137,11 @@ ProxyTree make_proxy_tree(const ProxyTreePlan& plan, std::vector<ProxyTriangle> 
 ProxyTree make_proxy_tree(const std::vector<ProxyTriangle>& triangles) {
   std::vector<TriangleRecord> corners(triangles.size());
   parallel_for(
-      triangles.size(), [&](std::size_t i) { corners[i] = corners_of(triangles[i], i); }, kBatch);
+      triangles.size(), [&](std::size_t i) { corners[i] = corners_of(triangles[i], i); }, kTriangleBatch);
   const ProxyTreePlan plan = plan_proxy_tree(build_binary_tree(corners, {}));
   std::vector<ProxyTriangle> ordered(triangles.size());
   parallel_for(
-      triangles.size(), [&](std::size_t i) { ordered[i] = triangles[plan.order[i]]; }, kBatch);
+      triangles.size(), [&](std::size_t i) { ordered[i] = triangles[plan.order[i]]; }, kTriangleBatch);
   return make_proxy_tree(plan, std::move(ordered));
 }
 

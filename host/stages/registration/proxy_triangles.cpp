@@ -9,12 +9,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kBatch = 4096;
-constexpr double kRounding = 1e-6;  // of what the kernel computes in float, in parts of the coordinates
-
-void store(const Vec3& value, float* target) {
-  for (int a = 0; a < 3; ++a) target[a] = static_cast<float>(value(a));
-}
+constexpr double kFloatRounding = 1e-6;  // of what the kernel computes in float, in parts of the coordinates
 
 // The face's normal when it is planar.
 std::optional<Vec3> common_normal(const PolygonModel& model, const Face& face) {
@@ -48,7 +43,7 @@ ProxyTriangle record(const PolygonModel& model, const Triangle& triangle, const 
   store(normal.cross(a - c).normalized(), out.inward_ca);
   const double reach =
       std::max({a.norm(), b.norm(), c.norm(), (b - a).norm(), (c - b).norm(), (a - c).norm()});
-  out.slack = static_cast<float>(kRounding * reach);
+  out.slack = static_cast<float>(kFloatRounding * reach);
   out.face = triangle.face;
   return out;
 }
@@ -73,7 +68,7 @@ std::vector<ProxyTriangle> proxy_triangles(const PolygonModel& model, const Prox
         const Triangle& triangle = facets.triangles[i];
         records[i] = record(model, triangle, facets.normals[triangle.face], origin);
       },
-      kBatch);
+      kTriangleBatch);
   return records;
 }
 

@@ -7,6 +7,8 @@
 
 namespace hybrid::stages {
 
+inline constexpr std::size_t kTriangleBatch = 4096;  // of a model, that a thread takes at once
+
 // The model's triangles as closest_point reads them, relative to `origin` (world, metres), which should lie
 // near the queries: the device computes in float. Triangles of a face that is planar to 1e-4 of its extent
 // carry the face's normal, so that slivers have a good one; others their own. Order of triangulate(). Throws

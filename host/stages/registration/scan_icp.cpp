@@ -6,26 +6,19 @@
 #include <memory>
 
 #include "shared/params_icp_sums.h"
+#include "stages/registration/icp_pairs.hpp"
 #include "stages/registration/icp_step.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kBlock = 256;  // samples per partial sum
-constexpr double kSettledAngleRad = 2e-6, kSettledDistanceM = 1e-5;
+constexpr double kScanSettledAngleRad = 2e-6, kScanSettledDistanceM = 1e-5;
 constexpr double kGateOfCutoff = 2;  // pairs beyond the robust weights' cutoff may come back
 // Samples outside superclusters that stand for one independent observation: neighbours share what is wrong.
 constexpr double kFreePerObservation = 100;
 // Leaves and railings are seen through from elsewhere: where planes are so much of what can be compared, they
 // alone tell what is seen through.
 constexpr double kPlanesTell = 0.2;
-
-device::Array<float> column(device::Queue& queue, const std::vector<std::array<float, 4>>& rows,
-                            std::size_t k) {
-  std::vector<float> values(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) values[i] = rows[i][k];
-  return queue.array(values);
-}
 
 IcpScan::Samples upload(device::Queue& queue, const PlanarSamples& from) {
   IcpScan::Samples samples;
@@ -56,7 +49,8 @@ class Pairs {
         queue_(queue),
         surface_(surface),
         answers_(queue, samples.queries.count),
-        partial_(queue.array<float>((samples.queries.count + kBlock - 1) / kBlock * ICP_PLANE_SUMS)) {}
+        partial_(queue.array<float>((samples.queries.count + kSamplesPerSum - 1) / kSamplesPerSum *
+                                    ICP_PLANE_SUMS)) {}
 
   // `from`: of the samples' scan, `to`: of the surface's.
   void find(const Pose& world_from, const Pose& world_to, double gate_m, double normal_deg) {
@@ -131,10 +125,11 @@ void Pairs::add_sums(const Vec3& pivot, double cutoff_m, double factor, PlaneSum
   for (int k = 0; k < 3; ++k) params.centre_scan[k] = static_cast<float>(centre(k));
   params.cutoff = static_cast<float>(cutoff_m / scale);
   params.samples = static_cast<std::uint32_t>(count);
-  const std::size_t blocks = (count + kBlock - 1) / kBlock;
-  const auto& kernel = queue_.kernel(
-      "icp_sums",
-      {{"VW", queue_.vector_width()}, {"BLOCK", static_cast<int>(kBlock)}, {"POINT", 0}, {"NORMALS", 1}});
+  const std::size_t blocks = (count + kSamplesPerSum - 1) / kSamplesPerSum;
+  const auto& kernel = queue_.kernel("icp_sums", {{"VW", queue_.vector_width()},
+                                                  {"BLOCK", static_cast<int>(kSamplesPerSum)},
+                                                  {"POINT", 0},
+                                                  {"NORMALS", 1}});
   const auto no_triangle = queue_.array<std::uint32_t>(0);
   const auto no_triangles = queue_.array<ProxyTriangle>(0);
   queue_.launch("icp_sums", kernel, device::grid(blocks), params, samples_.queries.x, samples_.queries.y,
@@ -165,9 +160,9 @@ void Pairs::add_sums(const Vec3& pivot, double cutoff_m, double factor, PlaneSum
 
 // Tukey's cutoff of one kind of samples: the scale may at most halve per iteration, as that of ICP to a
 // model.
-class Cutoff {
+class KindCutoff {
  public:
-  explicit Cutoff(double floor_m) : floor_(floor_m) {}
+  explicit KindCutoff(double floor_m) : floor_(floor_m) {}
   // False without pairs.
   bool update(const std::vector<float>& heights, const std::vector<float>& areas) {
     const double middle = weighted_median(heights, areas);
@@ -188,14 +183,14 @@ class Cutoff {
   bool paired_ = false, settled_ = false;
 };
 
-class Problem {
+class ScanProblem {
  public:
-  Problem(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
-          const ScanIcpOptions& options)
+  ScanProblem(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
+              const ScanIcpOptions& options)
       : scan_(scan),
         placed_(placed),
         options_(options),
-        cutoffs_{Cutoff(options.scale_floor_m), Cutoff(options.scale_floor_m)} {
+        cutoffs_{KindCutoff(options.scale_floor_m), KindCutoff(options.scale_floor_m)} {
     for (std::size_t other = 0; other < placed.size(); ++other)
       for (std::size_t kind = 0; kind < 2; ++kind) {
         if (placed[other].scan->surface.known())
@@ -235,7 +230,7 @@ class Problem {
   bool settled() const { return cutoffs_[0].settled() && cutoffs_[1].settled(); }
   double widest_cutoff_m() const {
     double widest = 0;
-    for (const Cutoff& cutoff : cutoffs_)
+    for (const KindCutoff& cutoff : cutoffs_)
       if (cutoff.paired()) widest = std::max(widest, cutoff.metres());
     return widest;
   }
@@ -272,13 +267,13 @@ class Problem {
   const IcpScan& scan_;
   const std::vector<PlacedScan>& placed_;
   const ScanIcpOptions& options_;
-  std::array<Cutoff, 2> cutoffs_;
+  std::array<KindCutoff, 2> cutoffs_;
   std::vector<Kind> pairs_;
 };
 
 // What lies on surfaces of the other scans, and what these look through.
-void Problem::overlaps(ScanIcp& result) {
-  struct Areas {
+void ScanProblem::overlaps(ScanIcp& result) {
+  struct Compared {
     double forward = 0, backward = 0, through = 0, square = 0;
   };
   struct Seen {
@@ -286,13 +281,13 @@ void Problem::overlaps(ScanIcp& result) {
     double all() const { return on + through; }
   };
   std::array<Seen, 2> seen;  // by kind
-  std::vector<Areas> of(placed_.size());
+  std::vector<Compared> of(placed_.size());
   std::array<std::vector<char>, 2> on_any;  // per own sample
   for (std::size_t kind = 0; kind < 2; ++kind) on_any[kind].assign(scan_.samples[kind].area_m2.size(), 0);
   for (const auto& [other, kind, pairs] : pairs_) {
     const auto heights = pairs.heights(), clearances = pairs.clearances();
     const auto& area = pairs.samples().area_m2;
-    Areas& sums = of[other];
+    Compared& sums = of[other];
     for (std::size_t i = 0; i < area.size(); ++i) {
       const double height = heights[i], a = area[i];
       if (std::abs(height) < options_.overlap_m) {
@@ -328,7 +323,7 @@ void Problem::overlaps(ScanIcp& result) {
 
 // How many of a kind's pairs are independent: a supercluster's are off together (they share its normal), and
 // so are neighbours outside superclusters.
-double Problem::observations(std::size_t kind) const {
+double ScanProblem::observations(std::size_t kind) const {
   double total = 0, squares = 0, samples = 0;
   for (const auto& one : pairs_) {
     if (one.kind != kind) continue;
@@ -351,7 +346,7 @@ double Problem::observations(std::size_t kind) const {
   return squares > 0 ? std::max(total * total / squares, 1.0) : 1;
 }
 
-void Problem::describe(const Pose& pose, ScanIcp& result) {
+void ScanProblem::describe(const Pose& pose, ScanIcp& result) {
   find(pose, options_.overlap_m);
   overlaps(result);
   if (!update_cutoffs()) return;
@@ -403,7 +398,7 @@ IcpScan::IcpScan(device::Queue& queue, const ScanSamples& chosen, const RangeIma
 
 ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                           const Pose& start, const ScanIcpOptions& options) {
-  Problem problem(queue, scan, placed, options);
+  ScanProblem problem(queue, scan, placed, options);
   ScanIcp result;
   Registration& icp = result.icp;
   icp.world_from_scan = start;
@@ -418,14 +413,14 @@ ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::
     if (!(sums.weight > 0)) break;
     const StepSize step = apply_plane_step(sums, pivot, radius, false, icp.world_from_scan);
     const double next = std::clamp(kGateOfCutoff * problem.widest_cutoff_m(), options.least_gate_m, gate);
-    const bool still = step.angle_rad < kSettledAngleRad && step.distance_m < kSettledDistanceM;
+    const bool still = step.angle_rad < kScanSettledAngleRad && step.distance_m < kScanSettledDistanceM;
     icp.converged = still && problem.settled() && next > 0.9 * gate;
     gate = next;
     ++icp.iterations;
     if (!icp.converged || returned) continue;
     const StepSize back = return_along_open(problem.sums(icp.world_from_scan * scan.centre), scan.centre,
                                             radius, start, icp.world_from_scan);
-    icp.converged = back.angle_rad < kSettledAngleRad && back.distance_m < kSettledDistanceM;
+    icp.converged = back.angle_rad < kScanSettledAngleRad && back.distance_m < kScanSettledDistanceM;
     returned = true;
   }
   problem.describe(icp.world_from_scan, result);
@@ -434,7 +429,7 @@ ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::
 
 ScanIcp assess_on_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                         const Pose& pose, const ScanIcpOptions& options) {
-  Problem problem(queue, scan, placed, options);
+  ScanProblem problem(queue, scan, placed, options);
   ScanIcp result;
   result.icp.world_from_scan = pose;
   result.icp.converged = true;

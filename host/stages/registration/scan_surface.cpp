@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/median.hpp"
 #include "core/parallel.hpp"
 #include "stages/scan/sample_surface.hpp"
 
@@ -82,12 +83,6 @@ struct PinholeTables {
 std::vector<double> ascending(std::vector<double> col) {
   if (col.front() > col.back()) std::reverse(col.begin(), col.end());
   return col;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // A straight line through (index, value); nothing through fewer than two.

@@ -27,10 +27,6 @@ constexpr double kStrayShare = 0.1;  // of what a face supports: less beside its
 // What a sample counts that no face supports, and how much of all area one face can cost: openings exist.
 constexpr double kInFront = -0.1, kThrough = -0.5, kMostPerFace = 0.3;
 
-void store(const Vec3& v, float* to) {
-  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(v(k));
-}
-
 // Small faces that share edges, numbered from 1 by group; 0 for all others.
 std::vector<std::uint32_t> recesses(const PolygonModel& model) {
   double total = 0;

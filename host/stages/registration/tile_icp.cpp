@@ -15,7 +15,7 @@ constexpr double kCompatible = 0.7071;  // cosine: 45 degrees
 // Faces of a proxy are off by centimetres: a finer scale would lock onto floor and ceiling and drop the
 // walls.
 constexpr double kScaleFloor_m = 0.015, kScaleStart_m = 0.15;
-constexpr double kReach_m = 1.5;  // a tile with no face this near has none
+constexpr double kTileReach_m = 1.5;  // a tile with no face this near has none
 
 Mat3 cross_matrix(const Vec3& n) {
   Mat3 m;
@@ -126,7 +126,7 @@ TileFit fit_tiles(const ScanEvidence& scan, const ModelShapes& model, const Pose
   const double radius = start.scale * std::max(scan.reach_m, 1e-6);
   double scale = kScaleStart_m;
   for (bool settled = false; !settled && fit.iterations < max_iterations; ++fit.iterations) {
-    const auto pairs = find_tile_pairs(scan, model, fit.world_from_scan, kReach_m);
+    const auto pairs = find_tile_pairs(scan, model, fit.world_from_scan, kTileReach_m);
     const double median = median_rms(scan, pairs);
     if (median < 0) return fit;
     const double wanted = std::max(1.4826 * median, kScaleFloor_m), last = scale;
