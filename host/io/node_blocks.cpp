@@ -11,7 +11,6 @@ namespace {
 // The nodes of some lines of a grid that follow each other, with their samples.
 struct Band : SampleColumns {
   void clear(const ScanStream& scan, std::size_t nodes) {
-    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
     points.assign(nodes, {kNaN, kNaN, kNaN});
     if (scan.has_exact()) exact.assign(nodes, {});
     if (scan.has_intensity()) intensity.assign(nodes, 0);

@@ -34,7 +34,7 @@ bool disk_is_full(const fs::path& folder) {
 }
 
 // A file in the making is called .part-<host>-<process>-<number><extension>, the host as a short hash.
-constexpr std::string_view kPart = ".part-";
+constexpr std::string_view kPartMark = ".part-";
 
 std::string host_hash() {
   std::array<char, 256> name{};
@@ -44,7 +44,8 @@ std::string host_hash() {
 
 fs::path temporary_name(const fs::path& folder, const fs::path& extension) {
   static std::atomic<unsigned> counter{0};
-  return folder / fmt::format("{}{}-{}-{}{}", kPart, host_hash(), getpid(), counter++, extension.string());
+  return folder /
+         fmt::format("{}{}-{}-{}{}", kPartMark, host_hash(), getpid(), counter++, extension.string());
 }
 
 // What processes of this host that were killed in the middle of a write (kill -9, power cut) left in the
@@ -54,7 +55,7 @@ void remove_left_parts(const fs::path& folder) {
   static std::set<fs::path> done;
   const std::lock_guard lock(mutex);
   if (!done.insert(folder).second) return;
-  const std::string own = std::string(kPart) + host_hash() + "-";
+  const std::string own = std::string(kPartMark) + host_hash() + "-";
   std::error_code code;
   for (const auto& entry : fs::directory_iterator(folder, code)) {
     const std::string name = entry.path().filename().string();

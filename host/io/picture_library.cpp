@@ -18,7 +18,7 @@ constexpr const char* kName = "libhybrid_pictures.so";
 // What the library uses of the program; the linker would leave out what nothing else in it does.
 [[gnu::used]] const std::tuple kUsedByLibrary = {&log::write, &check_readable, &write_atomically};
 
-const PictureLibrary& load() {
+const PictureLibrary& open_library() {
   std::error_code code;
   const fs::path program = fs::read_symlink("/proc/self/exe", code).parent_path();
   fs::path found = program / kName;
@@ -45,7 +45,7 @@ const PictureLibrary& load() {
 }  // namespace
 
 const PictureLibrary& picture_library() {
-  static const PictureLibrary& library = load();
+  static const PictureLibrary& library = open_library();
   return library;
 }
 

@@ -20,8 +20,8 @@
 namespace hybrid::io {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-constexpr int kLevel = 2;                                   // libdeflate's, of 12
+using Octets = std::vector<std::uint8_t>;
+constexpr int kPngLevel = 2;                                // libdeflate's, of 12
 constexpr std::size_t kLongestPiece = 1 << 30;              // of compressed data; a chunk has fewer than 2^31
 constexpr int kLookedAt = 8, kApart = 128;                  // rows: 8 of each 128 tell which filter is better
 enum Filter : std::uint8_t { kAsTheyAre = 0, kPaeth = 4 };  // for flat areas, and for photographs
@@ -34,13 +34,13 @@ std::uint8_t paeth(int left, int above, int corner) {
 
 // The picture as the deflated stream has it: before each row the filter's number, in each what the filter
 // leaves. In place, from the last sample to the first, since large pictures are many megabytes.
-Bytes filtered(Image8 image, Filter filter) {
+Octets filtered(Image8 image, Filter filter) {
   const auto step = static_cast<std::size_t>(image.channels),
              width = static_cast<std::size_t>(image.width) * step;
   const auto height = static_cast<std::size_t>(image.height);
-  Bytes rows = std::move(image.pixels);
+  Octets rows = std::move(image.pixels);
   rows.resize(height * (width + 1));
-  const Bytes nothing(width);
+  const Octets nothing(width);
   for (std::size_t y = height; y-- > 0;) {
     std::uint8_t* row = rows.data() + y * (width + 1) + 1;
     std::memmove(row, rows.data() + y * width, width);
@@ -61,9 +61,9 @@ struct Deflated {
   std::size_t size = 0;
 };
 
-Deflated deflated(const Bytes& rows) {
+Deflated deflated(const Octets& rows) {
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kLevel), &libdeflate_free_compressor);
+      libdeflate_alloc_compressor(kPngLevel), &libdeflate_free_compressor);
   if (!compressor) throw std::bad_alloc();
   const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), rows.size());
   Deflated result{std::make_unique_for_overwrite<std::uint8_t[]>(bound)};

@@ -81,7 +81,7 @@ Scan read_one(const std::filesystem::path& file, const ScanEntry& entry) {
   return read(file, {.salvage = entry.salvage, .exact = entry.exact});
 }
 
-constexpr ScanFormat kFormats[] = {
+constexpr ScanFormat kScanFormats[] = {
     {".e57", list_e57, read_e57_entry, E57Stream::open},
     {".pcd", list_pcd, read_one<read_pcd>, stream_pcd},
     {".ply", list_ply_entry, read_one<read_ply>, stream_ply},
@@ -101,7 +101,7 @@ constexpr std::pair<const char*, const char*> kRemedies[] = {
 
 const ScanFormat& format_of(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  for (const ScanFormat& format : kFormats)
+  for (const ScanFormat& format : kScanFormats)
     if (extension == format.extension) return format;
   check_readable(file);
   const char* remedy = "convert it, or correct its extension";
@@ -156,7 +156,7 @@ std::optional<GridScan> read_grid_scan(const std::filesystem::path& file, const 
 
 bool has_scan_extension(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  for (const ScanFormat& format : kFormats)
+  for (const ScanFormat& format : kScanFormats)
     if (extension == format.extension) return true;
   for (const auto& [known, what] : kRemedies)
     if (extension == known) return true;
@@ -165,8 +165,11 @@ bool has_scan_extension(const std::filesystem::path& file) {
 
 std::string scan_extensions() {
   std::string text;
-  for (std::size_t i = 0; i < std::size(kFormats); ++i)
-    text += (i == 0 ? "" : i + 1 < std::size(kFormats) ? ", " : " or ") + std::string(kFormats[i].extension);
+  for (std::size_t i = 0; i < std::size(kScanFormats); ++i)
+    text += (i == 0                            ? ""
+             : i + 1 < std::size(kScanFormats) ? ", "
+                                               : " or ") +
+            std::string(kScanFormats[i].extension);
   return text;
 }
 

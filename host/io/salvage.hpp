@@ -8,6 +8,8 @@ namespace hybrid::io {
 // Coordinates beyond are damage. Far beyond every coordinate system of the Earth, as there are files whose
 // other numbers (times) are called coordinates.
 inline constexpr double kAbsurd_m = 1e12;
+// The same of E57 and LAS, whose coordinates are nothing else.
+inline constexpr double kFarthest_m = 1e9;
 
 inline constexpr const char* kSalvageRemedy = "or use --salvage";
 

@@ -14,7 +14,6 @@ namespace hybrid::io {
 namespace {
 
 constexpr double kLargeCoordinate_m = 1000;  // float resolves 0.06 mm here
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 bool fits_float(double value) {
   return std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max());  // false for NaN

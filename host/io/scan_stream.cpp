@@ -1,8 +1,6 @@
 #include "io/scan_stream.hpp"
 
 #include <fmt/format.h>
-#include <xxhash.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -10,16 +8,13 @@
 #include "core/free_memory.hpp"
 #include "core/interrupt.hpp"
 #include "core/parallel.hpp"
+#include "io/hash_state.hpp"
 
 namespace hybrid::io {
 namespace {
 
 constexpr std::size_t kPart = SampleFacts::kPart;  // samples that a thread takes
 static_assert(ScanStream::kBlock % kPart == 0);
-
-struct FreeState {
-  void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-};
 
 class Hash {
  public:
@@ -34,7 +29,7 @@ class Hash {
   }
 
  private:
-  std::unique_ptr<XXH3_state_t, FreeState> state_;
+  HashState state_;
 };
 
 void add_intensity(SampleFacts& facts, float value) {

@@ -12,22 +12,20 @@ namespace hybrid::io {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
-
 // A frame's keys, then the file's: what stands in a frame is its own.
 class Frame {
  public:
-  Frame(std::string place, const Json& frame, const Json& file)
+  Frame(std::string place, const nlohmann::json& frame, const nlohmann::json& file)
       : place_(std::move(place)), frame_(frame), file_(file) {}
 
   const std::string& place() const { return place_; }
-  const Json* find(const char* key) const {
-    for (const Json* json : {&frame_, &file_})
+  const nlohmann::json* find(const char* key) const {
+    for (const nlohmann::json* json : {&frame_, &file_})
       if (const auto at = json->find(key); at != json->end() && !at->is_null()) return &*at;
     return nullptr;
   }
   std::optional<double> number(const char* key) const {
-    const Json* json = find(key);
+    const nlohmann::json* json = find(key);
     if (!json) return std::nullopt;
     const double value = json->is_number() ? json->get<double>() : std::nan("");
     if (!std::isfinite(value))
@@ -35,7 +33,7 @@ class Frame {
     return value;
   }
   std::string text(const char* key, const std::string& fallback) const {
-    const Json* json = find(key);
+    const nlohmann::json* json = find(key);
     if (!json) return fallback;
     if (!json->is_string())
       fail_input("{}: {}: expected a string, found {}", place_, key, excerpt(json->dump()));
@@ -44,8 +42,8 @@ class Frame {
 
  private:
   std::string place_;
-  const Json& frame_;
-  const Json& file_;
+  const nlohmann::json& frame_;
+  const nlohmann::json& file_;
 };
 
 struct Model {
@@ -68,7 +66,7 @@ const std::vector<Model>& models() {
 }
 
 const Model& model_of(const Frame& frame) {
-  const Json* fisheye = frame.find("is_fisheye");  // instant-ngp's way to say so
+  const nlohmann::json* fisheye = frame.find("is_fisheye");  // instant-ngp's way to say so
   const bool is_fisheye = fisheye && fisheye->is_boolean() && fisheye->get<bool>();
   const std::string name = frame.text("camera_model", is_fisheye ? "OPENCV_FISHEYE" : "OPENCV");
   for (const Model& model : models())
@@ -135,7 +133,7 @@ Camera read_intrinsics(const Frame& frame, const fs::path& picture) {
 }
 
 // cam_from_world from world_from_camera in OpenGL's axes, 4 x 4 or 3 x 4.
-Pose read_pose(const Frame& frame, const Json& json) {
+Pose read_pose(const Frame& frame, const nlohmann::json& json) {
   const auto matrix = json.find("transform_matrix");
   const std::string place = frame.place() + ": transform_matrix";
   if (matrix == json.end() || !matrix->is_array() || matrix->size() < 3 || matrix->size() > 4)
@@ -143,7 +141,7 @@ Pose read_pose(const Frame& frame, const Json& json) {
                matrix == json.end() ? "none" : excerpt(matrix->dump()));
   Eigen::Matrix4d values = Eigen::Matrix4d::Identity();
   for (std::size_t row = 0; row < matrix->size(); ++row) {
-    const Json& numbers = (*matrix)[row];
+    const nlohmann::json& numbers = (*matrix)[row];
     if (!numbers.is_array() || numbers.size() != 4)
       fail_input("{}: row {}: expected 4 numbers, found {}", place, row + 1, excerpt(numbers.dump()));
     for (std::size_t col = 0; col < 4; ++col) {
@@ -172,18 +170,19 @@ std::string photograph_name(const Frame& frame) {
   return name.generic_string();
 }
 
-Json parse(const fs::path& file) {
+nlohmann::json parse(const fs::path& file) {
   const std::string text = read_plain_text(file);
   try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& error) {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
     const std::string what = error.what();  // "[json.exception...] parse error at line 3, column 5: ..."
     const auto line =
         1 + std::count(text.begin(),
                        text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size())), '\n');
     fail_at(file, static_cast<int>(line), "no valid JSON: {}",
             excerpt(what.substr(std::min(what.size(), what.find("] ") + 2))));
-  } catch (const Json::exception& error) {  // a number that no double holds: known by its text, not its place
+  } catch (const nlohmann::json::exception&
+               error) {  // a number that no double holds: known by its text, not its place
     fail_input("{}: expected numbers of usual size: {}", file.string(), error.what());
   }
 }
@@ -191,7 +190,7 @@ Json parse(const fs::path& file) {
 }  // namespace
 
 CameraFile read_nerfstudio(const fs::path& file, const fs::path& images) {
-  const Json json = parse(file);
+  const nlohmann::json json = parse(file);
   const auto frames = json.is_object() ? json.find("frames") : json.end();
   if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
     fail_at(file, 1, "expected an object with a list of frames, found none");

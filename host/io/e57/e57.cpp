@@ -11,7 +11,6 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kBlobHeader_bytes = 16;
 constexpr std::uint64_t kLongestXml_bytes = 64 << 20;  // a parsed tree takes ten times that
 
 std::string pages_note(const std::string& what, const std::vector<std::uint64_t>& bad_pages) {

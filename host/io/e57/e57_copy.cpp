@@ -10,8 +10,6 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::size_t kBlock_records = 1 << 16;
-
 std::uint64_t copy_table(const E57Source& source, std::size_t part, E57Writer& writer) {
   E57Scan scan;
   scan.points = source.table(part);

@@ -11,6 +11,9 @@ namespace hybrid::io {
 struct TextRange {
   std::size_t begin = 0, end = 0;
 };
+inline std::string_view text_at(std::string_view xml, TextRange range) {
+  return xml.substr(range.begin, range.end - range.begin);
+}
 
 // An element that names bytes outside the XML section: a blob or a table of records.
 struct E57Part {

@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "core/error.hpp"
+#include "geometry/angles.hpp"
 #include "io/picture.hpp"
 #include "io/text/plain_text.hpp"
 
 namespace hybrid::io {
 namespace {
 
-constexpr std::size_t kLongestName = 100;
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr std::size_t kLongestPictureName = 100;
 // A spherical image of 2 : 1 that claims less than this has a placeholder for its pixels' size: some
 // exporters of full panoramas write one.
 constexpr double kLeastPanorama_rad = 0.2;
@@ -125,7 +124,7 @@ std::string safe_name(const std::string& name, const std::string& fallback) {
   std::string safe;
   for (const char c : name)
     safe += c == '/' || c == '\\' || static_cast<unsigned char>(c) < 32 || c == 127 ? '_' : c;
-  safe.resize(std::min(safe.size(), kLongestName));
+  safe.resize(std::min(safe.size(), kLongestPictureName));
   return safe.empty() || safe == "." || safe == ".." ? fallback : safe;
 }
 

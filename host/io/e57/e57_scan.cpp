@@ -16,8 +16,6 @@
 namespace hybrid::io {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
 class ScanReader {
  public:
   ScanReader(const std::string& file, const E57Scan& source, const E57RecordReader& reader,

@@ -9,10 +9,6 @@
 namespace hybrid::io {
 namespace {
 
-std::string_view text_at(std::string_view xml, TextRange range) {
-  return xml.substr(range.begin, range.end - range.begin);
-}
-
 bool is_text(const E57Field& field) {
   return field.type == E57Type::text;
 }

@@ -1,7 +1,5 @@
 #include "io/e57/e57_writer.hpp"
 
-#include <xxhash.h>
-
 #include <algorithm>
 #include <array>
 
@@ -11,16 +9,27 @@
 #include "io/e57/little_endian.hpp"
 #include "io/e57/paged_file.hpp"
 #include "io/e57/paged_output.hpp"
+#include "io/hash_state.hpp"
 
 namespace hybrid::io {
 namespace {
 
-constexpr std::size_t kFileHeader_bytes = 48, kSectionHeader_bytes = 32, kBlobHeader_bytes = 16;
 constexpr std::size_t kLargestPacket_bytes = 60'000;  // of 65536, and of 65535 per stream
 constexpr std::size_t kMostEntries = 2048;            // of an index packet
 
+// With the limits that the field's bits have.
+E57Field widened(E57Field field) {
+  if (!field.is_integer() || field.bits() == 64) return field;
+  const std::uint64_t most = (std::uint64_t{1} << field.bits()) - 1;
+  const auto highest = static_cast<std::int64_t>(static_cast<std::uint64_t>(field.minimum) + most);
+  if (highest >= field.minimum) field.maximum = highest;
+  return field;
+}
+
+}  // namespace
+
 // An identifier from content: the same content has the same.
-class Digest {
+class E57Digest {
  public:
   void add(std::span<const char> bytes) { XXH3_128bits_update(state_.get(), bytes.data(), bytes.size()); }
   std::string guid() const {
@@ -31,19 +40,16 @@ class Digest {
   }
 
  private:
-  struct Free {
-    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-  };
   static XXH3_state_t* fresh() {
     XXH3_state_t* state = XXH3_createState();
     XXH3_128bits_reset(state);
     return state;
   }
-  std::unique_ptr<XXH3_state_t, Free> state_{fresh()};
+  HashState state_{fresh()};
 };
 
 // Which record a packet starts with, for readers that jump: at most kMostEntries, evenly spread.
-class PacketIndex {
+class E57PacketIndex {
  public:
   void add(std::uint64_t record, std::uint64_t offset) {
     if (packets_++ % stride_ != 0) return;
@@ -71,17 +77,6 @@ class PacketIndex {
   std::uint64_t packets_ = 0, stride_ = 1;
 };
 
-// With the limits that the field's bits have.
-E57Field widened(E57Field field) {
-  if (!field.is_integer() || field.bits() == 64) return field;
-  const std::uint64_t most = (std::uint64_t{1} << field.bits()) - 1;
-  const auto highest = static_cast<std::int64_t>(static_cast<std::uint64_t>(field.minimum) + most);
-  if (highest >= field.minimum) field.maximum = highest;
-  return field;
-}
-
-}  // namespace
-
 struct E57Writer::State {
   State(const std::filesystem::path& path, const E57WriterOptions& given)
       : file(path.string()), options(given), out(path) {
@@ -98,7 +93,7 @@ struct E57Writer::State {
   E57WriterOptions options;
   PagedOutput out;
   E57Contents contents;
-  Digest file_digest;
+  E57Digest file_digest;
 
   // Of the scan in the making.
   bool in_scan = false;
@@ -106,8 +101,8 @@ struct E57Writer::State {
   std::uint64_t section = 0;        // logical
   std::size_t packet_records = 0;   // a whole packet's
   std::size_t waiting_records = 0;  // in the encoders
-  PacketIndex index;
-  std::unique_ptr<Digest> digest;
+  E57PacketIndex index;
+  std::unique_ptr<E57Digest> digest;
 };
 
 E57Writer::E57Writer(const std::filesystem::path& file, const E57WriterOptions& options)
@@ -132,7 +127,7 @@ void E57Writer::begin_scan(const E57Scan& scan) {
   for (const E57Field& field : scan.points.fields)
     s.encoders.emplace_back(s.options.as_stored ? widened(field) : field);
   s.index = {};
-  s.digest = std::make_unique<Digest>();
+  s.digest = std::make_unique<E57Digest>();
   s.waiting_records = 0;
   // A multiple of eight ends every stream of a packet on a whole byte, so that packets stand alone.
   const std::size_t fits = kLargestPacket_bytes * 8 / std::max<std::uint64_t>(record_bits, 8);
@@ -237,7 +232,7 @@ void E57Writer::add_image(const E57Image& image, std::span<const char> picture, 
   written.mask.reset();
   if (!mask.empty()) written.mask = add_blob(mask);
   if (written.guid.empty()) {
-    Digest digest;
+    E57Digest digest;
     digest.add(picture);
     digest.add(image.name);
     written.guid = digest.guid();

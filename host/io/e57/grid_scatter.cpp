@@ -13,10 +13,10 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kFreeNodes = 1 << 12;
+constexpr std::uint64_t kSpareNodes = 1 << 12;
 constexpr std::uint64_t kGuess_records = 1 << 16;
 constexpr std::size_t kStripRanges = 16, kStrip = kStripRanges * E57RecordReader::kRange;
-constexpr std::uint64_t kMostNodes = Scan::kNoNode;
+constexpr std::uint64_t kNodesOfScan = Scan::kNoNode;
 
 // Several threads at one node are a file that finish() refuses: what they leave there does not matter.
 template <typename T>
@@ -107,7 +107,7 @@ std::optional<GridScatter> GridScatter::of(const E57Scan& scan, const ScanSample
   if (!row_field.is_integer() || !column_field.is_integer()) return {};
   const auto row = ScanGrid::declared(scan.rows, row_field),
              column = ScanGrid::declared(scan.columns, column_field);
-  const std::uint64_t most = std::min(2 * count + kFreeNodes, kMostNodes);
+  const std::uint64_t most = std::min(2 * count + kSpareNodes, kNodesOfScan);
   if (row.high <= row.low || column.high <= column.low || row.extent() > most / column.extent()) return {};
   GridScatter scatter(columns, row, column, count);
   scatter.guess_directions(samples, reader);

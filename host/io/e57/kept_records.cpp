@@ -11,7 +11,7 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kBlock_records = 1 << 18, kBlock_values = 1 << 22;
+constexpr std::uint64_t kKeptBlock_records = 1 << 18, kBlock_values = 1 << 22;
 
 }  // namespace
 
@@ -26,10 +26,10 @@ KeptRanges find_kept(const E57RecordReader& reader, std::span<const std::size_t>
     kept.count += end - done;
     done = end;
   };
-  std::vector<std::vector<E57Records::Lost>> lost(kBlock_records / E57RecordReader::kRange);
-  for (std::uint64_t at = 0; at < reader.count(); at += kBlock_records) {
+  std::vector<std::vector<E57Records::Lost>> lost(kKeptBlock_records / E57RecordReader::kRange);
+  for (std::uint64_t at = 0; at < reader.count(); at += kKeptBlock_records) {
     check_interrupted();
-    const std::uint64_t end = std::min(at + kBlock_records, reader.count());
+    const std::uint64_t end = std::min(at + kKeptBlock_records, reader.count());
     reader.read(fields, at, end - at, [&](const E57Records& records) {
       lost[(records.first - at) / E57RecordReader::kRange] = records.lost;
     });
@@ -102,7 +102,7 @@ void KeptRecords::read(std::span<const std::size_t> fields, std::uint64_t first,
               .reals = std::vector<std::vector<double>>(fields.size())};
   const std::uint64_t most =
       std::clamp<std::uint64_t>(kBlock_values / std::max<std::size_t>(fields.size(), 1), kRange,
-                                kBlock_records) /
+                                kKeptBlock_records) /
       kRange * kRange;
   for (const std::uint64_t end = first + count; block.first < end; block.first += block.count) {
     block.count = std::min(most, end - block.first);

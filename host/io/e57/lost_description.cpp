@@ -14,7 +14,6 @@ namespace hybrid::io {
 namespace {
 
 constexpr std::uint64_t kChunk_bytes = 1020 << 10, kOverlap_bytes = 1020;
-constexpr std::uint64_t kFileHeader_bytes = 48, kSectionHeader_bytes = 32;
 constexpr std::size_t kMostTold = 8;
 
 // Calls take(offset, bytes) over the whole file in chunks that overlap, until it returns true.

@@ -9,7 +9,6 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kSectionHeader_bytes = 32;
 constexpr std::uint64_t kGroup_bytes = 256 << 10;
 constexpr std::uint64_t kAhead_bytes = 4 * PagedFile::kPayload_bytes;
 

@@ -11,7 +11,6 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kHeader_bytes = 48;
 constexpr std::uint64_t kPagesAtOnce = 64;  // 64 KiB stay in a core's cache between check and copy
 
 // The checksum is the one big-endian number of the format.
@@ -32,7 +31,7 @@ PagedFile::PagedFile(const std::filesystem::path& file, bool salvage) : file_(fi
 }
 
 void PagedFile::read_header() {
-  std::array<char, kHeader_bytes> header{};
+  std::array<char, kFileHeader_bytes> header{};
   if (file_.size() >= 8) file_.read(0, std::span(header).first(8));
   if (std::memcmp(header.data(), "ASTM-E57", 8) != 0)
     fail_input("{}: byte 0: expected the signature ASTM-E57, found another; is this an E57 file?", name());
@@ -84,12 +83,12 @@ void PagedFile::read_header() {
 }
 
 std::uint64_t PagedFile::logical(std::uint64_t physical, const std::string& what) const {
-  if (physical >= file_.size() || physical < kHeader_bytes)
+  if (physical >= file_.size() || physical < kFileHeader_bytes)
     fail_input(
         "{}: {}: expected an offset of {} to {}, found {}; the file is cut short or its header is wrong: "
         "copy "
         "it again",
-        name(), what, kHeader_bytes, file_.size() - 1, physical);
+        name(), what, kFileHeader_bytes, file_.size() - 1, physical);
   if (physical % kPage_bytes >= kPayload_bytes)
     fail_input("{}: {}: expected an offset of data, found {}, where a page's checksum lies; export it again",
                name(), what, physical);

@@ -9,6 +9,9 @@
 
 namespace hybrid::io {
 
+// Of an E57 file.
+inline constexpr std::uint64_t kFileHeader_bytes = 48, kSectionHeader_bytes = 32, kBlobHeader_bytes = 16;
+
 // An E57 file below its structure (ASTM E2807): a header of 48 bytes and pages of 1024 bytes, of which the
 // last four are the page's CRC-32C. The file's own offsets are physical (they count the checksums); all
 // offsets here are logical (they do not), unless said otherwise.

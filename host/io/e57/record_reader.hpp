@@ -58,6 +58,9 @@ class E57RecordReader {
   mutable std::set<std::uint64_t> bad_pages_;
 };
 
+// Records that one mostly takes at once.
+inline constexpr std::size_t kBlock_records = 1 << 16;
+
 // The indices of all of a table's fields.
 std::vector<std::size_t> all_fields(const E57Table& table);
 

@@ -13,8 +13,6 @@ namespace hybrid::io {
 namespace {
 
 constexpr std::uint64_t kMostNodes = Scan::kNoNode - 1;
-// A grid this much larger than its samples is a crop of a scan, or none: stages hold whole images.
-constexpr std::uint64_t kMostNodesPerSample = 16, kFreeNodes = 1 << 16;
 
 }  // namespace
 

@@ -10,6 +10,9 @@
 
 namespace hybrid::io {
 
+// A grid this much larger than its samples is a crop of a scan, or none: stages hold whole images.
+inline constexpr std::uint64_t kMostNodesPerSample = 16, kFreeNodes = 1 << 16;
+
 // rows * columns, or 0: more nodes than can be numbered.
 std::uint64_t grid_nodes(std::uint64_t rows, std::uint64_t columns);
 // What is said of indices that make no grid, or "": where it has far more nodes than samples.

@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "io/e57/paged_file.hpp"
+#include "io/salvage.hpp"
 
 namespace hybrid::io {
 
@@ -40,7 +41,7 @@ void note_tallies(const std::string& where, const SampleTally& sum, const E57Rec
   };
   if (sum.absurd > 0) {
     const auto problem = fmt::format("point {}: expected a coordinate within {} m, found {}",
-                                     sum.first_absurd, kAbsurd_m, sum.absurd_value);
+                                     sum.first_absurd, kFarthest_m, sum.absurd_value);
     if (!salvage)
       fail_input("{}: {}, and {} points in all; correct it, or use --salvage", where, problem, sum.absurd);
     note(sum.absurd, "have absurd coordinates (" + problem + ")");

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "io/salvage.hpp"
 #include "io/scan_builder.hpp"
 
 namespace hybrid::io {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
+constexpr double kLargestFloat = static_cast<double>(std::numeric_limits<float>::max());
 
 }  // namespace
 
@@ -39,8 +39,8 @@ ScanSamples::Kind ScanSamples::kind(const Coordinates& c, const std::vector<doub
   if (!state.empty() && state[i] != 0) return invalid;
   const double most = std::max({std::abs(c.axis[0][i]), std::abs(c.axis[1][i]), std::abs(c.axis[2][i])});
   const double sum = c.axis[0][i] + c.axis[1][i] + c.axis[2][i];
-  if (std::isnan(sum) || most > kLargest) return not_finite;
-  return most > kAbsurd_m ? absurd : good;
+  if (std::isnan(sum) || most > kLargestFloat) return not_finite;
+  return most > kFarthest_m ? absurd : good;
 }
 
 std::vector<double> ScanSamples::values(const E57Records& records, const ScanColumns::Slot& slot) const {

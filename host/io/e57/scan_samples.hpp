@@ -13,8 +13,6 @@
 
 namespace hybrid::io {
 
-inline constexpr double kAbsurd_m = 1e9;  // beyond every coordinate system of the Earth
-
 // What of a range of records is no return, and why.
 struct SampleTally {
   std::uint64_t not_finite = 0, invalid = 0, absurd = 0, lost = 0;

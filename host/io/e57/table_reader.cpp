@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::uint64_t kMostWithoutBytes = 1 << 16;  // records that take no room in the file
 constexpr std::uint64_t kPadding_bytes = 8;           // writers fill up the last word of a stream
-constexpr std::uint64_t kBlock_records = 1 << 20;
-constexpr std::uint64_t kBlock_bytes = 32 << 20;
+constexpr std::uint64_t kMostBlock_records = 1 << 20;
+constexpr std::uint64_t kMostBlock_bytes = 32 << 20;
 constexpr std::uint64_t kMostLoaded_bytes = 128 << 20;
 
 bool has_stream(const E57Field& field) {
@@ -148,7 +148,8 @@ void E57TableReader::read(std::span<const std::size_t> fields, std::uint64_t fir
     record_bits += bits(field);
   }
   std::uint64_t block =
-      std::clamp<std::uint64_t>(kBlock_bytes * 8 / record_bits, kRange, kBlock_records) / kRange * kRange;
+      std::clamp<std::uint64_t>(kMostBlock_bytes * 8 / record_bits, kRange, kMostBlock_records) / kRange *
+      kRange;
   Loaded loaded;
   const std::uint64_t end = first + count;
   for (std::uint64_t at = first; at < end;) {

@@ -9,7 +9,6 @@
 namespace hybrid::io {
 
 void write_e57(const std::filesystem::path& file, const ScanSource& next) {
-  constexpr std::size_t kBlock_records = 1 << 16;
   auto scan = next();
   if (!scan) return;
   write_atomically(file, [&](const std::filesystem::path& temporary) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/scalar_type.hpp"
+#include "io/text/text_cursor.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -37,12 +38,6 @@ struct Rule {
   int scheme = kAsItIs, type = Imf::HALF;  // any number, in a damaged file
   bool any_case = true;
 };
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower;
-}
 
 // Of versions 0 and 1, which have none in the file.
 std::vector<Rule> early_rules() {

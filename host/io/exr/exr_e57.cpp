@@ -17,10 +17,6 @@ namespace hybrid::io {
 namespace {
 namespace fs = std::filesystem;
 
-std::string text_at(const std::string& xml, TextRange range) {
-  return xml.substr(range.begin, range.end - range.begin);
-}
-
 // A folder's name beside the image, and nothing else that a path can say.
 void check_parts(const fs::path& file, const std::string& name) {
   if (name.empty() || (fs::path(name).filename() == name && name != "." && name != "..")) return;

@@ -16,7 +16,7 @@
 namespace hybrid::io {
 namespace {
 
-constexpr int kBandRows = 256;  // of every compression, a whole number of blocks of lines
+constexpr int kLinesAtOnce = 256;  // of every compression, a whole number of blocks of lines
 
 // Of a part in tiles; 0 of one in lines, whatever its header says of tiles.
 int tile_rows(const Imf::Header& header) {
@@ -54,8 +54,8 @@ void ExrParts::open() {
   first_ = window.min.y;
   last_ = window.max.y;
   cols_ = window.max.x - window.min.x + 1;
-  band_rows_ = kBandRows;
-  if (const int rows = tile_rows(header_); rows > 0) band_rows_ = rows * std::max(1, kBandRows / rows);
+  band_rows_ = kLinesAtOnce;
+  if (const int rows = tile_rows(header_); rows > 0) band_rows_ = rows * std::max(1, kLinesAtOnce / rows);
   Imf::ChannelList seen;
   for (int i = 0; i < file_->parts(); ++i) {
     const Imf::Header& header = file_->header(i);

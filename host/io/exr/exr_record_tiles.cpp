@@ -1,8 +1,6 @@
 #include "io/exr/exr_record_tiles.hpp"
 
 #include <fmt/format.h>
-#include <xxhash.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstring>
@@ -10,19 +8,9 @@
 
 #include "core/parallel.hpp"
 #include "io/exr/range_exr_band.hpp"
+#include "io/hash_state.hpp"
 
 namespace hybrid::io {
-namespace {
-
-constexpr int kTile = static_cast<int>(kRangeTile_px);
-
-struct FreeState {
-  void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-};
-using HashState = std::unique_ptr<XXH3_state_t, FreeState>;
-
-}  // namespace
-
 RecordTiles::RecordTiles(const RecordGroup& group, std::span<const RecordChannel> channels) : group_(group) {
   for (const RecordChannel& channel : channels) {
     std::vector<char>& bytes = pixels_.emplace_back(group.pixels() * channel.bytes());
@@ -44,10 +32,10 @@ Imf::FrameBuffer RecordTiles::slices(std::span<const RecordChannel> channels) co
 }
 
 void RecordTiles::clear_tile(int tile_x, int tile_y, std::span<const RecordChannel> channels) {
-  const int x = (tile_x - group_.tile_x) * kTile, y = (tile_y - group_.tile_y) * kTile;
-  const auto width = static_cast<std::size_t>(std::min(kTile, group_.width - x));
+  const int x = (tile_x - group_.tile_x) * kRecordTile_px, y = (tile_y - group_.tile_y) * kRecordTile_px;
+  const auto width = static_cast<std::size_t>(std::min(kRecordTile_px, group_.width - x));
   for (std::size_t k = 0; k < channels.size(); ++k)
-    for (int row = y; row < std::min(y + kTile, group_.height); ++row) {
+    for (int row = y; row < std::min(y + kRecordTile_px, group_.height); ++row) {
       const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(group_.width) +
                              static_cast<std::size_t>(x);
       if (channels[k].bytes() == 4)
@@ -62,8 +50,8 @@ void RecordTiles::hash(std::span<const RecordChannel> channels, int image_tiles_
   const auto across = static_cast<std::size_t>(group_.tiles_x);
   parallel_for(across * static_cast<std::size_t>(group_.tiles_y), [&](std::size_t i) {
     const int tile_x = static_cast<int>(i % across), tile_y = static_cast<int>(i / across);
-    const int x = tile_x * kTile, end_x = std::min(x + kTile, group_.width);
-    const int y = tile_y * kTile, end_y = std::min(y + kTile, group_.height);
+    const int x = tile_x * kRecordTile_px, end_x = std::min(x + kRecordTile_px, group_.width);
+    const int y = tile_y * kRecordTile_px, end_y = std::min(y + kRecordTile_px, group_.height);
     const HashState state(XXH3_createState());
     XXH3_64bits_reset(state.get());
     for (std::size_t k = 0; k < channels.size(); ++k)

@@ -16,7 +16,7 @@
 namespace hybrid::io {
 
 namespace records_attribute {
-inline constexpr const char* kFormatName = "records 1";
+inline constexpr const char* kRecordsFormatName = "records 1";
 inline constexpr const char* kSamples = "hybrid:samples";         // records
 inline constexpr const char* kLayout = "hybrid:layout";           // "grid R C ..." or "list": RecordLayout
 inline constexpr const char* kXml = "hybrid:e57_xml";             // the file's description without its scans

@@ -8,6 +8,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "io/e57/scan_columns.hpp"
+#include "io/e57/scan_grid.hpp"
 #include "io/exr/exr_records.hpp"
 #include "io/exr/range_exr_band.hpp"
 #include "io/text/text_cursor.hpp"
@@ -15,16 +16,12 @@
 namespace hybrid::io {
 namespace {
 
-constexpr int kTile = static_cast<int>(kRangeTile_px);
-constexpr int kListCols = 4 * kTile;
+constexpr int kListCols = 4 * kRecordTile_px;
 constexpr std::uint64_t kMostPixels = std::numeric_limits<std::uint32_t>::max() - 1;
-// A grid this much larger than its samples is none that is worth an image.
-constexpr std::uint64_t kMostNodesPerSample = 16, kFreeNodes = 1 << 16;
-constexpr std::size_t kBlock_records = 1 << 16;
 constexpr std::size_t kLongestChannel = 200;
 
 int up_to_tile(int rows) {
-  return (rows + kTile - 1) / kTile * kTile;
+  return (rows + kRecordTile_px - 1) / kRecordTile_px * kRecordTile_px;
 }
 
 RecordLayout list_of(std::uint64_t samples) {
@@ -130,7 +127,7 @@ RecordPlan plan_of_list(std::uint64_t samples) {
   RecordPlan plan;
   plan.layout = list_of(samples);
   plan.last.assign(groups_of(plan.layout).size(), RecordPlan::kNone);
-  const std::uint64_t step = kTile * static_cast<std::uint64_t>(plan.layout.cols);
+  const std::uint64_t step = kRecordTile_px * static_cast<std::uint64_t>(plan.layout.cols);
   for (std::size_t k = 0; k < plan.last.size() && samples > 0; ++k)
     plan.last[k] = std::min(samples, (k + 1) * step) - 1;
   return plan;
@@ -189,15 +186,16 @@ RecordLayout RecordLayout::parse(const std::string& file, const std::string& tex
 
 std::vector<RecordGroup> groups_of(const RecordLayout& layout) {
   std::vector<RecordGroup> groups;
-  const int across = (layout.cols + kTile - 1) / kTile;
-  const int grid_down = (layout.grid_rows + kTile - 1) / kTile, down = (layout.rows + kTile - 1) / kTile;
+  const int across = (layout.cols + kRecordTile_px - 1) / kRecordTile_px;
+  const int grid_down = (layout.grid_rows + kRecordTile_px - 1) / kRecordTile_px,
+            down = (layout.rows + kRecordTile_px - 1) / kRecordTile_px;
   const int grid_end = layout.has_list() ? layout.list_row : layout.rows;
   const auto add = [&](int tile_x, int tile_y, int tiles_x, int tiles_y, int end) {
     RecordGroup group{.tile_x = tile_x, .tile_y = tile_y, .tiles_x = tiles_x, .tiles_y = tiles_y};
-    group.x = tile_x * kTile;
-    group.y = tile_y * kTile;
-    group.width = std::min((tile_x + tiles_x) * kTile, layout.cols) - group.x;
-    group.height = std::min((tile_y + tiles_y) * kTile, end) - group.y;
+    group.x = tile_x * kRecordTile_px;
+    group.y = tile_y * kRecordTile_px;
+    group.width = std::min((tile_x + tiles_x) * kRecordTile_px, layout.cols) - group.x;
+    group.height = std::min((tile_y + tiles_y) * kRecordTile_px, end) - group.y;
     groups.push_back(group);
   };
   if (layout.by_columns)
@@ -205,19 +203,20 @@ std::vector<RecordGroup> groups_of(const RecordLayout& layout) {
   else
     for (int y = 0; y < grid_down; ++y) add(0, y, across, 1, grid_end);
   if (layout.has_list())
-    for (int y = layout.list_row / kTile; y < down; ++y) add(0, y, across, 1, layout.rows);
+    for (int y = layout.list_row / kRecordTile_px; y < down; ++y) add(0, y, across, 1, layout.rows);
   return groups;
 }
 
 std::size_t group_at(const RecordLayout& layout, std::uint32_t pixel) {
   const auto cols = static_cast<std::uint32_t>(layout.cols);
   const int row = static_cast<int>(pixel / cols), col = static_cast<int>(pixel % cols);
-  const int across = (layout.cols + kTile - 1) / kTile, grid_down = (layout.grid_rows + kTile - 1) / kTile;
+  const int across = (layout.cols + kRecordTile_px - 1) / kRecordTile_px,
+            grid_down = (layout.grid_rows + kRecordTile_px - 1) / kRecordTile_px;
   const bool listed = layout.has_list() && row >= layout.list_row;
   if (listed)
     return static_cast<std::size_t>((layout.by_columns && layout.grid() ? across : grid_down) +
-                                    (row - layout.list_row) / kTile);
-  return static_cast<std::size_t>((layout.by_columns ? col : row) / kTile);
+                                    (row - layout.list_row) / kRecordTile_px);
+  return static_cast<std::size_t>((layout.by_columns ? col : row) / kRecordTile_px);
 }
 
 std::vector<FieldChannels> channels_of(const E57Table& table, const RecordLayout& layout) {
@@ -299,7 +298,7 @@ RecordPlan plan_records(const E57Table& table, const E57RecordReader& reader) {
         plan.last[group_at(layout, pixels[i])] = records.first + i;
         continue;
       }
-      list_last.resize((pixels[i] - nodes) / (kTile * cols) + 1);
+      list_last.resize((pixels[i] - nodes) / (kRecordTile_px * cols) + 1);
       list_last.back() = records.first + i;
     }
   });

@@ -28,8 +28,6 @@ namespace {
 
 using namespace records_attribute;
 
-constexpr std::uint64_t kBlock_records = 1 << 16;
-
 // Those of the records from `first` on that have no pixel.
 std::vector<E57Records::Lost> lost_of(std::uint64_t first, std::span<const std::uint32_t> pixels) {
   std::vector<E57Records::Lost> lost;
@@ -51,9 +49,9 @@ struct ExrRecords::State {
       check_exr_header(input);
     }
     open_image();
-    if (text(range_attribute::kFormat) != kFormatName)
+    if (text(range_attribute::kFormat) != kRecordsFormatName)
       fail_input("{}: header: expected {} \"{}\", found {}; these are no records", file,
-                 range_attribute::kFormat, kFormatName, in_quotes(text(range_attribute::kFormat)));
+                 range_attribute::kFormat, kRecordsFormatName, in_quotes(text(range_attribute::kFormat)));
     const Imath::Box2i window = header().dataWindow();
     layout = RecordLayout::parse(file, text(kLayout), whole(kSamples));
     if (window.min != Imath::V2i(0, 0) || window.max != Imath::V2i(layout.cols - 1, layout.rows - 1) ||
@@ -411,7 +409,7 @@ void ExrRecords::read(std::span<const std::size_t> fields, std::uint64_t first, 
 
 bool holds_exr_records(const std::filesystem::path& file) {
   InputFile input(file);
-  return check_exr_header(input).format == kFormatName;
+  return check_exr_header(input).format == kRecordsFormatName;
 }
 
 }  // namespace hybrid::io

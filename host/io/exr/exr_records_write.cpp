@@ -24,8 +24,7 @@ namespace {
 
 using namespace records_attribute;
 
-constexpr std::size_t kBlock_records = 1 << 16;
-constexpr std::uint32_t kNaN = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
+constexpr std::uint32_t kNaNBits = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
 constexpr std::size_t kMostChannels_bytes = 4000;  // check_exr_header() takes no more
 
 // For people and other programs: how a field's values follow from its channel's.
@@ -104,7 +103,7 @@ class Writer {
     add("source", Imf::UINT, kNoSource);
     if (samples_) {
       add("mask", Imf::UINT, kEmpty);
-      for (const char* name : {"range", "x", "y", "z"}) add(name, Imf::FLOAT, kNaN);
+      for (const char* name : {"range", "x", "y", "z"}) add(name, Imf::FLOAT, kNaNBits);
       if (samples_->columns().intensity) intensity_ = add("intensity", Imf::FLOAT, 0);
       if (samples_->columns().colour)
         for (const char* name : {"R", "G", "B"}) colour_ = add(name, Imf::HALF, 0) - 2;
@@ -152,7 +151,7 @@ class Writer {
     const char* const names[] = {kSamples, kLayout, kXml, kCuts, kScanXml, kScan, kParts, kPartSums};
     for (std::size_t k = 0; k < values.size(); ++k)
       if (!values[k].empty()) text(names[k], values[k]);
-    text(range_attribute::kFormat, kFormatName);
+    text(range_attribute::kFormat, kRecordsFormatName);
     text(range_attribute::kChecksum, checksum);
     text(kTileSums, tile_sums);
     for (std::size_t k = 0; k < fields_.size(); ++k)
@@ -254,7 +253,7 @@ class Writer {
     put(1, [&](std::size_t i) { return is_return(i) ? std::uint32_t{kMeasured} : std::uint32_t{kEmpty}; });
     put(2, [&](std::size_t i) {
       const Vec3 point = origin + Vec3(points[i][0], points[i][1], points[i][2]);
-      return is_return(i) ? std::bit_cast<std::uint32_t>(static_cast<float>(point.norm())) : kNaN;
+      return is_return(i) ? std::bit_cast<std::uint32_t>(static_cast<float>(point.norm())) : kNaNBits;
     });
     for (std::size_t axis = 0; axis < 3; ++axis)
       put(3 + axis, [&](std::size_t i) { return std::bit_cast<std::uint32_t>(points[i][axis]); });

@@ -13,10 +13,6 @@
 
 namespace hybrid::io {
 namespace fs = std::filesystem;
-namespace {
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-}
-
 Scan ExrScanReader::read() {
   Scan scan;
   read_head(scan);

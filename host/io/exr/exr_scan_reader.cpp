@@ -21,7 +21,6 @@ namespace {
 
 // Grids of cameras and grids through the zenith have tables beyond a half turn; degrees are beyond this.
 constexpr double kMostAngle_rad = 4 * std::numbers::pi;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 bool descends(const std::vector<double>& angles) {
   return std::is_sorted(angles.rbegin(), angles.rend());

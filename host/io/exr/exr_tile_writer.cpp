@@ -24,8 +24,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "OpenEXR files are little-endian");
 
-constexpr int kLevel = 1;                 // libdeflate's: what is left is mostly noise
-constexpr std::size_t kLongestName = 31;  // of what is no file of long names
+constexpr int kTileLevel = 1;                  // libdeflate's: what is left is mostly noise
+constexpr std::size_t kLongestShortName = 31;  // of what is no file of long names
 
 constexpr int kPerThread = 4;  // tiles in memory
 
@@ -37,10 +37,11 @@ std::size_t bytes_of(Imf::PixelType type) {
 
 bool has_long_names(const Imf::Header& header) {
   for (auto at = header.begin(); at != header.end(); ++at)
-    if (std::strlen(at.name()) > kLongestName || std::strlen(at.attribute().typeName()) > kLongestName)
+    if (std::strlen(at.name()) > kLongestShortName ||
+        std::strlen(at.attribute().typeName()) > kLongestShortName)
       return true;
   for (auto at = header.channels().begin(); at != header.channels().end(); ++at)
-    if (std::strlen(at.name()) > kLongestName) return true;
+    if (std::strlen(at.name()) > kLongestShortName) return true;
   return false;
 }
 
@@ -83,7 +84,7 @@ Bytes predicted(std::span<const char> pixels) {
 // What follows the head of so many bytes, deflated where that is shorter.
 void deflate(Bytes& chunk, std::size_t head) {
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kLevel), &libdeflate_free_compressor);
+      libdeflate_alloc_compressor(kTileLevel), &libdeflate_free_compressor);
   if (!compressor) throw std::bad_alloc();
   const Bytes pixels = predicted(std::span(chunk).subspan(head));
   Bytes shorter(pixels.size() - 1);

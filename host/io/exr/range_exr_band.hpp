@@ -10,6 +10,7 @@
 namespace hybrid::io {
 
 inline constexpr unsigned kRangeTile_px = 256;
+inline constexpr int kRecordTile_px = static_cast<int>(kRangeTile_px);  // of records beside them
 
 // sRGB, of linear light between 0 and 1.
 std::uint8_t srgb_byte(half linear);

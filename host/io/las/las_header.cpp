@@ -12,9 +12,8 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kHeader_bytes = 227, kHeader14_bytes = 375;
+constexpr std::uint64_t kLasHeader_bytes = 227, kHeader14_bytes = 375;
 constexpr std::uint64_t kRecordHead_bytes = 54, kExtendedHead_bytes = 60;
-constexpr double kFarthest_m = 1e9;  // coordinates beyond are nobody's
 constexpr const char* kCompressed =
     "the file is compressed (LAZ), which is not read; decompress it first: laszip -i a.laz -o a.las, or pdal "
     "translate a.laz a.las";
@@ -24,16 +23,16 @@ T get(InputFile& file, std::uint64_t at) {
   return load_as<T>(file.at(at, sizeof(T)), false);
 }
 
-std::string text_at(InputFile& file, std::uint64_t at, std::uint64_t most) {
+std::string padded_text(InputFile& file, std::uint64_t at, std::uint64_t most) {
   const std::string_view text(file.at(at, most), most);
   return std::string(text.substr(0, text.find('\0')));
 }
 
 void check_signature(InputFile& file) {
-  if (file.size() < kHeader_bytes)
+  if (file.size() < kLasHeader_bytes)
     fail_input(
         "{}: byte 0: expected a LAS header of {} bytes, found {}; the file is cut short: copy it again",
-        file.name(), kHeader_bytes, file.size());
+        file.name(), kLasHeader_bytes, file.size());
   if (std::string_view(file.at(0, 4), 4) != "LASF")
     fail_input("{}: byte 0: expected \"LASF\", found {}; is this a LAS file?", file.name(),
                in_quotes({file.at(0, 4), 4}));
@@ -109,7 +108,7 @@ void read_records(InputFile& file, std::uint64_t at, std::uint64_t end, std::uin
           "{}: byte {}: expected variable length record {} of {} ({} bytes), found {} bytes left; the header "
           "is wrong, or the file cut short: copy or export it again, {}",
           file.name(), at, i + 1, count, head + bytes, end - std::min(at, end), kSalvageRemedy);
-    const std::string user = text_at(file, at + 2, 16);
+    const std::string user = padded_text(file, at + 2, 16);
     const auto id = get<std::uint16_t>(file, at + 18);
     take_record(file, at + head, user, id, bytes, header);
     at += head + bytes;
@@ -181,8 +180,8 @@ LasHeader read_las_header(InputFile& file, bool salvage) {
   header.minor = get<std::uint8_t>(file, 25);
   const std::uint64_t header_bytes = get<std::uint16_t>(file, 94);
   const std::uint64_t least = header.minor == 4   ? kHeader14_bytes
-                              : header.minor == 3 ? kHeader_bytes + 8
-                                                  : kHeader_bytes;
+                              : header.minor == 3 ? kLasHeader_bytes + 8
+                                                  : kLasHeader_bytes;
   header.data_offset = get<std::uint32_t>(file, 96);
   if (header_bytes < least || header_bytes > file.size())
     fail_input(

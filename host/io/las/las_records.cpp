@@ -13,11 +13,6 @@
 #include "io/scalar_type.hpp"
 
 namespace hybrid::io {
-namespace {
-
-constexpr std::size_t kBlock_bytes = 1 << 20;
-constexpr const char* kAddress = "urn:las:point-data-record";  // of the extension `las`
-
 // Some bits of a record.
 struct LasField {
   const char* name = "";
@@ -45,6 +40,18 @@ struct LasField {
     }
   }
 };
+
+// What one pass over the records tells.
+struct LasExtent {
+  std::vector<std::int64_t> least, greatest;  // by field
+  bool waveforms = false, extra = false;
+  std::uint64_t hash = 0;
+};
+
+namespace {
+
+constexpr std::size_t kBlock_bytes = 1 << 20;
+constexpr const char* kAddress = "urn:las:point-data-record";  // of the extension `las`
 
 // LAS 1.4, tables 7 to 25.
 std::vector<LasField> fields_of(const LasPointFormat& format) {
@@ -83,13 +90,6 @@ std::vector<LasField> fields_of(const LasPointFormat& format) {
   return fields;
 }
 
-// What one pass over the records tells.
-struct Extent {
-  std::vector<std::int64_t> least, greatest;  // by field
-  bool waveforms = false, extra = false;
-  std::uint64_t hash = 0;
-};
-
 }  // namespace
 
 class LasAsE57::Records {
@@ -102,7 +102,7 @@ class LasAsE57::Records {
   }
 
   const LasHeader& header() const { return header_; }
-  const Extent& extent() const { return extent_; }
+  const LasExtent& extent() const { return extent_; }
   const std::vector<std::string>& notes() const { return notes_; }
   std::string name() const { return input_.name(); }
 
@@ -173,15 +173,15 @@ class LasAsE57::Records {
     constexpr std::uint64_t kPart = 1 << 16;
     constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
     constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
-    const Extent none{std::vector(candidates_.size(), kGreatest), std::vector(candidates_.size(), kLeast),
-                      false, false, 0};
-    std::vector<Extent> parts((header_.points + kPart - 1) / kPart, none);
+    const LasExtent none{std::vector(candidates_.size(), kGreatest), std::vector(candidates_.size(), kLeast),
+                         false, false, 0};
+    std::vector<LasExtent> parts((header_.points + kPart - 1) / kPart, none);
     const auto size = static_cast<std::size_t>(header_.record_bytes);
     const auto any = [](const char* from, const char* end) {
       return std::any_of(from, end, [](char c) { return c != 0; });
     };
     parallel_for(parts.size(), [&](std::size_t p) {
-      Extent& part = parts[p];
+      LasExtent& part = parts[p];
       const auto count = static_cast<std::size_t>(std::min(kPart, header_.points - p * kPart));
       for_records(p * kPart, count, [&](std::size_t, const char* record) {
         for (std::size_t k = 0; k < candidates_.size(); ++k) {
@@ -196,7 +196,7 @@ class LasAsE57::Records {
       });
     });
     extent_ = none;
-    for (const Extent& part : parts) {
+    for (const LasExtent& part : parts) {
       for (std::size_t k = 0; k < candidates_.size(); ++k) {
         extent_.least[k] = std::min(extent_.least[k], part.least[k]);
         extent_.greatest[k] = std::max(extent_.greatest[k], part.greatest[k]);
@@ -213,7 +213,7 @@ class LasAsE57::Records {
   const LasPointFormat& format_;
   std::vector<std::string> notes_;
   std::vector<LasField> candidates_, kept_;
-  Extent extent_;
+  LasExtent extent_;
 };
 
 // Shares the file with its source.

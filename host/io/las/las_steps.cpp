@@ -13,15 +13,16 @@ namespace {
 
 constexpr double kMostSteps = std::numeric_limits<std::int32_t>::max();
 constexpr int kUsualDecimals = 5, kMostDecimals = 9;
-constexpr std::size_t kPart = 8192;
+constexpr std::size_t kReturnsAtOnce = 8192;
 
 // Calls body(block, sample) for the returns, on all threads, until one is false.
 template <typename Body>
 bool for_returns(const ScanStream& scan, const Body& body) {
   std::atomic<bool> all{true};
   scan.for_each_block([&](const SampleBlock& block) {
-    parallel_for((block.size() + kPart - 1) / kPart, [&](std::size_t part) {
-      for (std::size_t i = part * kPart, end = std::min(i + kPart, block.size()); i < end && all; ++i)
+    parallel_for((block.size() + kReturnsAtOnce - 1) / kReturnsAtOnce, [&](std::size_t part) {
+      for (std::size_t i = part * kReturnsAtOnce, end = std::min(i + kReturnsAtOnce, block.size());
+           i < end && all; ++i)
         if (is_return(block.points[i]) && !body(block, i)) all = false;
     });
     return all.load();
@@ -66,9 +67,10 @@ bool all_survive(const ScanStream& scan, const LasSteps& steps) {
 double largest_rounding(const ScanStream& scan, const LasSteps& steps) {
   double largest = 0;
   scan.for_each_block([&](const SampleBlock& block) {
-    std::vector<double> parts((block.size() + kPart - 1) / kPart, 0.0);
+    std::vector<double> parts((block.size() + kReturnsAtOnce - 1) / kReturnsAtOnce, 0.0);
     parallel_for(parts.size(), [&](std::size_t part) {
-      for (std::size_t i = part * kPart, end = std::min(i + kPart, block.size()); i < end; ++i) {
+      for (std::size_t i = part * kReturnsAtOnce, end = std::min(i + kReturnsAtOnce, block.size()); i < end;
+           ++i) {
         if (!is_return(block.points[i])) continue;
         const Vec3 point = block.exact_point(i);
         for (int axis = 0; axis < 3; ++axis)

@@ -20,9 +20,6 @@ constexpr int kVertices = 34962, kIndices = 34963;
 constexpr int kPoints = 0, kTriangles = 4;
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 
-// Vertices are floats: this far from the origin they still have a tenth of a millimetre.
-constexpr double kFarFromOrigin_m = 1000;
-
 // glTF's axes: Y up, the world's Z.
 Vec3 turned(const Vec3& v) {
   return {v.x(), v.z(), -v.y()};
@@ -37,12 +34,12 @@ Json numbers(const Vec3& v) {
 }
 
 template <typename T>
-void append(std::string& bytes, const T& value) {
+void append_bytes(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
 void append_point(std::string& bytes, const Vec3& point) {
-  for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(point[k]));
+  for (int k = 0; k < 3; ++k) append_bytes(bytes, static_cast<float>(point[k]));
 }
 
 // The JSON document and the binary chunk, grown together.
@@ -77,9 +74,9 @@ class GlbBuilder {
     std::string bytes;
     for (const CloudPoint& point : scene_.points) {
       for (const float value : point.rgb)
-        append(bytes, static_cast<std::uint16_t>(
-                          std::lround(65535 * std::fmin(std::fmax(static_cast<double>(value), 0.0), 1.0))));
-      append(bytes, std::uint16_t{65535});
+        append_bytes(bytes, static_cast<std::uint16_t>(std::lround(
+                                65535 * std::fmin(std::fmax(static_cast<double>(value), 0.0), 1.0))));
+      append_bytes(bytes, std::uint16_t{65535});
     }
     const int colours =
         add_accessor(bytes, kVertices, kUint16, scene_.points.size(), "VEC4", {{"normalized", true}});
@@ -243,10 +240,10 @@ class GlbBuilder {
         append_point(normals, turned(mesh->normal).normalized());
       for (const Vec2& at : mesh->texels) {
         const TexturedPage& picture = scene_.pages[static_cast<std::size_t>(page)];
-        append(texels, static_cast<float>(at.x() / picture.width));
-        append(texels, static_cast<float>(at.y() / picture.height));
+        append_bytes(texels, static_cast<float>(at.x() / picture.width));
+        append_bytes(texels, static_cast<float>(at.y() / picture.height));
       }
-      for (const std::uint32_t index : mesh->triangles) append(indices, first + index);
+      for (const std::uint32_t index : mesh->triangles) append_bytes(indices, first + index);
       index_count += mesh->triangles.size();
     }
     Json attributes = {{"POSITION", add_positions(positions, [](const Vec3& p) { return p; })},

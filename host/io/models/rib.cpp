@@ -12,8 +12,6 @@
 namespace hybrid::io {
 namespace {
 
-constexpr double kFarFromOrigin_m = 1000;  // a renderer's floats have a tenth of a millimetre there
-
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {

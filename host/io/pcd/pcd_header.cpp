@@ -11,17 +11,15 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kLongestHeaderLine_bytes = 1 << 20;
-
-struct Line {
+struct HeaderLine {
   std::uint64_t number = 0;
   std::vector<std::string> values;  // after the keyword
 };
 
 // The lines of a header by keyword.
-class Lines {
+class HeaderLines {
  public:
-  Lines(const std::string& file, TextCursor& cursor) : file_(file) {
+  HeaderLines(const std::string& file, TextCursor& cursor) : file_(file) {
     while (!lines_.contains("DATA")) {
       if (cursor.at_end())
         fail_input(
@@ -41,7 +39,7 @@ class Lines {
     if (!has(keyword))
       fail_input("{}: line {}: expected a {} line before DATA, found none; this is no complete PCD header",
                  file_, number("DATA"), keyword);
-    const Line& line = lines_.at(keyword);
+    const HeaderLine& line = lines_.at(keyword);
     if (line.values.empty() || (count != 0 && line.values.size() != count))
       fail_input("{}: line {}: expected {} values after {}, found {}; correct the header", file_, line.number,
                  count == 0 ? 1 : count, keyword, line.values.size());
@@ -66,15 +64,15 @@ class Lines {
           "{}: line {}: expected a PCD header keyword (VERSION, FIELDS, SIZE, ..., DATA), found {}; is this "
           "a PCD file with its header?",
           file_, number, in_quotes(line[0]));
-    if (!lines_.try_emplace(keyword, Line{number, {line.begin() + 1, line.end()}}).second)
+    if (!lines_.try_emplace(keyword, HeaderLine{number, {line.begin() + 1, line.end()}}).second)
       fail_input("{}: line {}: expected {} once, found it again; correct the header", file_, number, keyword);
   }
 
   const std::string& file_;
-  std::map<std::string, Line> lines_;
+  std::map<std::string, HeaderLine> lines_;
 };
 
-ScalarType scalar_type(const std::string& file, const Lines& lines, std::string_view type,
+ScalarType scalar_type(const std::string& file, const HeaderLines& lines, std::string_view type,
                        std::uint64_t size) {
   using enum ScalarType;
   static const std::map<std::pair<std::string_view, std::uint64_t>, ScalarType> known{
@@ -87,7 +85,7 @@ ScalarType scalar_type(const std::string& file, const Lines& lines, std::string_
   return found->second;
 }
 
-void read_fields(const std::string& file, const Lines& lines, PcdHeader& header) {
+void read_fields(const std::string& file, const HeaderLines& lines, PcdHeader& header) {
   const auto& names = lines.values("FIELDS");
   for (std::size_t i = 0; i < names.size(); ++i) {
     PcdField field{lower_case(names[i])};
@@ -105,7 +103,7 @@ void read_fields(const std::string& file, const Lines& lines, PcdHeader& header)
   }
 }
 
-void read_extent(const std::string& file, const Lines& lines, PcdHeader& header) {
+void read_extent(const std::string& file, const HeaderLines& lines, PcdHeader& header) {
   header.width = lines.whole("WIDTH", 0, 1);
   if (lines.has("HEIGHT")) header.height = lines.whole("HEIGHT", 0, 1);
   constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
@@ -121,7 +119,7 @@ void read_extent(const std::string& file, const Lines& lines, PcdHeader& header)
         lines.whole("POINTS", 0, 1));
 }
 
-void read_viewpoint(const std::string& file, const Lines& lines, PcdHeader& header) {
+void read_viewpoint(const std::string& file, const HeaderLines& lines, PcdHeader& header) {
   if (!lines.has("VIEWPOINT")) return;
   double norm2 = 0;
   for (std::size_t i = 0; i < 7; ++i) {
@@ -145,7 +143,7 @@ void read_viewpoint(const std::string& file, const Lines& lines, PcdHeader& head
 PcdHeader read_pcd_header(InputFile& input, bool salvage) {
   const std::string& file = input.name();
   TextCursor cursor(input, start_of_text(input), 1, kLongestHeaderLine_bytes);
-  const Lines lines(file, cursor);
+  const HeaderLines lines(file, cursor);
   PcdHeader header;
   read_fields(file, lines, header);
   const auto forgive = [&](const auto& read, const auto& instead) {

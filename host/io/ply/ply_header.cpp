@@ -12,8 +12,6 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-constexpr std::uint64_t kLongestHeaderLine_bytes = 1 << 20;
-
 class HeaderReader {
  public:
   explicit HeaderReader(InputFile& input)

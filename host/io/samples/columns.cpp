@@ -10,7 +10,7 @@ namespace hybrid::io {
 namespace {
 
 // Beyond this level files of scans shrink by less than 1 % and take twice as long.
-constexpr int kLevel = 6;
+constexpr int kZstdLevel = 6;
 
 struct FreeCompressor {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
@@ -33,7 +33,7 @@ ZSTD_CCtx* compressor() {
 std::string compress(std::string_view bytes) {
   std::string out(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t size =
-      ZSTD_compressCCtx(compressor(), out.data(), out.size(), bytes.data(), bytes.size(), kLevel);
+      ZSTD_compressCCtx(compressor(), out.data(), out.size(), bytes.data(), bytes.size(), kZstdLevel);
   if (ZSTD_isError(size)) fail(ErrorKind::failed, "zstd: {}", ZSTD_getErrorName(size));
   out.resize(size);
   return out;

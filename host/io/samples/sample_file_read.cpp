@@ -117,7 +117,6 @@ void read_extra(const SampleHeader& header, std::string_view packed, const std::
 
 // So many nodes without a sample.
 void add_nodes(const SampleHeader& header, std::size_t nodes, Scan& scan) {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   scan.points.assign(nodes, {kNaN, kNaN, kNaN});
   if (header.intensity) scan.intensity.assign(nodes, 0);
   if (header.colour) scan.rgb.assign(nodes, {});

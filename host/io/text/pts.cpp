@@ -16,7 +16,7 @@
 namespace hybrid::io {
 namespace {
 
-constexpr std::uint64_t kShortestLine = 6;  // "0 0 0\n"
+constexpr std::uint64_t kShortestXyz = 6;  // "0 0 0\n"
 constexpr std::size_t kMostColumns = 7;
 constexpr float kLeastIntensity = -2048, kGreatestIntensity = 2047;
 constexpr const char* kCommas = "values are separated by commas, which PTS does not provide for";
@@ -24,7 +24,7 @@ constexpr double kMostCounted = 9e15;  // whole numbers are exact below
 constexpr const char* kColumns[] = {
     "", "", "", "x y z", "x y z intensity", "", "x y z red green blue", "x y z intensity red green blue"};
 
-struct Line {
+struct PointLine {
   TextPlace place;  // where it starts
   std::array<double, kMostColumns> values{};
   std::size_t numbers = 0;  // 0 too where it holds commas alone
@@ -32,15 +32,15 @@ struct Line {
 };
 
 // The next line that holds something.
-Line read_line(TextCursor& cursor) {
+PointLine read_line(TextCursor& cursor) {
   cursor.skip_blank_lines();
-  Line line{{cursor.offset(), cursor.line()}};
+  PointLine line{{cursor.offset(), cursor.line()}};
   line.end = cursor.at_end();
   if (!line.end) line.numbers = cursor.read_numbers(line.values);
   return line;
 }
 
-std::uint64_t to_count(const std::string& file, const Line& line) {
+std::uint64_t to_count(const std::string& file, const PointLine& line) {
   const double value = line.values[0];
   if (!(value >= 0 && value < std::numeric_limits<std::uint32_t>::max()) || value != std::floor(value))
     fail_input("{}: line {}: expected the number of points that follow, found {}; is this a PTS file?", file,
@@ -48,7 +48,7 @@ std::uint64_t to_count(const std::string& file, const Line& line) {
   return static_cast<std::uint64_t>(value);
 }
 
-std::size_t check_columns(const std::string& file, const Line& line) {
+std::size_t check_columns(const std::string& file, const PointLine& line) {
   if (line.numbers <= kMostColumns && kColumns[line.numbers][0] != '\0') return line.numbers;
   fail_input(
       "{}: line {}: expected 3, 4, 6 or 7 numbers (x y z [intensity] [red green blue]), found {}; is this a "
@@ -66,7 +66,7 @@ std::size_t check_columns(const std::string& file, const Line& line) {
 }
 
 // Points without a count: all lines to the end.
-ScanEntry list_all(InputFile& input, const Line& first) {
+ScanEntry list_all(InputFile& input, const PointLine& first) {
   ScanEntry entry{.structure = kColumns[check_columns(input.name(), first)]};
   const PassedRows points = pass_rows(input, first.place, input.size(), ~std::uint64_t{0});
   entry.samples = points.rows;
@@ -76,17 +76,17 @@ ScanEntry list_all(InputFile& input, const Line& first) {
 }
 
 // The points after the line of a count, which the cursor has read; `place` goes behind them.
-ScanEntry list_counted(InputFile& input, TextCursor& cursor, const Line& count_line, TextPlace& place) {
+ScanEntry list_counted(InputFile& input, TextCursor& cursor, const PointLine& count_line, TextPlace& place) {
   ScanEntry entry;
   entry.samples = to_count(input.name(), count_line);
   check_count_fits(input.name(), fmt::format("line {}", count_line.place.line), "points", entry.samples,
-                   kShortestLine, cursor.remaining() + 1, true);
+                   kShortestXyz, cursor.remaining() + 1, true);
   cursor.skip_blank_lines();
   place = {cursor.offset(), cursor.line()};
   entry.offset = place.offset;
   entry.line = place.line;
   if (entry.samples == 0) return entry;
-  const Line first = read_line(cursor);
+  const PointLine first = read_line(cursor);
   if (first.end) fail_points_missing(input.name(), first.place.line, entry.samples, count_line.place.line, 0);
   entry.structure = kColumns[check_columns(input.name(), first)];
   const PassedRows points = pass_rows(input, place, input.size(), entry.samples);
@@ -105,7 +105,7 @@ void check_scans(const InputFile& input, std::size_t scans, std::uint64_t line) 
 }
 
 // The scans from the count in `line` on, one after the other.
-std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, Line line) {
+std::vector<ScanEntry> list_all_counted(InputFile& input, TextCursor& cursor, PointLine line) {
   std::vector<ScanEntry> entries;
   TextPlace place;
   for (std::uint64_t count_line = 0; !line.end; line = read_line(cursor)) {
@@ -145,7 +145,7 @@ std::size_t pass_line(TextCursor& cursor, double& first) {
 }
 
 // In a damaged file a line with one number starts a scan, whatever the number, and so does the first line.
-std::vector<ScanEntry> list_damaged(InputFile& input) {
+std::vector<ScanEntry> list_damaged_pts(InputFile& input) {
   std::vector<ScanEntry> entries;
   TextCursor cursor(input, start_of_text(input));
   for (cursor.skip_blank_lines(); !cursor.at_end(); cursor.skip_blank_lines()) {
@@ -235,7 +235,7 @@ std::size_t first_columns(InputFile& input, const ScanEntry& entry) {
 std::vector<ScanEntry> list_pts(const std::filesystem::path& file, const ReadOptions& options) {
   InputFile input(file);
   TextCursor cursor(input, start_of_text(input));
-  const Line first = read_line(cursor);
+  const PointLine first = read_line(cursor);
   if (first.end)
     fail_input(
         "{}: line {}: expected the number of points or a point, found the end of the file; copy or export it "
@@ -243,7 +243,7 @@ std::vector<ScanEntry> list_pts(const std::filesystem::path& file, const ReadOpt
         input.name(), first.place.line);
   std::vector<ScanEntry> entries;
   if (options.salvage)
-    entries = list_damaged(input);
+    entries = list_damaged_pts(input);
   else if (first.numbers == 1)
     entries = list_all_counted(input, cursor, first);
   else

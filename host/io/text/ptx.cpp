@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSamePlace_m = 0.001;
 
-constexpr std::uint64_t kShortestLine = 8;  // "0 0 0 0\n"
+constexpr std::uint64_t kShortestXyzi = 8;  // "0 0 0 0\n"
 
 struct PtxHeader {
   std::uint64_t line = 0;  // of its first line
@@ -118,7 +118,7 @@ std::uint64_t point_count(const PtxHeader& header) {
 PtxHeader read_checked_header(TextCursor& cursor) {
   const PtxHeader header = read_header(cursor);
   check_count_fits(cursor.file(), fmt::format("line {}", header.line), "points", point_count(header),
-                   kShortestLine, cursor.remaining() + 1, true);
+                   kShortestXyzi, cursor.remaining() + 1, true);
   return header;
 }
 
@@ -252,7 +252,7 @@ ScanEntry pass_no_scan(InputFile& input, TextPlace& place) {
   return entry;
 }
 
-std::vector<ScanEntry> list_damaged(InputFile& input) {
+std::vector<ScanEntry> list_damaged_ptx(InputFile& input) {
   std::vector<ScanEntry> entries;
   TextCursor cursor(input, start_of_text(input));
   cursor.skip_blank_lines();
@@ -307,7 +307,7 @@ class PtxStream : public TextStream {
 std::vector<ScanEntry> list_ptx(const std::filesystem::path& file, const ReadOptions& options) {
   InputFile input(file);
   if (options.salvage) {
-    std::vector<ScanEntry> entries = list_damaged(input);
+    std::vector<ScanEntry> entries = list_damaged_ptx(input);
     name_entries(entries, file.stem().string());
     return entries;
   }

@@ -7,7 +7,7 @@ namespace hybrid::io {
 namespace {
 
 template <typename Number>
-void append(std::string& text, Number value) {
+void append_digits(std::string& text, Number value) {
   char digits[64];
   const auto [end, code] = std::to_chars(digits, digits + sizeof digits, value);
   text.append(digits, end);
@@ -20,9 +20,9 @@ void append_coordinate(std::string& text, double origin, float relative) {
   for (int decimals = 0; decimals <= 15; ++decimals, power *= 10) {
     const double whole = std::round(value * power);
     if (std::abs(whole) > 0x1p53) break;
-    if (static_cast<float>(whole / power - origin) == relative) return append(text, whole / power);
+    if (static_cast<float>(whole / power - origin) == relative) return append_digits(text, whole / power);
   }
-  append(text, value);
+  append_digits(text, value);
 }
 
 // Of whole steps the fewest decimals that tell one from the next.
@@ -32,19 +32,19 @@ void append_step(std::string& text, double value, double step) {
   for (int decimals = 0; decimals <= 15; ++decimals, power *= 10) {
     const double whole = std::round(value * power);
     if (std::abs(whole) > 0x1p53) break;
-    if (std::abs(whole / power - value) <= kClose * step) return append(text, whole / power + 0.0);
+    if (std::abs(whole / power - value) <= kClose * step) return append_digits(text, whole / power + 0.0);
   }
-  append(text, value);
+  append_digits(text, value);
 }
 
 }  // namespace
 
 void append_number(std::string& text, double value) {
-  append(text, value);
+  append_digits(text, value);
 }
 
 void append_number(std::string& text, float value) {
-  append(text, value);
+  append_digits(text, value);
 }
 
 void append_point(std::string& text, const SampleBlock& block, std::size_t sample) {
@@ -60,7 +60,7 @@ void append_point(std::string& text, const SampleBlock& block, std::size_t sampl
       append_step(text, block.exact[sample][static_cast<std::size_t>(axis)],
                   scan.steps ? scan.steps->scale[axis] : 0.0);
     else if (scan.origin.isZero())
-      append(text, point[static_cast<std::size_t>(axis)]);
+      append_digits(text, point[static_cast<std::size_t>(axis)]);
     else
       append_coordinate(text, scan.origin[axis], point[static_cast<std::size_t>(axis)]);
   }
@@ -69,7 +69,7 @@ void append_point(std::string& text, const SampleBlock& block, std::size_t sampl
 void append_colour(std::string& text, const std::array<std::uint8_t, 3>& rgb) {
   for (const std::uint8_t value : rgb) {
     text += ' ';
-    append(text, static_cast<int>(value));
+    append_digits(text, static_cast<int>(value));
   }
 }
 

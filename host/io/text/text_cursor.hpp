@@ -10,6 +10,8 @@
 
 namespace hybrid::io {
 
+inline constexpr std::uint64_t kLongestHeaderLine_bytes = 1 << 20;  // of PCD and PLY
+
 // Reads text from front to back and knows its line: LF, CR/LF, CR and mixtures end a line; a comma separates
 // numbers as blanks and tabs do.
 class TextCursor {
