@@ -15,14 +15,14 @@ namespace hybrid::archive {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
-constexpr const char* kFormat = "hybrid inputs 1";
+constexpr const char* kInputsFormat = "hybrid inputs 1";
 
-Json read_cache(const std::string& text) {
-  Json document = Json::parse(text, nullptr, false);
-  if (!document.is_object() || document.value("format", "") != kFormat || !document["files"].is_object())
-    return {{"files", Json::object()}};
+nlohmann::json read_cache(const std::string& text) {
+  nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
+  if (!document.is_object() || document.value("format", "") != kInputsFormat ||
+      !document["files"].is_object())
+    return {{"files", nlohmann::json::object()}};
   return document;
 }
 
@@ -42,7 +42,7 @@ InputCache::InputCache(fs::path file, std::string sources, bool rehash)
     : file_(std::move(file)),
       sources_(std::move(sources)),
       rehash_(rehash),
-      new_({{"format", kFormat}, {"files", Json::object()}}),
+      new_({{"format", kInputsFormat}, {"files", nlohmann::json::object()}}),
       old_text_(read_if_there(file_)) {
   old_ = read_cache(old_text_);
 }
@@ -69,7 +69,7 @@ std::vector<Input> InputCache::look(const std::vector<fs::path>& files) {
     bool fresh = false;
   };
   std::vector<Job> jobs(files.size());
-  const Json& known_files = old_.at("files");
+  const nlohmann::json& known_files = old_.at("files");
   parallel_for(files.size(), [&](std::size_t i) {
     Job& job = jobs[i];
     const std::string name = files[i].string();
@@ -106,7 +106,7 @@ std::vector<Input> InputCache::look(const std::vector<fs::path>& files) {
       if (same_stat && (*known)["xxh3"] != job.input.xxh3) changed_unseen_.push_back(name);
     }
     if (job.input.problem.empty() && seen_.emplace(name, job.input).second) {
-      Json& entry = new_["files"][name];
+      nlohmann::json& entry = new_["files"][name];
       entry = {{"stat", numbers_of(job.stat)}, {"xxh3", job.input.xxh3}};
       // A listing goes with the content, whatever the times say.
       const auto known = old_["files"].find(name);
@@ -137,7 +137,7 @@ ScanListing InputCache::list(const fs::path& file, bool salvage) {
     listing.problem = fmt::format("{}: {}", name, error.what());
   }
   if (entry != new_["files"].end()) {
-    Json scans = Json::array();
+    nlohmann::json scans = nlohmann::json::array();
     for (const auto& one : listing.scans) scans.push_back({one.index, one.samples});
     (*entry)["list"] = {{"version", version}, {"scans", scans}, {"problem", listing.problem}};
   }
@@ -145,7 +145,7 @@ ScanListing InputCache::list(const fs::path& file, bool salvage) {
 }
 
 void InputCache::save() const {
-  const std::string text = new_.dump(0, ' ', false, Json::error_handler_t::replace) + "\n";
+  const std::string text = new_.dump(0, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   if (text == old_text_) return;
   io::write_text(file_, text);
   fail_point("cache-written");

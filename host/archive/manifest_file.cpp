@@ -27,7 +27,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kFormat = "hybrid manifest 2";
+constexpr const char* kManifestFormat = "hybrid manifest 2";
 constexpr std::string_view kUnits = "\n\"units\":[\n", kEnd = "],\n\"offsets\":[\n";
 constexpr std::size_t kEntry_bytes = 20, kNumber_bytes = 16;
 constexpr std::string_view kCount = "\"count\":\"", kOffsetsAt = "\",\"offsets_at\":\"", kLast = "\"}\n";
@@ -43,7 +43,8 @@ class Reader {
   explicit Reader(const std::filesystem::path& path) : file_(path) {
     if (text(0, std::min<std::uint64_t>(file_.size(), kStart().size())) != kStart() ||
         file_.size() < kFooter_bytes)
-      fail_input("{}: expected \"{}\", found something else; make the plan again", file_.name(), kFormat);
+      fail_input("{}: expected \"{}\", found something else; make the plan again", file_.name(),
+                 kManifestFormat);
     const std::string footer = text(file_.size() - kFooter_bytes, kFooter_bytes);
     count_ = number_at(footer, kCount.size());
     offsets_at_ = number_at(footer, kCount.size() + kNumber_bytes + kOffsetsAt.size());
@@ -52,7 +53,7 @@ class Reader {
       not_whole("its table of units");
   }
 
-  static std::string kStart() { return fmt::format("{{\"format\":\"{}\",", kFormat); }
+  static std::string kStart() { return fmt::format("{{\"format\":\"{}\",", kManifestFormat); }
   std::size_t count() const { return count_; }
 
   Manifest head() {

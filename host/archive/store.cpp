@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "hybrid store 1";
+constexpr const char* kStoreFormat = "hybrid store 1";
 
 // Names of files that an object's folder holds about itself.
 bool is_seal(const std::string& path) {
@@ -106,9 +106,9 @@ Store Store::open(const fs::path& folder) {
     fail_input("{}: expected a store, found no store.json; make one by hybrid batch plan ARCHIVE --out {}",
                folder.string(), folder.string());
   const Json document = Json::parse(io::read_text(folder / "store.json"), nullptr, false);
-  if (!document.is_object() || document.value("format", "") != kFormat)
+  if (!document.is_object() || document.value("format", "") != kStoreFormat)
     fail_input("{}: expected \"{}\", found something else; use a store of this version",
-               (folder / "store.json").string(), kFormat);
+               (folder / "store.json").string(), kStoreFormat);
   return Store(fs::absolute(folder).lexically_normal());
 }
 
@@ -127,7 +127,7 @@ void Store::expect_free(const fs::path& folder) {
 
 Store Store::create(const fs::path& folder) {
   expect_free(folder);
-  if (!exists(folder)) io::write_text(folder / "store.json", Json{{"format", kFormat}}.dump(1) + "\n");
+  if (!exists(folder)) io::write_text(folder / "store.json", Json{{"format", kStoreFormat}}.dump(1) + "\n");
   return open(folder);
 }
 

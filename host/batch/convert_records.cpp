@@ -37,9 +37,9 @@ std::string number_of(std::size_t index) {
   return fmt::format("-{}", index);
 }
 
-class Conversion {
+class RecordsConversion {
  public:
-  explicit Conversion(const ConvertRequest& request) : request_(request) {
+  explicit RecordsConversion(const ConvertRequest& request) : request_(request) {
     if (is_las(request.in) && request.index)
       io::scan_at(request.in, io::list_scans(request.in), *request.index);
     if (!is_e57(request.in)) return;
@@ -196,7 +196,7 @@ std::size_t photographs_in(const ConvertRequest& request) {
 }
 
 std::vector<fs::path> record_outputs(const ConvertRequest& request) {
-  const Conversion conversion(request);
+  const RecordsConversion conversion(request);
   if (request.salvage && is_e57(request.in)) conversion.check_description();
   std::vector<fs::path> files;
   for (const std::size_t index : conversion.wanted()) files.push_back(conversion.output_of(index));
@@ -207,7 +207,7 @@ std::vector<fs::path> record_outputs(const ConvertRequest& request) {
 }
 
 ConvertRun convert_records(const ConvertRequest& request) {
-  return Conversion(request).go();
+  return RecordsConversion(request).go();
 }
 
 }  // namespace hybrid::batch

@@ -10,8 +10,8 @@
 namespace hybrid::batch {
 namespace {
 
-constexpr double kCompatibleDeg = 30;  // normals of a sample's plane and of a polygon it lies on
-constexpr double kNoiseSigmas = 3;     // of the difference of two scans
+constexpr double kOnPolygonDeg = 30;  // normals of a sample's plane and of a polygon it lies on
+constexpr double kNoiseSigmas = 3;    // of the difference of two scans
 constexpr double kSightTolerance_m = 0.02;
 
 double largest_sigma(const std::vector<ScanProduct>& products) {
@@ -111,7 +111,7 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
     std::vector<std::uint8_t> on_contour;
     if (!contours.model.faces.empty())
       on_contour = stages::near_faces(queue, product.image, product.segmentation, contours.model,
-                                      registrations[p]->world_from_scan(), kCompatibleDeg, {near}, retained);
+                                      registrations[p]->world_from_scan(), kOnPolygonDeg, {near}, retained);
     const auto& to_face = registrations[p]->signed_distance_m;
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
     parallel_for(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "batch/picture_marks.hpp"
+#include "batch/planes_json.hpp"
 #include "core/parallel.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
@@ -24,10 +25,6 @@ void draw_contours(const Supercluster& plane, stages::Orthophoto& photo) {
     for (std::size_t i = 0; i < ring.points.size(); ++i)
       draw_line(photo.picture, pixel(ring.points[i]), pixel(ring.points[(i + 1) % ring.points.size()]), ink);
   }
-}
-
-Json json_of(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
 }
 
 // What measures in the picture need.

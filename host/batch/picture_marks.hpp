@@ -9,6 +9,7 @@
 namespace hybrid::batch {
 
 using Ink = std::array<std::uint8_t, 3>;
+inline constexpr Ink kPaper = {255, 255, 255};
 
 // Marks on 3-channel pictures; what lies outside is left out.
 void draw_line(Image8& picture, const Vec2& from, const Vec2& to, const Ink& ink, int width = 1);

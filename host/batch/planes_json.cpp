@@ -7,15 +7,16 @@
 #include "core/parallel_blocks.hpp"
 
 namespace hybrid::batch {
+
+nlohmann::ordered_json json_of(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-Json json_of(const ContourRing& ring) {
+Json ring_json(const ContourRing& ring) {
   Json points = Json::array();
   for (const auto& point : ring.points) points.push_back(json_of(point));
   return {{"ring", ring.outer ? "outer" : "inner"}, {"points_m", points}};
@@ -78,7 +79,7 @@ Json planes_json(const ScanProduct& product) {
   Json list = Json::array();
   for (const auto& supercluster : product.segmentation.superclusters) {
     Json contours = Json::array();
-    for (const auto& ring : supercluster.contours) contours.push_back(json_of(ring));
+    for (const auto& ring : supercluster.contours) contours.push_back(ring_json(ring));
     list.push_back({{"id", supercluster.id},
                     {"normal", json_of(supercluster.plane.normal)},
                     {"offset_m", supercluster.plane.offset_m},

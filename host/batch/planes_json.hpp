@@ -5,6 +5,8 @@
 
 namespace hybrid::batch {
 
+nlohmann::ordered_json json_of(const Vec3& v);  // [x, y, z]
+
 // planes.json of SCENE.md.
 nlohmann::ordered_json planes_json(const ScanProduct& product);
 

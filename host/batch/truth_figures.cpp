@@ -11,11 +11,11 @@ namespace hybrid::batch {
 namespace {
 
 // How many measured samples have this label and this true plane, in this order, and how many are curved.
-struct Counts {
+struct LabelCounts {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::int64_t> samples;
   std::int64_t curved = 0, curved_as_planar = 0;
 
-  Counts& operator+=(const Counts& other) {
+  LabelCounts& operator+=(const LabelCounts& other) {
     for (const auto& [pair, count] : other.samples) samples[pair] += count;
     curved += other.curved;
     curved_as_planar += other.curved_as_planar;
@@ -23,10 +23,10 @@ struct Counts {
   }
 };
 
-Counts count_samples(const io::ScanTruth& truth, const RangeImage& image,
-                     const std::vector<std::uint32_t>& labels) {
-  return sum_blocks<Counts>(image.count(), [&](std::size_t begin, std::size_t end) {
-    Counts counts;
+LabelCounts count_samples(const io::ScanTruth& truth, const RangeImage& image,
+                          const std::vector<std::uint32_t>& labels) {
+  return sum_blocks<LabelCounts>(image.count(), [&](std::size_t begin, std::size_t end) {
+    LabelCounts counts;
     std::pair<std::uint32_t, std::uint32_t> pair;  // of the samples of a run
     std::int64_t run = 0;
     for (std::size_t i = begin; i < end; ++i) {
@@ -47,7 +47,7 @@ Counts count_samples(const io::ScanTruth& truth, const RangeImage& image,
 }
 
 // Per label the true plane of most of its samples; 0: none.
-std::vector<std::uint32_t> majorities(const Counts& counts, std::size_t labels) {
+std::vector<std::uint32_t> majorities(const LabelCounts& counts, std::size_t labels) {
   std::vector<std::uint32_t> plane(labels, 0);
   std::vector<std::int64_t> most(labels, 0);
   for (const auto& [pair, count] : counts.samples)
@@ -67,7 +67,7 @@ double share(std::int64_t part, std::int64_t whole) {
 nlohmann::ordered_json truth_figures(const io::ScanTruth& truth, const ScanProduct& product,
                                      const Pose* world_from_scan) {
   const auto& segmentation = product.segmentation;
-  const Counts counts = count_samples(truth, product.image, segmentation.sample_label);
+  const LabelCounts counts = count_samples(truth, product.image, segmentation.sample_label);
   const auto majority = majorities(counts, segmentation.superclusters.size() + 1);
   std::int64_t planar = 0, right = 0;
   std::map<std::uint32_t, std::int64_t> samples_of_plane, right_of_plane;

@@ -8,7 +8,7 @@
 namespace hybrid::report {
 namespace {
 
-constexpr double kLeft = 10, kStep = 24, kTop = 16, kHeight = 120;
+constexpr double kLeft = 10, kStep = 24, kTop = 16, kBarsHeight = 120;
 
 std::string metres(double value_m) {
   if (value_m < 0.01 - 1e-9) return fmt::format("{:.3g} mm", value_m * 1000);
@@ -30,18 +30,18 @@ std::string residual_plot(const Json& residuals) {
   std::string svg = fmt::format(
       "<svg viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" role=\"img\" aria-label=\"histogram of the "
       "distances\">\n",
-      width, kTop + kHeight + 22);
+      width, kTop + kBarsHeight + 22);
   const auto bar = [&](double place, std::int64_t count, const std::string& name, const char* kind) {
-    const double height = kHeight * static_cast<double>(count) / static_cast<double>(most);
+    const double height = kBarsHeight * static_cast<double>(count) / static_cast<double>(most);
     const double share = all > 0 ? 100 * static_cast<double>(count) / static_cast<double>(all) : 0;
     svg += fmt::format(
         "<rect{} x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"><title>{}: {} samples, {:.2f} "
         "%</title></rect>\n",
-        kind, place + 1, kTop + kHeight - height, kStep - 2, height, name, count, share);
+        kind, place + 1, kTop + kBarsHeight - height, kStep - 2, height, name, count, share);
     if (share >= 10)
       svg += fmt::format(
           "<text class=\"quiet\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:.0f}%</text>\n",
-          place + kStep / 2, kTop + kHeight - height - 4, share);
+          place + kStep / 2, kTop + kBarsHeight - height - 4, share);
   };
   const auto edge = [&](std::size_t i) { return from_m * std::pow(10, static_cast<double>(i) / per_decade); };
   for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -50,16 +50,17 @@ std::string residual_plot(const Json& residuals) {
                                                       : metres(edge(i - 1)) + " to " + metres(edge(i));
     bar(kLeft + kStep * static_cast<double>(i), counts[i], name, "");
     if (i > 0 && (i - 1) % static_cast<std::size_t>(per_decade) == 0)
-      svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n",
-                         kLeft + kStep * static_cast<double>(i), kTop + kHeight + 16, metres(edge(i - 1)));
+      svg +=
+          fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n",
+                      kLeft + kStep * static_cast<double>(i), kTop + kBarsHeight + 16, metres(edge(i - 1)));
   }
   const double last = kLeft + kStep * (static_cast<double>(counts.size()) + 1);
   bar(last, residuals["without_face"].get<std::int64_t>(), "no face of a similar direction near",
       " class=\"second\"");
   svg += fmt::format("<text class=\"quiet\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">none</text>\n",
-                     last + kStep / 2, kTop + kHeight + 16);
+                     last + kStep / 2, kTop + kBarsHeight + 16);
   return svg + fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/></svg>\n", kLeft,
-                           width - kLeft, kTop + kHeight, kTop + kHeight);
+                           width - kLeft, kTop + kBarsHeight, kTop + kBarsHeight);
 }
 
 }  // namespace hybrid::report

@@ -7,8 +7,6 @@
 namespace hybrid::batch {
 namespace {
 
-constexpr double kFarFromOrigin_m = 1000;  // floats have a tenth of a millimetre there
-
 // Collects one scan's samples.
 class Collector {
  public:

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Ink kPaper = {255, 255, 255}, kBlack = {0, 0, 0}, kGrid = {255, 225, 60}, kFaint = {170, 170, 170},
-              kDark = {60, 60, 60}, kRed = {190, 20, 20};
+constexpr Ink kBlack = {0, 0, 0}, kGrid = {255, 225, 60}, kFaint = {170, 170, 170}, kDark = {60, 60, 60},
+              kRed = {190, 20, 20};
 
 // Grid lines every 10, 20, 50, 100 ... nodes, so that about sixteen cross the picture.
 int grid_step(int nodes) {

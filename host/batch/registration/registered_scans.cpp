@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 const std::set<std::string> kFormats = {"e57", "las", "pcd", "ply", "pts", "ptx"};
 
 // A float has steps of 8 micrometres there: finer than any scanner, coarser than what registration claims.
-constexpr double kFarFromOrigin_m = 100;
+constexpr double kFineFloats_m = 100;
 
 fs::path file_of(const fs::path& folder, const std::string& format) {
   return folder / ("registered." + format);
@@ -60,7 +60,7 @@ Scan moved_into_world(Scan scan, const Pose& world_from_scan, const io::SceneFil
   const Vec3 old_origin = scan.origin;
   const Vec3 centre = pose * old_origin;
   scan.origin =
-      centre.norm() > kFarFromOrigin_m ? Vec3(centre.array().round()) : Vec3::Zero();  // scans surround it
+      centre.norm() > kFineFloats_m ? Vec3(centre.array().round()) : Vec3::Zero();  // scans surround it
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (auto& p : scan.points) {
     const bool finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);

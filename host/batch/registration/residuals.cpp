@@ -11,9 +11,9 @@
 namespace hybrid::batch {
 namespace {
 
-constexpr double kScale_m = 0.03, kNear_m = 0.1;
+constexpr double kScale_m = 0.03, kNearModel_m = 0.1;
 constexpr Ink kBehind = {33, 90, 170}, kOn = {247, 247, 247}, kFront = {180, 20, 40};
-constexpr Ink kFar = {110, 110, 110}, kNone = {0, 0, 0}, kPaper = {255, 255, 255}, kText = {30, 30, 30};
+constexpr Ink kFar = {110, 110, 110}, kNone = {0, 0, 0}, kText = {30, 30, 30};
 
 Ink ink_of(double distance_m) {
   const double t = std::clamp(distance_m / kScale_m, -1.0, 1.0);
@@ -52,7 +52,7 @@ void fill(Image8& picture, int x0, int y0, int x1, int y1, const Ink& ink) {
 }
 
 // Scale and histogram, their left edge at `left`, the bins' tops from `top` on.
-constexpr int kBinWidth = 14, kBars = 110, kScaleHeight = 14, kCell = 2, kLegend = 200;
+constexpr int kBinWidth = 14, kBars = 110, kScaleHeight = 14, kLegendCell = 2, kLegend = 200;
 
 void draw_legend(Image8& picture, int left, int top, const ResidualHistogram& histogram,
                  const std::string& of) {
@@ -76,11 +76,12 @@ void draw_legend(Image8& picture, int left, int top, const ResidualHistogram& hi
                                                       ResidualHistogram::kBin_m * kBinWidth));
     draw_line(picture, Vec2(x, base), Vec2(x, below - 3), kText);
     const std::string text = std::to_string(mm);
-    draw_text(picture, x - text_width(text, kCell) / 2, below, text, kCell, kText);
+    draw_text(picture, x - text_width(text, kLegendCell) / 2, below, text, kLegendCell, kText);
   }
-  draw_text(picture, left, below + 22, "mm behind " + of, kCell, kText);
+  draw_text(picture, left, below + 22, "mm behind " + of, kLegendCell, kText);
   const std::string front = "mm in front of " + of;
-  draw_text(picture, left + bins * kBinWidth - text_width(front, kCell), below + 22, front, kCell, kText);
+  draw_text(picture, left + bins * kBinWidth - text_width(front, kLegendCell), below + 22, front, kLegendCell,
+            kText);
 }
 
 }  // namespace
@@ -150,7 +151,7 @@ Image8 residual_picture(const ResidualNodes& nodes, const ResidualHistogram& his
     for (int col = 0; col < cols; ++col) {
       const std::size_t i = image.index(row * thin, col * thin);
       const double d = nodes.signed_m[i];
-      const Ink ink = image.mask[i] != kMeasured ? kNone : std::abs(d) <= kNear_m ? ink_of(d) : kFar;
+      const Ink ink = image.mask[i] != kMeasured ? kNone : std::abs(d) <= kNearModel_m ? ink_of(d) : kFar;
       fill(picture, left + col * enlarge, row * enlarge, left + (col + 1) * enlarge, (row + 1) * enlarge,
            ink);
     }

@@ -20,7 +20,7 @@ constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0
 // rival so many times more.
 constexpr double kMostOfBest = 0.02, kTimesBest = 4;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
-constexpr double kFarthest_m = 2, kFarthestDeg = 40, kNearer = 0.3;
+constexpr double kFarthestMoved_m = 2, kFarthestDeg = 40, kNearer = 0.3;
 // Where the end of ICP is not plain, with nearly all that lies on others within kTight times overlap_m of
 // them and hardly anything seen through, it starts beside that, too, and takes what is better by kClearly, so
 // many times. Of depth frames and rooms right ends have shares of 0.96 and more, of frames that slid along a
@@ -65,7 +65,7 @@ std::string contradiction_of(const stages::ScanIcp& found, const Pose& start) {
                        weak ? ", where little holds the scan" : "");
   const auto moved = difference(start, found.icp.world_from_scan);
   const double factor = weak ? kNearer : 1;
-  if (moved.distance_m > factor * kFarthest_m || moved.angle_rad > factor * kFarthestDeg * M_PI / 180)
+  if (moved.distance_m > factor * kFarthestMoved_m || moved.angle_rad > factor * kFarthestDeg * M_PI / 180)
     return fmt::format("it lies {:.2f} m and {:.1f} degrees from it", moved.distance_m,
                        moved.angle_rad * 180 / M_PI);
   return "";
