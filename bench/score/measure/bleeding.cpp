@@ -9,7 +9,7 @@
 namespace score {
 namespace {
 
-using Points = std::array<std::optional<TrueMesh::Hit>, 5>;  // the pixel's centre first
+using FivePoints = std::array<std::optional<TrueMesh::Hit>, 5>;  // the pixel's centre first
 
 struct Judge {
   const Camera& camera;
@@ -21,8 +21,8 @@ struct Judge {
     return mesh.first_hit(camera.eye, camera.ray(col + 0.5, row + 0.5));
   }
 
-  Points with_corners(int col, int row, const std::optional<TrueMesh::Hit>& middle) const {
-    Points points{middle};
+  FivePoints with_corners(int col, int row, const std::optional<TrueMesh::Hit>& middle) const {
+    FivePoints points{middle};
     for (int k = 0; k < 4; ++k)
       points[static_cast<std::size_t>(k + 1)] =
           mesh.first_hit(camera.eye, camera.ray(col + k % 2, row + k / 2));
@@ -39,7 +39,7 @@ struct Judge {
     return false;
   }
 
-  bool one_sees_all(const Points& points) const {
+  bool one_sees_all(const FivePoints& points) const {
     for (std::size_t j = 0; j < photographs.size(); ++j)
       if (usable[j] && std::all_of(points.begin(), points.end(),
                                    [&](const auto& point) { return sees(photographs[j], point); }))
@@ -86,7 +86,7 @@ BleedingScore score_bleeding(const ViewResult& view, const Camera& camera,
       score.painted += painted;
       if (painted && !right) {
         ++score.bleeding_at_centre;
-        const Points points = judge.with_corners(col, row, middle);
+        const FivePoints points = judge.with_corners(col, row, middle);
         const bool bleeds = std::none_of(points.begin(), points.end(), [&](const auto& point) {
           return judge.sees(photographs[view.best[i]], point);
         });

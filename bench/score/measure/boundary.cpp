@@ -14,7 +14,7 @@ namespace {
 using Borders = std::map<std::uint32_t, std::vector<Eigen::Vector2f>>;  // by plane; (column, row)
 
 // Adaptor of a list of points for nanoflann.
-struct Points {
+struct PointList {
   const std::vector<Eigen::Vector2f>& list;
   std::size_t kdtree_get_point_count() const { return list.size(); }
   float kdtree_get_pt(std::size_t i, std::size_t axis) const {
@@ -25,7 +25,8 @@ struct Points {
     return false;
   }
 };
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Points>, Points, 2>;
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointList>, PointList, 2>;
 
 class BorderFinder {
  public:
@@ -96,7 +97,7 @@ void append_distances(const std::vector<Eigen::Vector2f>& from, std::vector<Eige
       for (const float shift : {-1.0f, 1.0f})
         to.push_back(to[i] + Eigen::Vector2f(shift * static_cast<float>(turn), 0));
   }
-  const Points points{to};
+  const PointList points{to};
   Tree tree(2, points, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   tree.buildIndex();
   const std::size_t first = distances.size();

@@ -19,9 +19,9 @@ struct Header {
   std::size_t begin = 0;  // of the points, bytes
 };
 
-class Reader {
+class PcdReader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file), bytes_(read_bytes(file)) {}
+  explicit PcdReader(const std::filesystem::path& file) : file_(file), bytes_(read_bytes(file)) {}
 
   LabelledPcd read() {
     const Header header = read_header();
@@ -147,7 +147,7 @@ class Reader {
 }  // namespace
 
 LabelledPcd read_labelled_pcd(const std::filesystem::path& file) {
-  return Reader(file).read();
+  return PcdReader(file).read();
 }
 
 }  // namespace score

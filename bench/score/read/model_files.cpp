@@ -9,7 +9,7 @@
 namespace score {
 namespace {
 
-constexpr const char* kRemedy = "run hybrid's edit stage again";
+constexpr const char* kEditAgain = "run hybrid's edit stage again";
 
 // The vertex of "7", "7/1", "7//2" or "-1"; 0-based.
 std::size_t corner_of(const std::string& word, std::size_t vertices, const std::string& where) {
@@ -57,7 +57,7 @@ EditedModel read_edited_model(const std::filesystem::path& results) {
   const auto edited = results / "model" / "edited.obj", reported = results / "model" / "openings.json";
   if (std::filesystem::exists(edited)) model.polygons = read_obj_polygons(edited);
   if (std::filesystem::exists(reported))
-    model.reported = from_json(reported, kRemedy, [](const nlohmann::json& document) {
+    model.reported = from_json(reported, kEditAgain, [](const nlohmann::json& document) {
       std::vector<Ring> rings;
       for (const auto& entry : document.at("openings")) {
         rings.emplace_back();

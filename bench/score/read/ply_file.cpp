@@ -24,9 +24,9 @@ struct Element {
   std::vector<Property> properties;
 };
 
-class Reader {
+class PlyReader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file), bytes_(read_bytes(file)) {}
+  explicit PlyReader(const std::filesystem::path& file) : file_(file), bytes_(read_bytes(file)) {}
 
   PlyContent read() {
     const auto elements = header();
@@ -158,7 +158,7 @@ class Reader {
 }  // namespace
 
 PlyContent read_ply(const std::filesystem::path& file) {
-  return Reader(file).read();
+  return PlyReader(file).read();
 }
 
 }  // namespace score

@@ -9,7 +9,7 @@ namespace score {
 namespace {
 
 constexpr std::uint32_t kMeasured = 1;  // of the channel `mask`
-constexpr const char* kRemedy = "run hybrid again on the scene";
+constexpr const char* kRunAgain = "run hybrid again on the scene";
 
 }  // namespace
 
@@ -44,7 +44,7 @@ LabelledGrid read_labelled_grid(const std::filesystem::path& folder) {
 std::optional<std::map<std::uint32_t, ResultPlane>> read_result_planes(const std::filesystem::path& folder) {
   const auto file = folder / "planes.json";
   if (!std::filesystem::exists(file)) return std::nullopt;
-  return from_json(file, kRemedy, [](const nlohmann::json& document) {
+  return from_json(file, kRunAgain, [](const nlohmann::json& document) {
     std::map<std::uint32_t, ResultPlane> planes;
     for (const auto& entry : document.at("superclusters")) {
       ResultPlane plane;
@@ -66,7 +66,7 @@ std::optional<std::map<std::uint32_t, ResultPlane>> read_result_planes(const std
 std::optional<std::vector<ResultCylinder>> read_result_cylinders(const std::filesystem::path& folder) {
   const auto file = folder / "planes.json";
   if (!std::filesystem::exists(file)) return std::nullopt;
-  return from_json(file, kRemedy, [](const nlohmann::json& document) {
+  return from_json(file, kRunAgain, [](const nlohmann::json& document) {
     std::optional<std::vector<ResultCylinder>> cylinders;
     if (!document.contains("cylinders")) return cylinders;
     cylinders.emplace();
@@ -86,7 +86,7 @@ std::optional<std::vector<ResultCylinder>> read_result_cylinders(const std::file
 std::optional<ResultPose> read_result_pose(const std::filesystem::path& folder) {
   const auto file = folder / "pose.json";
   if (!std::filesystem::exists(file)) return std::nullopt;
-  return from_json(file, kRemedy, [](const nlohmann::json& document) {
+  return from_json(file, kRunAgain, [](const nlohmann::json& document) {
     const auto status = document.at("status").get<std::string>();
     if (status != "accepted" && status != "abstained")
       bad_input("status: expected accepted or abstained, found {}", status);

@@ -7,7 +7,7 @@
 namespace score {
 namespace {
 
-constexpr const char* kRemedy = "make the scene again with hybrid-synth";
+constexpr const char* kMakeAgain = "make the scene again with hybrid-synth";
 
 std::string title_of(const nlohmann::json& document) {
   std::string title = document.contains("scene") ? document.at("scene").get<std::string>() + ", " : "";
@@ -32,7 +32,7 @@ TrueOpening opening_of(const nlohmann::json& entry) {
 }  // namespace
 
 SceneTruth read_scene_truth(const std::filesystem::path& file) {
-  return from_json(file, kRemedy, [&](const nlohmann::json& document) {
+  return from_json(file, kMakeAgain, [&](const nlohmann::json& document) {
     SceneTruth truth;
     truth.file = file;
     truth.folder = std::filesystem::absolute(file).parent_path();
@@ -61,7 +61,7 @@ TrueSamples read_true_samples(const TrueScan& scan) {
   const std::size_t width = static_cast<std::size_t>(image.width());
   if (image.pixels() < scan.samples || image.pixels() >= scan.samples + std::max<std::size_t>(width, 1) + 1)
     bad_input("{}: expected {} samples, as truth.json says of scan {}, found {} x {} pixels; {}",
-              scan.image.string(), scan.samples, scan.id, image.width(), image.height(), kRemedy);
+              scan.image.string(), scan.samples, scan.id, image.width(), image.height(), kMakeAgain);
   image.prepare({"plane", "range", "kind"});
   TrueSamples samples{image.uints("plane"), {}, image.floats("range")};
   const auto kinds = image.uints("kind");
@@ -71,7 +71,7 @@ TrueSamples read_true_samples(const TrueScan& scan) {
   for (std::size_t i = 0; i < scan.samples; ++i) {
     if (kinds[i] > kGhost)
       bad_input("{}: sample {}: expected a kind from 0 to 3, found {}; {}", scan.image.string(), i, kinds[i],
-                kRemedy);
+                kMakeAgain);
     samples.kind.push_back(static_cast<std::uint8_t>(kinds[i]));
   }
   return samples;

@@ -7,8 +7,6 @@
 
 namespace synth {
 
-inline constexpr double kSunk = 0.005;  // standing things reach into what carries them: no coplanar faces
-
 struct Plan {
   double half_width;                                      // inner, to the aisle walls
   double length;                                          // inner, between the end walls

@@ -3,12 +3,12 @@
 #include <numbers>
 
 #include "church/church.hpp"
+#include "geometry/angles.hpp"
 
 namespace synth {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kOutside = 1.0, kInside = 4.2;  // exposures
+constexpr double kExposureOutside = 1.0, kExposureInside = 4.2;  // exposures
 
 struct Stand {
   Vec3 eye, target;
@@ -40,7 +40,7 @@ std::vector<Camera> photographs(const Plan& plan, const Options& options) {
   for (std::size_t k = 0; k < count; ++k) {
     Random random(options.seed, purpose::photograph_pose, k);
     Camera camera = photograph_camera(k, options.preset, 78);
-    camera.exposure = all[k].outside ? kOutside : kInside;
+    camera.exposure = all[k].outside ? kExposureOutside : kExposureInside;
     camera.eye = all[k].eye + 0.05 * random.normal3();
     const Vec3 target = all[k].target + 0.12 * random.normal3();
     camera.camera_from_world_rotation =
@@ -83,7 +83,7 @@ void place_church_viewpoints(World& world, const Plan& plan, const Options& opti
   const Vec3 eye(-4.6, -11.5, 1.9), target(0.5, 0, 4.7);
   const Vec3 nave(-0.4, from + 0.9, 2.2), altar(0.3, to, 2.8);
   const std::string out = world.photographs[1].name, in = world.photographs[4].name;
-  const double dark = kInside;
+  const double dark = kExposureInside;
   world.views = {{"front-proxy", "proxy", "", false, true, eye, target, {}, false, 1},
                  {"front-points", "scan", "", false, false, eye, target, {}, false, 1},
                  {"front-textured", "both", "", true, false, eye, target, {}, true, 1},

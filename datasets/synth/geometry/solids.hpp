@@ -8,6 +8,8 @@
 
 namespace synth {
 
+inline constexpr double kSunk = 0.005;  // standing things reach into what carries them: no coplanar faces
+
 // Where a slab's drawing lies: x = u, y = v; the front looks along u x v, the slab reaches `thickness` back.
 struct Frame {
   Vec3 origin, u, v;

@@ -1,16 +1,14 @@
 // Where everything in the room stands. Positions are shares of the room's size plus a little of the seed,
 // chosen so that nothing touches for any seed and the main view sees recess, leaf, columns and both windows.
 #include <cmath>
-#include <numbers>
 
+#include "geometry/angles.hpp"
 #include "geometry/random.hpp"
+#include "geometry/solids.hpp"
 #include "room/room.hpp"
 
 namespace synth {
 namespace {
-
-constexpr double kSunk = 0.005;  // standing things reach into the floor: no coplanar faces
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Furnisher {
   World& room;

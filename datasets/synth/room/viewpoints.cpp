@@ -2,29 +2,28 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/angles.hpp"
 #include "geometry/random.hpp"
 #include "room/room.hpp"
 
 namespace synth {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 Vec3 at(const World& room, double x_share, double y_share, double z_m) {
   return {x_share * room.size.x(), y_share * room.size.y(), z_m};
 }
 
 std::vector<Camera> photograph_cameras(const World& room, const Options& options) {
-  struct Stand {
+  struct Corner {
     double x, y, z, to_x, to_y, to_z;  // x, y: shares of the room
   };
-  constexpr Stand stands[6] = {{0.06, 0.10, 1.75, 0.62, 0.75, 1.55}, {0.94, 0.09, 1.70, 0.35, 0.72, 1.75},
-                               {0.95, 0.92, 1.80, 0.38, 0.25, 1.50}, {0.07, 0.90, 1.75, 0.62, 0.22, 1.65},
-                               {0.66, 0.07, 1.60, 0.53, 0.90, 1.95}, {0.40, 0.93, 1.65, 0.70, 0.12, 1.75}};
+  constexpr Corner stands[6] = {{0.06, 0.10, 1.75, 0.62, 0.75, 1.55}, {0.94, 0.09, 1.70, 0.35, 0.72, 1.75},
+                                {0.95, 0.92, 1.80, 0.38, 0.25, 1.50}, {0.07, 0.90, 1.75, 0.62, 0.22, 1.65},
+                                {0.66, 0.07, 1.60, 0.53, 0.90, 1.95}, {0.40, 0.93, 1.65, 0.70, 0.12, 1.75}};
   std::vector<Camera> cameras;
   for (std::uint64_t k = 0; k < 6; ++k) {
     Random random(options.seed, purpose::photograph_pose, k);
-    const Stand& s = stands[k];
+    const Corner& s = stands[k];
     Camera camera = photograph_camera(k, options.preset, 75);
     camera.eye = at(room, s.x, s.y, s.z) + 0.04 * random.normal3();
     const Vec3 target = at(room, s.to_x, s.to_y, s.to_z) + 0.15 * random.normal3();

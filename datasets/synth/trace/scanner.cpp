@@ -10,13 +10,13 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/angles.hpp"
 #include "geometry/random.hpp"
 #include "trace/beam.hpp"
 
 namespace synth {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLowestRad = -60 * kDegree;  // the tripod hides what is below
 constexpr double kHighestRad = 89.5 * kDegree;
 constexpr std::size_t kSamplesAtATime = 1 << 20;
