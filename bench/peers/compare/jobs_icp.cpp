@@ -11,9 +11,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-constexpr const char* kScan = "west";
-
-struct Peer {
+struct IcpPeer {
   std::string name, program, variant, package;  // package empty: under HYBRID_PEERS_DIR
   bool ours = false, planar_only = false, large = true;
 };
@@ -34,7 +32,7 @@ void make_job(const Setup& setup, const Path& folder) {
   if (const auto failure = failure_of(drawn); !failure.empty()) throw std::runtime_error(failure);
 }
 
-Program program_of(const Setup& setup, const Peer& peer, const std::string& source) {
+Program program_of(const Setup& setup, const IcpPeer& peer, const std::string& source) {
   const bool external = peer.package.empty();
   const Path file = external ? setup.external / peer.program : setup.bin / "peers" / peer.program,
              folder = setup.work / "icp-job",
@@ -78,15 +76,15 @@ Program program_of(const Setup& setup, const Peer& peer, const std::string& sour
 std::vector<Job> icp_jobs(const Setup& setup) {
   std::vector<Case> cases = {{"30", 30, false}, {"100 k", 1e5, false}};
   if (!setup.quick) cases.push_back({"1 M", 1e6, false, true});
-  const Peer peers[] = {{"hybrid, plane step", "ours_icp", "plane", "OpenCL", true, true},
-                        {"hybrid, the paper's step", "ours_icp", "paper", "OpenCL", true, false},
-                        {"VTK ICP", "vtk_icp", "rigid", "VTK", false, false},
-                        {"PCL plane ICP, gate 50 cm", "pcl_icp", "plane-50", "PCL", false, false, false},
-                        {"PCL plane ICP, gate 15 cm", "pcl_icp", "plane-15", "PCL", false, false},
-                        {"PCL plane ICP, gate 5 cm", "pcl_icp", "plane-5", "PCL", false, false, false},
-                        {"PCL ICP, gate 50 cm", "pcl_icp", "point-50", "PCL", false, false},
-                        {"Open3D plane ICP, gate 15 cm", "open3d_icp", "plane-15", "Open3D", false, false},
-                        {"small_gicp", "small_gicp_icp", "", "", false, false}};
+  const IcpPeer peers[] = {{"hybrid, plane step", "ours_icp", "plane", "OpenCL", true, true},
+                           {"hybrid, the paper's step", "ours_icp", "paper", "OpenCL", true, false},
+                           {"VTK ICP", "vtk_icp", "rigid", "VTK", false, false},
+                           {"PCL plane ICP, gate 50 cm", "pcl_icp", "plane-50", "PCL", false, false, false},
+                           {"PCL plane ICP, gate 15 cm", "pcl_icp", "plane-15", "PCL", false, false},
+                           {"PCL plane ICP, gate 5 cm", "pcl_icp", "plane-5", "PCL", false, false, false},
+                           {"PCL ICP, gate 50 cm", "pcl_icp", "point-50", "PCL", false, false},
+                           {"Open3D plane ICP, gate 15 cm", "open3d_icp", "plane-15", "Open3D", false, false},
+                           {"small_gicp", "small_gicp_icp", "", "", false, false}};
   std::vector<Job> jobs;
   for (const std::string source : {"planar", "all"}) {
     Job job{source == "planar" ? "ICP, our planar samples" : "ICP, all samples", cases, {}};

@@ -13,8 +13,6 @@ namespace {
 using Json = nlohmann::json;
 using Path = std::filesystem::path;
 
-constexpr const char* kScan = "west";
-
 std::string size_of(const Case& at) {
   return at.size.substr(0, at.size.find(' '));
 }
@@ -92,12 +90,12 @@ std::vector<Case> cases_of(const Setup& setup) {
   return cases;
 }
 
-struct Peer {
+struct PlanesPeer {
   std::string name, program, variant, package;
   bool slow = false, large = false;
 };
 
-Program program_of(const Setup& setup, const Peer& peer, const std::vector<std::string>& more) {
+Program program_of(const Setup& setup, const PlanesPeer& peer, const std::vector<std::string>& more) {
   const bool external = peer.package.empty();
   const Path file = external ? setup.external / peer.program : setup.bin / "peers" / peer.program;
   Program program;
@@ -114,7 +112,7 @@ Program program_of(const Setup& setup, const Peer& peer, const std::vector<std::
 }
 
 // The same program without its growing of planes.
-Program squares_of(const Setup& setup, const Peer& peer) {
+Program squares_of(const Setup& setup, const PlanesPeer& peer) {
   Program program = program_of(setup, peer, {"--square", "5", "--squares-only"});
   program.score = {};
   return program;
@@ -132,7 +130,7 @@ Job planes_job(const Setup& setup) {
     score_labels(setup, scene(setup, at), kScan, ours_folder(setup, at), row);
   };
   job.programs.push_back(ours);
-  const Peer peers[] = {
+  const PlanesPeer peers[] = {
       {"C++/OpenMP RANSAC per square", "twin_planes", "32", "OpenMP", false, true},
       {"PCL SACSegmentation per square", "pcl_square_planes", "32", "PCL"},
       {"PCL organised, covariance, filled", "pcl_organised_planes", "covariance", "PCL"},
@@ -168,10 +166,10 @@ Job squares_job(const Setup& setup) {
     return run;
   };
   job.programs = {stage, kernel};
-  const Peer peers[] = {{"C++/OpenMP, 32 test planes", "twin_planes", "32", "OpenMP", false, true},
-                        {"C++/OpenMP, 16 test planes", "twin_planes", "16", "OpenMP"},
-                        {"C++/OpenMP, 8 test planes", "twin_planes", "8", "OpenMP"},
-                        {"PCL SACSegmentation", "pcl_square_planes", "32", "PCL"}};
+  const PlanesPeer peers[] = {{"C++/OpenMP, 32 test planes", "twin_planes", "32", "OpenMP", false, true},
+                              {"C++/OpenMP, 16 test planes", "twin_planes", "16", "OpenMP"},
+                              {"C++/OpenMP, 8 test planes", "twin_planes", "8", "OpenMP"},
+                              {"PCL SACSegmentation", "pcl_square_planes", "32", "PCL"}};
   for (const auto& peer : peers) job.programs.push_back(squares_of(setup, peer));
   return job;
 }

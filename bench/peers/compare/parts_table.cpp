@@ -48,13 +48,6 @@ std::string median_and_extremes(const Row& row) {
                      three_digits(most->wall_s));
 }
 
-// A pipe would end the cell.
-std::string cell(std::string text) {
-  for (char& c : text)
-    if (c == '|' || c == '\n') c = ' ';
-  return text;
-}
-
 // `ours`: the row that wall clock and processor time are compared with, or nullptr.
 std::string line_of(const Row& row, const Row* ours) {
   std::string text =

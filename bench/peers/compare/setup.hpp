@@ -8,6 +8,8 @@
 
 namespace hybrid::compare {
 
+inline constexpr const char* kScan = "west";  // of the room, whose planes and pose are compared
+
 // Megapixels; larger sizes are for ours and the twin only, unless all is asked for.
 inline constexpr double kLarge_mp = 50;
 

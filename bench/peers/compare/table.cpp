@@ -8,6 +8,13 @@
 #include "compare/statistics.hpp"
 
 namespace hybrid::compare {
+
+std::string cell(std::string text) {
+  for (char& c : text)
+    if (c == '|' || c == '\n') c = ' ';
+  return text;
+}
+
 namespace {
 
 using Key = std::pair<std::string, std::string>;
@@ -33,13 +40,6 @@ std::string seconds_text(const Row& row) {
   if (all.size() == 1) return three_digits(all.front());
   const auto [least, most] = std::minmax_element(all.begin(), all.end());
   return fmt::format("{} ({}-{})", three_digits(median(all)), three_digits(*least), three_digits(*most));
-}
-
-// A pipe would end the cell.
-std::string cell(std::string text) {
-  for (char& c : text)
-    if (c == '|' || c == '\n') c = ' ';
-  return text;
 }
 
 }  // namespace

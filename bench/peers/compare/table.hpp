@@ -6,6 +6,9 @@
 
 namespace hybrid::compare {
 
+// As the text of a cell: a pipe would end it.
+std::string cell(std::string text);
+
 // One Markdown table: job, size, program, seconds (median, spread, runs), rate, times ours, memory, quality,
 // settings. Extrapolated figures carry a tilde; programs that did not run say why.
 std::string markdown_table(const std::vector<Row>& rows);
