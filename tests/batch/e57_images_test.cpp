@@ -8,7 +8,7 @@
 #include "io/output.hpp"
 #include "io/picture.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_images_test {
 namespace {
 
 Pose pose(double yaw, const Vec3& translation, double scale = 1) {
@@ -70,4 +70,4 @@ TEST(WriteReferences, takes_a_visual_reference_out_as_it_is) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "none"));
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_images_test

@@ -10,7 +10,7 @@
 #include "io/output.hpp"
 #include "io/picture.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::export_gltf_test {
 namespace {
 
 const RoomScene& room() {
@@ -346,4 +346,4 @@ TEST(ExportObj, its_reader_finds_faces_holes_and_the_same_places_in_the_atlas) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::export_gltf_test

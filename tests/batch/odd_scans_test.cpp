@@ -9,14 +9,14 @@
 #include "batch/orthophotos.hpp"
 #include "batch/scan_unit.hpp"
 #include "device.hpp"
+#include "geometry/vectors.hpp"
 #include "io/files.hpp"
 #include "stages/contours/rings_check.hpp"
 
-namespace hybrid::batch {
+namespace hybrid::batch::odd_scans_test {
 namespace {
 
 using testing::queue;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 using Point = std::array<float, 3>;
 
@@ -166,4 +166,4 @@ TEST(OddScans, with_rows_that_repeat) {
   expect_handled(grid(60, 60, [](int row, int) { return scaled(ray(row, 7), 5); }));
 }
 
-}  // namespace hybrid::batch
+}  // namespace hybrid::batch::odd_scans_test

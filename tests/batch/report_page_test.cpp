@@ -11,7 +11,7 @@
 #include "report/scene_page.hpp"
 #include "stages/registration/residual_histogram.hpp"
 
-namespace hybrid::report {
+namespace hybrid::report::report_page_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -34,7 +34,7 @@ Json summary() {
           {"views", Json::array()}};
 }
 
-class ReportPage : public testing::Test {
+class ReportPage : public ::testing::Test {
  protected:
   ReportPage() {
     std::string name = (fs::temp_directory_path() / "hybrid-report-XXXXXX").string();
@@ -223,4 +223,4 @@ TEST(ResidualHistogram, counts_by_the_distance) {
   EXPECT_THROW(stages::residual_histogram(image, segmentation, {}), Error);
 }
 
-}  // namespace hybrid::report
+}  // namespace hybrid::report::report_page_test

@@ -5,7 +5,7 @@
 
 #include "../io/files.hpp"
 
-namespace hybrid::batch {
+namespace hybrid::batch::scene_model_test {
 namespace {
 
 using testing::error_of;
@@ -77,4 +77,4 @@ TEST(SceneModel, an_outline_that_crosses_itself_is_told_by_its_line) {
   EXPECT_TRUE(holds(error, "model.obj:10: face star: expected a simple outline"));
 }
 
-}  // namespace hybrid::batch
+}  // namespace hybrid::batch::scene_model_test

@@ -6,7 +6,7 @@
 
 #include "core/error.hpp"
 
-namespace hybrid {
+namespace hybrid::pose_test {
 namespace {
 
 Pose pose(double scale, double angle, const Vec3& axis, const Vec3& translation) {
@@ -82,4 +82,4 @@ TEST(pose, matrices_that_are_no_similarity_are_refused) {
 }
 
 }  // namespace
-}  // namespace hybrid
+}  // namespace hybrid::pose_test

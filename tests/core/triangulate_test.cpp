@@ -8,7 +8,7 @@
 #include "geometry/polygon_model.hpp"
 #include "lib/random.h"
 
-namespace hybrid::testing {
+namespace hybrid::testing::triangulate_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -223,4 +223,4 @@ TEST(Triangulate, an_empty_model_has_no_triangles) {
   EXPECT_TRUE(triangulate({}).empty());
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::triangulate_test

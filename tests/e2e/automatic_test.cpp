@@ -30,10 +30,6 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
     text.replace(at, from.size(), to);
 }
 
-nlohmann::json json_of(const fs::path& file) {
-  return nlohmann::json::parse(io::read_text(file));
-}
-
 }  // namespace
 
 TEST(AutomaticScene, the_symmetric_room_abstains_with_a_sheet_and_the_run_goes_on) {

@@ -19,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const Vec3 kRoom_m(4.0, 3.0, 2.5);  // from the origin
-const Vec3 kScanner_m(1.6, 1.3, 1.2);
 
 // Distance from inside the room to its boundary.
 double range_m(const Vec3& from, const Vec3& direction) {

@@ -14,9 +14,6 @@ namespace hybrid::e2e {
 namespace {
 namespace fs = std::filesystem;
 
-const std::string kPose = "pose = [1, 0, 0, 1.61, 0, 1, 0, 1.29, 0, 0, 1, 1.2, 0, 0, 0, 1]";
-const Vec3 kScanner_m(1.6, 1.3, 1.2);
-
 // The mini scene's scan with another start, registered.
 class BadRegistration : public ::testing::Test {
  protected:

@@ -56,8 +56,6 @@ std::string utf16(const std::string& text) {
   return wide;
 }
 
-const std::string kPose = "pose = [1, 0, 0, 1.61, 0, 1, 0, 1.29, 0, 0, 1, 1.2, 0, 0, 0, 1]";
-
 std::vector<SceneCase> scene_cases() {
   return {
       // Not a scene file at all.

@@ -14,10 +14,6 @@ namespace hybrid::e2e {
 namespace {
 namespace fs = std::filesystem;
 
-nlohmann::json json_of(const fs::path& file) {
-  return nlohmann::json::parse(io::read_text(file));
-}
-
 // One church in both formats, made once.
 class ExrScene : public ::testing::Test {
  protected:

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFacadeWidth = 8.817;  // of the portal's front, left edge to right edge, in the model's unit
-const fs::path kScene = fs::path(HYBRID_PROJECT_DIR) / "datasets/lund-door/scene.toml";
+const fs::path kLundDoor = fs::path(HYBRID_PROJECT_DIR) / "datasets/lund-door/scene.toml";
 
 fs::path lund_data() {
   const char* folder = std::getenv("HYBRID_DATA");
@@ -54,7 +54,7 @@ Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return a + std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0) * (b - a);
 }
 
-double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+double distance_to_face(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a);
   const bool inside = (b - a).cross(p - a).dot(normal) >= 0 && (c - b).cross(p - b).dot(normal) >= 0 &&
                       (a - c).cross(p - c).dot(normal) >= 0;
@@ -69,21 +69,21 @@ double distance_to_proxy(const Vec3& p, const PolygonModel& model, const std::ve
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (boxes[t].exteriorDistance(p) >= nearest) continue;
     const auto& v = triangles[t].vertices;
-    nearest = std::min(
-        nearest, distance_to_triangle(p, model.vertices[v[0]], model.vertices[v[1]], model.vertices[v[2]]));
+    nearest = std::min(nearest,
+                       distance_to_face(p, model.vertices[v[0]], model.vertices[v[1]], model.vertices[v[2]]));
   }
   return nearest;
 }
 
 // The scene with pictures of a tenth of the size, its files named absolutely.
 void write_small_scene(const fs::path& file) {
-  std::string text = io::read_text(kScene);
+  std::string text = io::read_text(kLundDoor);
   const auto replace = [&](const std::string& from, const std::string& to) {
     ASSERT_NE(text.find(from), std::string::npos) << from;
     for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
       text.replace(at, from.size(), to);
   };
-  replace("\"proxy.obj\"", fmt::format("\"{}\"", (kScene.parent_path() / "proxy.obj").string()));
+  replace("\"proxy.obj\"", fmt::format("\"{}\"", (kLundDoor.parent_path() / "proxy.obj").string()));
   replace("${HYBRID_DATA:-../../../shared/data}", fs::absolute(lund_data()).string());
   replace("[900, 1200]", "[90, 120]");
   replace("[1280, 900]", "[128, 90]");
@@ -96,7 +96,7 @@ void write_small_scene(const fs::path& file) {
 // The README's last line of residuals: 11,384 points, 95.7 % within 1 % of the facade's width, median 0.014.
 TEST(LundDoor, triangulated_points_lie_on_the_proxy) {
   if (!lund_present()) GTEST_SKIP() << "no photographs at " << lund_data() << "; set HYBRID_DATA";
-  const auto scene = io::read_scene_file(kScene);
+  const auto scene = io::read_scene_file(kLundDoor);
   const PolygonModel model = io::read_obj(scene.model->file);
   const auto triangles = triangulate(model);
   std::vector<Eigen::AlignedBox3d> boxes(triangles.size());

@@ -16,11 +16,6 @@ namespace fs = std::filesystem;
 const std::string kAsAGpu = "LD_PRELOAD=" HYBRID_AS_A_GPU " ";
 const std::string kManyCores = "LD_PRELOAD=" HYBRID_MANY_CORES " ";
 
-Pose pose_of(const fs::path& out, const std::string& scan) {
-  const auto json = nlohmann::json::parse(io::read_text(out / "scans" / scan / "pose.json"));
-  return pose_from_row_major(json["world_from_scan"].get<std::array<double, 16>>());
-}
-
 }  // namespace
 
 TEST(AsAGpu, devices_are_listed_as_gpus_and_pass_their_self_test) {

@@ -13,10 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-nlohmann::json json_of(const fs::path& file) {
-  return nlohmann::json::parse(io::read_text(file));
-}
-
 // The tiny room's scene without photographs and views; from `from` on, of the n-th occurrence, to the end of
 // the list of landmarks.
 std::string scene_without_landmarks(bool of_the_first_too, bool model) {

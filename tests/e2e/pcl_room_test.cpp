@@ -17,11 +17,6 @@ std::filesystem::path data_folder() {
   return std::filesystem::path(HYBRID_PROJECT_DIR) / ".." / "shared" / "data";
 }
 
-Pose pose_of(const std::filesystem::path& out, const std::string& scan) {
-  const auto json = nlohmann::json::parse(io::read_text(out / "scans" / scan / "pose.json"));
-  return pose_from_row_major(json["world_from_scan"].get<std::array<double, 16>>());
-}
-
 }  // namespace
 
 TEST(PclRoom, both_real_scans_register_to_the_proxy_measured_from_the_first) {

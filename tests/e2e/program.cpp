@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <vector>
 
@@ -41,6 +42,15 @@ Scratch::Scratch() {
 Scratch::~Scratch() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+}
+
+nlohmann::json json_of(const fs::path& file) {
+  return nlohmann::json::parse(io::read_text(file));
+}
+
+Pose pose_of(const fs::path& out, const std::string& scan) {
+  return pose_from_row_major(
+      json_of(out / "scans" / scan / "pose.json")["world_from_scan"].get<std::array<double, 16>>());
 }
 
 bool is_timing(const fs::path& name) {

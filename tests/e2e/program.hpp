@@ -1,6 +1,9 @@
 #pragma once
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
+
+#include "geometry/pose.hpp"
 
 namespace hybrid::e2e {
 
@@ -30,6 +33,11 @@ class Scratch {
  private:
   std::filesystem::path path_;
 };
+
+nlohmann::json json_of(const std::filesystem::path& file);
+
+// That a run found; from its pose.json.
+Pose pose_of(const std::filesystem::path& out, const std::string& scan);
 
 // timing.json and its copy for the report's page: the files that may differ between runs.
 bool is_timing(const std::filesystem::path& name);

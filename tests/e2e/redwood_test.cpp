@@ -15,7 +15,7 @@ namespace hybrid::e2e {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kScene = fs::path(HYBRID_PROJECT_DIR) / "datasets/redwood/scene.toml";
+const fs::path kRedwood = fs::path(HYBRID_PROJECT_DIR) / "datasets/redwood/scene.toml";
 
 bool redwood_present() {
   const char* folder = std::getenv("HYBRID_DATA");
@@ -25,7 +25,7 @@ bool redwood_present() {
 
 // The scene's frames without a model, all but the first moved by so much along x.
 std::string frames_moved_by(double moved_m) {
-  const auto scene = io::read_scene_file(kScene);
+  const auto scene = io::read_scene_file(kRedwood);
   std::string text = "[scene]\nname = \"frames\"\n";
   for (std::size_t k = 0; k < scene.scans.size(); ++k) {
     const auto& scan = scene.scans[k];
@@ -70,7 +70,7 @@ TEST(Redwood, depth_frames_lie_on_the_proxy_and_fill_what_it_lacks) {
   if (!redwood_present()) GTEST_SKIP() << "photos/redwood-livingroom is not in the data folder";
   const Scratch scratch;
   const auto made =
-      run("hybrid render " + kScene.string() +
+      run("hybrid render " + kRedwood.string() +
           " --view held-090-both --set render.next_cameras=2 --quiet --out " + scratch.path().string());
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const auto summary = nlohmann::json::parse(io::read_text(scratch / "summary.json"));

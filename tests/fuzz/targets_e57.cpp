@@ -62,7 +62,7 @@ void read_copy(const fs::path& path) {
 
 // In salvage a scan whose description makes no sense is left out, so that numbers differ only then. Exact
 // coordinates come on top: what is compared is the same with and without them.
-void read_both_ways(const fs::path& file, std::string_view) {
+void read_e57_both_ways(const fs::path& file, std::string_view) {
   auto strict = read_all(file, false, true);
   const bool refused = strict.empty() || std::ranges::any_of(strict, [](const auto& scan) { return !scan; });
   auto salvaged = read_all(file, true, refused);
@@ -242,7 +242,7 @@ void decode_bits(const fs::path&, std::string_view bytes) {
 }  // namespace
 
 std::vector<FuzzTarget> e57_fuzz_targets() {
-  return {{"e57", "scan.e57", 6144, files, read_both_ways, true},
+  return {{"e57", "scan.e57", 6144, files, read_e57_both_ways, true},
           {"e57_xml", "", 6144, descriptions, parse_both_ways},
           {"e57_bits", "", 192, streams, decode_bits}};
 }

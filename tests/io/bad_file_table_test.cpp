@@ -11,7 +11,7 @@
 #include "io/files.hpp"
 #include "io/reader_table.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::bad_file_table_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -277,4 +277,4 @@ INSTANTIATE_TEST_SUITE_P(readers, BadFileTable, ::testing::ValuesIn(cells()), []
 });
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::bad_file_table_test

@@ -6,7 +6,7 @@
 #include "io/files.hpp"
 #include "io/picture.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::bundler_test {
 namespace {
 using testing::error_of;
 using testing::holds;
@@ -121,4 +121,4 @@ TEST(bundler, no_list_and_no_picture) {
 }
 
 }  // namespace
-}  // namespace hybrid::io
+}  // namespace hybrid::io::bundler_test

@@ -8,7 +8,7 @@
 #include "io/colmap_bytes.hpp"
 #include "io/files.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::colmap_binary_test {
 namespace {
 using testing::bytes;
 using testing::colmap_camera_bytes;
@@ -134,4 +134,4 @@ TEST(colmap_binary, real_sceaux) {
 }
 
 }  // namespace
-}  // namespace hybrid::io
+}  // namespace hybrid::io::colmap_binary_test

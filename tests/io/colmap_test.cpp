@@ -8,7 +8,7 @@
 #include "io/files.hpp"
 #include "io/picture.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::colmap_test {
 namespace {
 using testing::error_of;
 using testing::holds;
@@ -180,4 +180,4 @@ TEST(colmap, real_photographs_have_the_cameras_size) {
 }
 
 }  // namespace
-}  // namespace hybrid::io
+}  // namespace hybrid::io::colmap_test

@@ -12,7 +12,7 @@
 #include "places.hpp"
 #include "stages/scan/organised_grid.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::depth_image_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -60,4 +60,4 @@ TEST(DepthImage, colours_are_no_depths) {
   EXPECT_THROW(read_depth_image(folder.write("text.png", "no picture"), kCamera), Error);
 }
 
-}  // namespace hybrid::io
+}  // namespace hybrid::io::depth_image_test

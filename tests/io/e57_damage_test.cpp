@@ -5,7 +5,7 @@
 #include "io/allocation_watch.hpp"
 #include "io/e57_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_damage_test {
 namespace {
 
 constexpr std::size_t kCount = 3000;
@@ -207,4 +207,4 @@ TEST(E57Damage, PointsWithoutABitAreBounded) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_damage_test

@@ -4,7 +4,7 @@
 #include "io/allocation_watch.hpp"
 #include "io/e57_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_lost_xml_test {
 namespace {
 
 constexpr std::size_t kCount = 2000;
@@ -84,4 +84,4 @@ TEST_F(E57LostXml, AHeaderThatLeadsElsewhereIsNotBelieved) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_lost_xml_test

@@ -14,7 +14,7 @@
 #include "io/read_scan.hpp"
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_records_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -413,4 +413,4 @@ TEST(E57Records, DamageIsFound) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_records_test

@@ -5,7 +5,7 @@
 
 #include "io/e57_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_round_trip_test {
 namespace {
 
 constexpr std::int64_t kLow = std::numeric_limits<std::int64_t>::min();
@@ -164,4 +164,4 @@ TEST(E57RoundTrip, ValuesThatDoNotFitAreErrors) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_round_trip_test

@@ -4,7 +4,7 @@
 
 #include "io/e57_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_salvage_test {
 namespace {
 
 constexpr std::size_t kCount = 40'000;
@@ -159,4 +159,4 @@ TEST_F(E57Salvage, OtherScansGoOn) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_salvage_test

@@ -8,7 +8,7 @@
 #include "io/e57_scans.hpp"
 #include "io/exr/exr_e57.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_salvaged_copy_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -186,4 +186,4 @@ TEST_F(E57SalvagedCopy, ADamagedDescription) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_salvaged_copy_test

@@ -5,7 +5,7 @@
 #include "io/e57_scans.hpp"
 #include "io/read_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::e57_samples_test {
 namespace {
 
 struct Sample {
@@ -162,4 +162,4 @@ TEST(E57Samples, PumpRoomLiesOnItsGrid) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::e57_samples_test

@@ -14,7 +14,7 @@
 #include "io/scan_files.hpp"
 #include "io/truth.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::exr_chunks_test {
 namespace {
 
 constexpr int kWidth = 40, kHeight = 300, kTile = 16;
@@ -208,4 +208,4 @@ TEST(ExrChunks, WithoutItsTableAFileOfTilesIsSalvaged) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::exr_chunks_test

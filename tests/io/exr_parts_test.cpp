@@ -10,7 +10,7 @@
 #include "io/exr/exr_scan.hpp"
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::exr_parts_test {
 namespace {
 
 constexpr int kWidth = 70, kHeight = 90;
@@ -133,4 +133,4 @@ TEST(ExrParts, EveryCutIsFound) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::exr_parts_test

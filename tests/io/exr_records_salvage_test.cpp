@@ -11,7 +11,7 @@
 #include "io/same_in_blocks.hpp"
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::exr_records_salvage_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -156,4 +156,4 @@ TEST_F(ExrRecordsSalvage, APictureThatIsGone) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::exr_records_salvage_test

@@ -7,7 +7,7 @@
 #include "io/foreign_exr.hpp"
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::exr_salvage_test {
 namespace {
 
 constexpr int kWidth = 150, kHeight = 130;
@@ -117,4 +117,4 @@ TEST_F(ExrSalvage, AttributesWhoseSizeIsNotThatOfTheirType) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::exr_salvage_test

@@ -7,7 +7,7 @@
 #include "io/foreign_exr.hpp"
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::exr_scan_damage_test {
 namespace {
 
 constexpr const char* kElevation = "hybrid:elevation_rad";
@@ -168,4 +168,4 @@ TEST_F(ExrScanDamage, FlippedBytesOfOurOwnFileAreFound) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::exr_scan_damage_test

@@ -1,4 +1,5 @@
 #include "io/exr/exr_scan.hpp"
+#include "geometry/vectors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +12,8 @@
 #include "io/scan_files.hpp"
 #include "stages/scan/organised_grid.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::exr_scan_test {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // Every third node empty, every seventh interpolated, two samples beside the grid.
 RangeImage some_image(int rows, int cols) {
@@ -205,4 +204,4 @@ TEST(ExrScan, TheMaskDecidesWhatIsASample) {
   EXPECT_EQ(scan.notes.size(), 2u);  // node 5; two interpolated ones, without tables to keep them in
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::exr_scan_test

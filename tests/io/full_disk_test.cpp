@@ -18,7 +18,7 @@
 #include "io/ply/ply.hpp"
 #include "io/write_scan.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::full_disk_test {
 namespace {
 namespace fs = std::filesystem;
 using testing::bytes_of;
@@ -188,4 +188,4 @@ TEST(output, what_a_killed_process_left_is_removed_once_it_is_dead) {
   EXPECT_TRUE(fs::exists(target / ".part-other-host.txt"));
 }
 
-}  // namespace hybrid::io
+}  // namespace hybrid::io::full_disk_test

@@ -16,7 +16,7 @@
 #include "io/read_scan.hpp"
 #include "stages/scan/organised_grid.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::grid_scan_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -287,4 +287,4 @@ TEST(GridScan, AnythingElseIsLeftToTheListOfSamples) {
   EXPECT_FALSE(io::read_grid_scan(good, io::list_scans(good, {.salvage = true}).at(0)));
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::grid_scan_test

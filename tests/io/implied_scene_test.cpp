@@ -3,7 +3,7 @@
 
 #include "files.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::implied_scene_test {
 namespace {
 namespace fs = std::filesystem;
 using Names = std::vector<std::string>;
@@ -68,4 +68,4 @@ TEST(ImpliedScene, needs_scans) {
   EXPECT_NE(error_of(folder.path() / "nowhere.ply").find("nowhere.ply"), std::string::npos);
 }
 
-}  // namespace hybrid::io
+}  // namespace hybrid::io::implied_scene_test

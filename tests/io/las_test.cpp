@@ -7,7 +7,7 @@
 #include "io/read_scan.hpp"
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::las_test {
 namespace {
 
 void expect_sample(const Scan& scan) {
@@ -179,4 +179,4 @@ TEST(Las, ACompressorsRecordIsRefused) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::las_test

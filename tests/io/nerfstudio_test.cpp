@@ -8,7 +8,7 @@
 #include "io/files.hpp"
 #include "io/picture.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::nerfstudio_test {
 namespace {
 using testing::error_of;
 using testing::holds;
@@ -133,4 +133,4 @@ TEST(nerfstudio, errors_name_file_and_entry) {
 }
 
 }  // namespace
-}  // namespace hybrid::io
+}  // namespace hybrid::io::nerfstudio_test

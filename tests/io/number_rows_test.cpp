@@ -9,7 +9,7 @@
 #include "io/files.hpp"
 #include "io/text/text_cursor.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::number_rows_test {
 namespace {
 using testing::TemporaryFolder;
 
@@ -123,4 +123,4 @@ TEST(NumberRows, StopAtTheFirstLineThatIsNoSuchRow) {
 }
 
 }  // namespace
-}  // namespace hybrid::io
+}  // namespace hybrid::io::number_rows_test

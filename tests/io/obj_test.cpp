@@ -5,7 +5,7 @@
 #include "geometry/keyhole.hpp"
 #include "io/files.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::obj_test {
 namespace {
 using testing::error_of;
 using testing::holds;
@@ -226,4 +226,4 @@ TEST(obj, real_files) {
 }
 
 }  // namespace
-}  // namespace hybrid::io
+}  // namespace hybrid::io::obj_test

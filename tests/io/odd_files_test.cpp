@@ -13,7 +13,7 @@
 #include "io/text/text_cursor.hpp"
 #include "places.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::odd_files_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -131,4 +131,4 @@ TEST(OddFiles, GiveWhatTheTableSays) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::odd_files_test

@@ -8,7 +8,7 @@
 
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::range_exr_test {
 namespace {
 
 // Every third sample empty, every seventh interpolated; angles that no short decimal gives.
@@ -166,4 +166,4 @@ TEST_F(RangeExrDamage, AttributeSizeBeyondTheFile) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::range_exr_test

@@ -4,15 +4,14 @@
 
 #include <cmath>
 
+#include "geometry/vectors.hpp"
 #include "io/las_samples.hpp"
 #include "io/read_scan.hpp"
 #include "io/reader_table.hpp"
 #include "io/scan_files.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::salvage_test {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // What becomes of a damaged file.
 struct Case {
@@ -388,4 +387,4 @@ TEST_F(Salvage, Las) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::salvage_test

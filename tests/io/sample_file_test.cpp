@@ -15,7 +15,7 @@
 #include "io/samples/sample_header.hpp"
 #include "io/scan_samples.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::sample_file_test {
 namespace {
 
 constexpr int kRows = 150, kCols = 90;  // three bands, the last of 22 rows
@@ -273,4 +273,4 @@ TEST(SampleNumberCode, neighbouring_codes_are_neighbouring_floats) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::sample_file_test

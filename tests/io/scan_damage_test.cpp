@@ -4,7 +4,7 @@
 #include "io/scan_files.hpp"
 
 // What scans add to the table of bad input: wrong header lines, values that are no numbers, data left over.
-namespace hybrid::testing {
+namespace hybrid::testing::scan_damage_test {
 namespace {
 
 struct Format {
@@ -174,4 +174,4 @@ TEST(ScanHeader, OtherExtensionsAreNamedWithTheSupportedOnes) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::scan_damage_test

@@ -6,7 +6,7 @@
 
 #include "io/files.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::scene_file_test {
 namespace {
 namespace fs = std::filesystem;
 using testing::error_of;
@@ -364,4 +364,4 @@ TEST(scene_file, default_scan_ids) {
 }
 
 }  // namespace
-}  // namespace hybrid::io
+}  // namespace hybrid::io::scene_file_test

@@ -6,7 +6,7 @@
 #include "io/files.hpp"
 #include "io/scene/scene_file.hpp"
 
-namespace hybrid::io {
+namespace hybrid::io::scene_path_test {
 namespace {
 
 SceneFile read(const std::string& paths) {
@@ -112,4 +112,4 @@ TEST(ScenePath, mistakes_name_line_and_key) {
   }
 }
 
-}  // namespace hybrid::io
+}  // namespace hybrid::io::scene_path_test

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/vectors.hpp"
 #include "io/read_scans.hpp"
 #include "io/scan_files.hpp"
 #include "io/scan_writers.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::write_scan_test {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // A grid of several blocks with everything a scan can hold; values with all their bits.
 Scan full_scan(int rows, int cols, bool row_by_row = false) {
@@ -355,4 +354,4 @@ TEST(WriteScan, NoReturnsAtAll) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::write_scan_test

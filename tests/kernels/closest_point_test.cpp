@@ -3,7 +3,7 @@
 #include "cases/closest_point_case.hpp"
 #include "device.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::closest_point_test {
 namespace {
 
 // Which of several equally near triangles is found is up to rounding, so the triangle is judged by its
@@ -101,4 +101,4 @@ TEST(ClosestPoint, all_nan_gives_no_answers) {
   for (std::uint32_t t : ClosestPointCase::run(queue(), input).triangle) EXPECT_EQ(t, NO_TRIANGLE);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::closest_point_test

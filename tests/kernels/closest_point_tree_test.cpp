@@ -4,7 +4,7 @@
 #include "device.hpp"
 #include "stages/registration/proxy_model.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::closest_point_tree_test {
 namespace {
 
 using Case = ClosestPointTreeCase;
@@ -143,4 +143,4 @@ TEST(ClosestPointTree, all_nan_gives_no_answers) {
   for (std::uint32_t t : Case::run(queue(), input).triangle) EXPECT_EQ(t, NO_TRIANGLE);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::closest_point_tree_test

@@ -4,7 +4,7 @@
 
 #include "device.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::closest_sample_test {
 namespace {
 
 struct Agreement {
@@ -111,4 +111,4 @@ TEST(ClosestSample, gives_the_same_bits_at_two_work_group_sizes) {
   EXPECT_TRUE(same(a, b));
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::closest_sample_test

@@ -3,7 +3,7 @@
 #include "cases/icp_sums_case.hpp"
 #include "device.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::icp_sums_test {
 namespace {
 
 void expect_agreement(const IcpSumsCase::Input& input) {
@@ -61,4 +61,4 @@ TEST(IcpSums, gives_the_same_bits_at_two_work_group_sizes) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::icp_sums_test

@@ -3,7 +3,7 @@
 #include "cases/resample_case.hpp"
 #include "device.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::resample_test {
 namespace {
 
 void expect_same(const ResampleCase::Output& a, const ResampleCase::Output& b) {
@@ -85,4 +85,4 @@ TEST(ResampleKernel, never_interpolates_between_a_post_and_the_wall) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::resample_test

@@ -7,7 +7,7 @@
 namespace hybrid::testing {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotSeen = std::numeric_limits<double>::quiet_NaN();
 
 // OpenCV's manual written down, calib3d and fisheye: image coordinates of a direction (x, y, 1).
 Vec2 bend(const Camera& c, double x, double y) {
@@ -65,8 +65,8 @@ ProjectPointsCase::Output ProjectPointsCase::reference(const Input& input) {
                       pixel.x() < c.width && pixel.y() >= 0 && pixel.y() < c.height;
     // The ray back through the pixel is the one that came: from the camera's centre to the point.
     const Vec3 ray = cam_from_world.transpose() * p.normalized();
-    for (int k = 0; k < 2; ++k) out.pixels.push_back(static_cast<float>(seen ? pixel[k] : kNone));
-    for (int k = 0; k < 3; ++k) out.rays.push_back(static_cast<float>(seen ? ray[k] : kNone));
+    for (int k = 0; k < 2; ++k) out.pixels.push_back(static_cast<float>(seen ? pixel[k] : kNotSeen));
+    for (int k = 0; k < 3; ++k) out.rays.push_back(static_cast<float>(seen ? ray[k] : kNotSeen));
   }
   return out;
 }

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-struct Plane {
+struct FittedPlane {
   Vector3d normal;
   double offset;
 };
@@ -19,13 +19,13 @@ struct Judge {
   const SquarePlanesParams& params;
   std::vector<Vector3d> valid;
 
-  double incidence(const Plane& plane, const Vector3d& p) const {
+  double incidence(const FittedPlane& plane, const Vector3d& p) const {
     return std::max(std::abs(plane.normal.dot(p)) / p.norm(), double{params.min_cosine});
   }
-  bool inlier(const Plane& plane, const Vector3d& p) const {
+  bool inlier(const FittedPlane& plane, const Vector3d& p) const {
     return std::abs(plane.normal.dot(p) - plane.offset) <= params.threshold_m * incidence(plane, p);
   }
-  std::vector<Vector3d> inliers(const Plane& plane) const {
+  std::vector<Vector3d> inliers(const FittedPlane& plane) const {
     std::vector<Vector3d> found;
     for (const auto& p : valid)
       if (inlier(plane, p)) found.push_back(p);
@@ -51,7 +51,7 @@ Matrix3d scatter(const std::vector<Vector3d>& points, const std::vector<double>&
   return sum;
 }
 
-Plane least_squares(const std::vector<Vector3d>& points, const std::vector<double>& weights) {
+FittedPlane least_squares(const std::vector<Vector3d>& points, const std::vector<double>& weights) {
   Vector3d mean;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(scatter(points, weights, mean));
   const Vector3d normal = solver.eigenvectors().col(0);
@@ -59,10 +59,10 @@ Plane least_squares(const std::vector<Vector3d>& points, const std::vector<doubl
 }
 
 // `origin` is the square's first valid sample: msac takes the incidence of the whole square from it.
-std::optional<Plane> best_test_plane(const Judge& judge, const std::vector<Vector3d>& square,
-                                     const Vector3d& origin, const std::vector<std::uint32_t>& triplets,
-                                     std::uint32_t block) {
-  std::optional<Plane> best;
+std::optional<FittedPlane> best_test_plane(const Judge& judge, const std::vector<Vector3d>& square,
+                                           const Vector3d& origin, const std::vector<std::uint32_t>& triplets,
+                                           std::uint32_t block) {
+  std::optional<FittedPlane> best;
   double lowest = INFINITY;
   const std::uint32_t start = random_bits(judge.params.seed, block, 0),
                       stride = random_bits(judge.params.seed, block, 1) | 1u;
@@ -71,7 +71,7 @@ std::optional<Plane> best_test_plane(const Judge& judge, const std::vector<Vecto
     const Vector3d a = square[triplet & 255], u = square[triplet >> 8 & 255] - a,
                    v = square[triplet >> 16 & 255] - a, n = u.cross(v);
     if (!(n.squaredNorm() >= 1e-6 * u.squaredNorm() * v.squaredNorm())) continue;
-    const Plane plane{n.normalized(), n.normalized().dot(a)};
+    const FittedPlane plane{n.normalized(), n.normalized().dot(a)};
     const auto inliers = judge.inliers(plane);
     if (!judge.qualifies(inliers.size())) continue;
     double score = 0;
@@ -87,7 +87,7 @@ std::optional<Plane> best_test_plane(const Judge& judge, const std::vector<Vecto
   return best;
 }
 
-SquareRecord record(const Judge& judge, const std::optional<Plane>& plane) {
+SquareRecord record(const Judge& judge, const std::optional<FittedPlane>& plane) {
   SquareRecord out{};
   out.valid = static_cast<std::uint32_t>(judge.valid.size());
   if (out.valid < judge.params.min_valid) return out;
@@ -140,7 +140,7 @@ SquarePlanesCase::Output SquarePlanesCase::reference(const Input& input) {
     const auto block =
         mix_bits(input.params.first_square_row + static_cast<std::uint32_t>(square_row)) +
         (input.params.first_square_col + static_cast<std::uint32_t>(square_col)) / SQUARE_BLOCK;
-    std::optional<Plane> plane;
+    std::optional<FittedPlane> plane;
     if (input.params.fit == SQUARE_FIT_EIGEN && judge.valid.size() >= 3)
       plane = least_squares(judge.valid, std::vector<double>(judge.valid.size(), 1.0));
     else if (input.params.fit == SQUARE_FIT_RANSAC && !judge.valid.empty())
@@ -149,7 +149,7 @@ SquarePlanesCase::Output SquarePlanesCase::reference(const Input& input) {
       const auto inliers = judge.inliers(*plane);
       std::vector<double> weights;
       for (const auto& p : inliers) weights.push_back(std::pow(judge.incidence(*plane, p), -2));
-      const Plane refitted = least_squares(inliers, weights);
+      const FittedPlane refitted = least_squares(inliers, weights);
       if (judge.qualifies(judge.inliers(refitted).size())) plane = refitted;
     }
     out.push_back(record(judge, plane));

@@ -38,10 +38,6 @@ void write_raster(const fs::path& file, const std::string& pixels, bool big_endi
   out << pixels;
 }
 
-void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream(file) << text;
-}
-
 // The cloud's own labels as a result.
 void write_result(const fs::path& place, const score::LabelledPcd& cloud) {
   score::LabelledGrid grid;

@@ -38,6 +38,7 @@ struct Results {
 Results perfect_results(const score::SceneTruth& truth);
 void write_results(const Results& results, const std::filesystem::path& folder);
 
+void write_text(const std::filesystem::path& file, const std::string& text);
 void write_range_exr(const std::filesystem::path& file, const score::LabelledGrid& grid,
                      const std::vector<float>& range_m);
 void write_labels_exr(const std::filesystem::path& file, const score::LabelledGrid& grid);

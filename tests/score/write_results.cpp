@@ -47,10 +47,6 @@ Json json_of(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
-
 void write_planes(const fs::path& file, const PerfectScan& scan) {
   Json list = Json::array();
   for (const auto& [id, plane] : scan.planes) {
@@ -128,6 +124,10 @@ void write_model(const fs::path& folder, const Results& results) {
 }
 
 }  // namespace
+
+void write_text(const fs::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
 
 void write_range_exr(const fs::path& file, const LabelledGrid& grid, const std::vector<float>& range_m) {
   std::vector<std::uint32_t> mask;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace hybrid::testing {
+namespace hybrid::testing::class_picture_test {
 namespace {
 
 RangeImage full_image(int rows, int cols) {
@@ -74,4 +74,4 @@ TEST(RangePicture, near_is_bright_and_no_return_black) {
   EXPECT_TRUE(stages::range_picture(make_range_image(0, 0)).pixels.empty());
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::class_picture_test

@@ -10,7 +10,7 @@
 #include "stages/box_room.hpp"
 #include "stages/planes/superclusters.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::contours_test {
 namespace {
 
 struct Traced {
@@ -214,4 +214,4 @@ TEST(Contours, nothing_comes_of_nothing) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::contours_test

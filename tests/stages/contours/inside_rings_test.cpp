@@ -6,7 +6,7 @@
 
 #include "stages/contours/contour_polygons.hpp"
 
-namespace hybrid::stages {
+namespace hybrid::stages::inside_rings_test {
 namespace {
 
 // A star of so many vertices around a point, as jagged as contours on noise are, in nanometres.
@@ -76,4 +76,4 @@ TEST(InsideRings, of_nothing_is_nothing) {
 }
 
 }  // namespace
-}  // namespace hybrid::stages
+}  // namespace hybrid::stages::inside_rings_test

@@ -10,7 +10,7 @@
 #include "stages/box_room.hpp"
 #include "stages/planes/superclusters.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::intersections_test {
 namespace {
 
 struct Found {
@@ -114,4 +114,4 @@ TEST(Intersections, nothing_comes_of_nothing) {
   EXPECT_TRUE(stages::find_intersections(RangeImage(), PlaneSegmentation()).empty());
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::intersections_test

@@ -8,7 +8,7 @@
 #include "stages/room_scan.hpp"
 #include "stages/scan/node_lookup.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::orthophoto_test {
 namespace {
 
 // A wall at x = 4, seen straight on over 60 degrees: bright left of the scanner's axis (y > 0), dark right of
@@ -146,4 +146,4 @@ TEST(NodeLookup, knows_the_borders_of_the_grid) {
     EXPECT_EQ(stages::NodeLookup(wall.image).towards(direction(0, 1e-4 * col * col / 3 + 1e-6)).col, col);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::orthophoto_test

@@ -7,7 +7,7 @@
 
 #include "rings_check.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::simple_rings_test {
 namespace {
 
 stages::FlatRing ring_of(const Polygon& points, bool outer = true) {
@@ -135,4 +135,4 @@ TEST(SimpleRings, nothing_and_degenerate_rings) {
   EXPECT_TRUE(rings.empty());
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::simple_rings_test

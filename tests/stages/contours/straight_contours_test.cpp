@@ -10,7 +10,7 @@
 #include "stages/contours/simple_rings.hpp"
 #include "stages/planes/superclusters.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::straight_contours_test {
 namespace {
 
 struct Traced {
@@ -98,4 +98,4 @@ TEST(StraightContours, without_lines_nothing_moves) {
                 traced.before.superclusters[i].contours[k].points);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::straight_contours_test

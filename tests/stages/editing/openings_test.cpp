@@ -7,7 +7,7 @@
 
 #include "stages/editing/displacement.hpp"
 
-namespace hybrid::stages {
+namespace hybrid::stages::openings_test {
 namespace {
 
 constexpr double kStep = 0.002;  // rad: 1 cm on a wall 5 m away
@@ -299,4 +299,4 @@ TEST(Displacement, heights_over_the_face_where_it_was_measured) {
   EXPECT_NEAR(map.measured_m2, 12 - 1.4, 0.4);
 }
 
-}  // namespace hybrid::stages
+}  // namespace hybrid::stages::openings_test

@@ -6,7 +6,7 @@
 
 #include "stages/scan/stray_samples.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::panes_test {
 namespace {
 
 using stages::Opening;
@@ -99,4 +99,4 @@ TEST(Panes, samples_behind_a_pane_on_their_ray_are_strays) {
   EXPECT_EQ(stray[3], stages::kNotStray);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::panes_test

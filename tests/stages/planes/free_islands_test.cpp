@@ -8,7 +8,7 @@
 
 #include "stages/planes/plane_floods.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::free_islands_test {
 namespace {
 
 constexpr int kRows = 40, kCols = 70;
@@ -73,4 +73,4 @@ TEST(FreeIslands, are_what_floods_reach) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::free_islands_test

@@ -8,7 +8,7 @@
 
 #include "stages/planes/beam_width.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::mixed_rims_test {
 namespace {
 
 constexpr int kSide = 60, kEdge = 30;  // columns; the wall ends before kEdge
@@ -220,4 +220,4 @@ TEST(MixedRims, the_beam_is_as_wide_as_the_unlabelled_between_surfaces_far_apart
   EXPECT_EQ(stages::measure_beam(none.image, crossings, none.labels).at(5), 0);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::mixed_rims_test

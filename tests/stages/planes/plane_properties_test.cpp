@@ -12,7 +12,7 @@
 #include "stages/planes/square_planes.hpp"
 #include "stages/planes/superclusters.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::plane_properties_test {
 namespace {
 
 struct Result {
@@ -101,7 +101,7 @@ TEST(PlaneProperties, a_tilted_scanner_finds_the_same_planes_as_well) {
 }
 
 TEST(PlaneProperties, the_room_in_a_mirror_is_as_good) {
-  const RoomScan scan = scan_room({});
+  const RoomScan scan = scan_room(BoxRoom{});
   expect_alike(process(scan), process(mirrored(scan)));
 }
 
@@ -127,4 +127,4 @@ TEST(PlaneProperties, directions_off_the_grid_and_dropouts_cost_little) {
   EXPECT_GT(result.score.right, 0.99);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::plane_properties_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace hybrid::testing {
+namespace hybrid::testing::plane_steps_test {
 namespace {
 
 constexpr int kRows = 160, kCols = 320, kSquare = 8;
@@ -174,4 +174,4 @@ TEST(PlaneSteps, an_image_without_labels_stays) {
   EXPECT_FALSE(wall.split());
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::plane_steps_test

@@ -8,7 +8,7 @@
 #include "stages/room_scan.hpp"
 #include "stages/scan/noise_model.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::polish_planes_test {
 namespace {
 
 constexpr double kNoise_m = 0.002;
@@ -170,4 +170,4 @@ TEST(PolishPlanes, planes_that_their_samples_do_not_fix_stay) {
   EXPECT_TRUE(planes[0].normal.allFinite());  // one row of samples: nearly in line
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::polish_planes_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace hybrid::testing {
+namespace hybrid::testing::ray_equations_test {
 namespace {
 
 constexpr std::uint32_t kOwn = 1, kOther = 2;
@@ -108,4 +108,4 @@ TEST(RayEquations, of_vectors_are_those_of_single_samples) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::ray_equations_test

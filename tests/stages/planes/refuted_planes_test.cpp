@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace hybrid::testing {
+namespace hybrid::testing::refuted_planes_test {
 namespace {
 
 constexpr int kSide = 20;
@@ -92,4 +92,4 @@ TEST(RefutedPlanes, regions_of_squares_are_not_asked) {
   EXPECT_EQ(wall.presence.size(), 3u);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::refuted_planes_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace hybrid::testing {
+namespace hybrid::testing::rejoin_planes_test {
 namespace {
 
 constexpr int kSide = 40, kSquare = 4;
@@ -143,4 +143,4 @@ TEST(RejoinPlanes, the_part_of_two_that_own_squares_hands_them_over) {
   EXPECT_EQ(std::count(wall.regions.of_square.begin(), wall.regions.of_square.end(), 1u), 90);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::rejoin_planes_test

@@ -10,7 +10,7 @@
 #include "stages/planes/superclusters.hpp"
 #include "stages/room_scan.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::small_plane_parts_test {
 namespace {
 
 constexpr int kRows = 60, kCols = 240;
@@ -125,4 +125,4 @@ TEST(SmallPlaneParts, a_plane_noisier_than_the_others_is_one) {
   EXPECT_EQ(found_planes, 8);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::small_plane_parts_test

@@ -11,7 +11,7 @@
 #include "device.hpp"
 #include "stages/box_room.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::small_planes_test {
 namespace {
 
 PlaneSegmentation segment_all(const RoomScan& scan, double sigma_m, int least = 48) {
@@ -169,4 +169,4 @@ TEST(SmallPlanes, ranges_at_random_hold_none) {
   EXPECT_TRUE(segment_all(scan, room.noise_m).superclusters.empty());
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::small_planes_test

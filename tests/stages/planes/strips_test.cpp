@@ -10,7 +10,7 @@
 #include "stages/box_room.hpp"
 #include "stages/planes/superclusters.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::strips_test {
 namespace {
 
 constexpr double kStep_deg = 0.2;
@@ -181,4 +181,4 @@ TEST(Strips, a_rounded_edge_holds_no_plane) {
           << turn_deg << " degrees, " << radius << " m";
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::strips_test

@@ -14,7 +14,7 @@
 #include "device.hpp"
 #include "stages/box_room.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::superclusters_test {
 namespace {
 
 PlaneSegmentation segment(const RoomScan& scan, double sigma, const stages::SuperclusterOptions& options = {},
@@ -300,4 +300,4 @@ TEST(Superclusters, options_have_names_and_defaults_in_range) {
   EXPECT_EQ(options.min_squares, 7);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::superclusters_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace hybrid::testing {
+namespace hybrid::testing::tangent_rims_test {
 namespace {
 
 constexpr int kRows = 96, kCols = 160, kSpring = 50;  // rows above kSpring are the vault's
@@ -128,4 +128,4 @@ TEST(TangentRims, noise_that_samples_share_proves_no_curve) {
   EXPECT_EQ(wall.labels, before);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::tangent_rims_test

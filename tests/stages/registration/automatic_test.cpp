@@ -1,5 +1,6 @@
 // Registration without clicks: accepted poses are right, and what cannot be told is not guessed.
 #include "stages/registration/automatic.hpp"
+#include "geometry/angles.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +16,7 @@
 #include "stages/registration/sight_lines.hpp"
 #include "stages/registration/tile_icp.hpp"
 
-namespace hybrid {
+namespace hybrid::automatic_test {
 namespace {
 
 using stages::AutomaticAlignment;
@@ -23,8 +24,6 @@ using stages::AutomaticOptions;
 using stages::ScanEvidence;
 using testing::make_trial_room;
 using testing::scan_trial_room;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Trial {
   testing::TrialRoom room;
@@ -404,4 +403,4 @@ TEST(AutomaticWords, motions_read_as_people_say_them) {
   EXPECT_EQ(stages::motion_in_words(from, to), "turned by -90 degrees about the vertical");
 }
 
-}  // namespace hybrid
+}  // namespace hybrid::automatic_test

@@ -1,11 +1,11 @@
 // Faces of a proxy that are off, each by its own offset: the pose and the offsets are those of the true
 // planes.
 #include "stages/registration/face_offsets.hpp"
+#include "geometry/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "cases/closest_point_case.hpp"
 #include "cases/trial_room.hpp"
@@ -18,8 +18,6 @@ namespace {
 using stages::FaceOffsets;
 using testing::Draw;
 using testing::queue;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 Vec3 random_direction(Draw& draw) {
   return Vec3(draw.normal(), draw.normal(), draw.normal()).normalized();

@@ -1,10 +1,10 @@
 #include "stages/registration/icp.hpp"
+#include "geometry/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "cases/recess_room.hpp"
 #include "core/error.hpp"
@@ -12,12 +12,10 @@
 #include "stages/registration/icp_step.hpp"
 #include "stages/registration/landmarks.hpp"
 
-namespace hybrid::stages {
+namespace hybrid::stages::icp_test {
 namespace {
 
 using namespace hybrid::testing;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 const RecessRoomScan& room() {
   static const RecessRoomScan scan = scan_recess_room(300, 600, 0.002);
@@ -334,4 +332,4 @@ TEST(Icp, gives_up_when_steps_run_out) {
   EXPECT_EQ(found.iterations, 2);
 }
 
-}  // namespace hybrid::stages
+}  // namespace hybrid::stages::icp_test

@@ -1,12 +1,12 @@
 // Several scans of one room: aligned to each other without a model, and refined together.
 #include "stages/registration/joint_poses.hpp"
+#include "geometry/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
-#include <numbers>
 
 #include "cases/trial_room.hpp"
 #include "device.hpp"
@@ -14,12 +14,10 @@
 #include "stages/registration/automatic.hpp"
 #include "stages/registration/scan_model.hpp"
 
-namespace hybrid {
+namespace hybrid::joint_poses_test {
 namespace {
 
 using testing::queue;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Seen {
   testing::TrialScan scan;
@@ -183,4 +181,4 @@ TEST(JointPoses, scans_that_share_nothing_stay_where_they_are) {
   EXPECT_TRUE(stages::refine_jointly({}).world_from_scan.empty());
 }
 
-}  // namespace hybrid
+}  // namespace hybrid::joint_poses_test

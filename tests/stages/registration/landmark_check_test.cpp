@@ -7,7 +7,7 @@
 
 #include "lib/random.h"
 
-namespace hybrid::stages {
+namespace hybrid::stages::landmark_check_test {
 namespace {
 
 PolygonModel room_corners(double scale = 1) {
@@ -121,4 +121,4 @@ TEST(LandmarkCheck, picks_of_no_sense_are_listed) {
                {"no single pick is to blame, nor the exchange of two: landmark 2 ", "check which corners"});
 }
 
-}  // namespace hybrid::stages
+}  // namespace hybrid::stages::landmark_check_test

@@ -8,7 +8,7 @@
 #include "core/error.hpp"
 #include "lib/random.h"
 
-namespace hybrid::stages {
+namespace hybrid::stages::landmarks_test {
 namespace {
 
 double uniform(std::uint32_t trial, std::uint32_t draw) {
@@ -208,4 +208,4 @@ TEST(Landmarks, refuses_what_cannot_be_fitted_and_says_which) {
   expect_refused(infinite, {"landmark 2: expected coordinates of at most 1e+12 m", "found scan (1e+300, "});
 }
 
-}  // namespace hybrid::stages
+}  // namespace hybrid::stages::landmarks_test

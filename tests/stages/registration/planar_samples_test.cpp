@@ -7,7 +7,7 @@
 #include "device.hpp"
 #include "stages/registration/icp.hpp"
 
-namespace hybrid::stages {
+namespace hybrid::stages::planar_samples_test {
 namespace {
 
 using namespace hybrid::testing;
@@ -95,4 +95,4 @@ TEST(PlanarSamples, an_image_of_one_row_or_none_works) {
   EXPECT_TRUE(choose_planar_samples(make_range_image(4, 5), none, 100, 1).points.empty());
 }
 
-}  // namespace hybrid::stages
+}  // namespace hybrid::stages::planar_samples_test

@@ -10,7 +10,7 @@
 #include "device.hpp"
 #include "stages/registration/automatic_checks.hpp"
 
-namespace hybrid {
+namespace hybrid::pose_evidence_test {
 namespace {
 
 using stages::AutomaticOptions;
@@ -120,4 +120,4 @@ TEST(PoseEvidence, with_a_free_scale_distances_are_the_scans) {
   }
 }
 
-}  // namespace hybrid
+}  // namespace hybrid::pose_evidence_test

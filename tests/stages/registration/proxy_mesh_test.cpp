@@ -11,7 +11,7 @@
 #include "stages/registration/face_offsets.hpp"
 #include "stages/registration/icp.hpp"
 
-namespace hybrid::stages {
+namespace hybrid::stages::proxy_mesh_test {
 namespace {
 
 using namespace hybrid::testing;
@@ -118,4 +118,4 @@ TEST(ProxyMesh, a_face_without_area_is_named) {
   }
 }
 
-}  // namespace hybrid::stages
+}  // namespace hybrid::stages::proxy_mesh_test

@@ -1,22 +1,21 @@
 // Scan-to-scan ICP on range images: random rooms from starts that are off.
 #include "stages/registration/scan_icp.hpp"
+#include "geometry/angles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "cases/trial_room.hpp"
 #include "device.hpp"
 #include "stages/room_scan.hpp"
 #include "stages/scan/organised_grid.hpp"
 
-namespace hybrid {
+namespace hybrid::scan_icp_test {
 namespace {
 
 using testing::queue;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSamples = 20000;
 
 struct Seen {
@@ -182,4 +181,4 @@ TEST(ScanIcp, a_start_far_off_ends_elsewhere_and_is_seen_through) {
   }
 }
 
-}  // namespace hybrid
+}  // namespace hybrid::scan_icp_test

@@ -5,7 +5,7 @@
 #include "cases/holed_room.hpp"
 #include "device.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::bake_atlas_test {
 namespace {
 
 using stages::Atlas;
@@ -180,4 +180,4 @@ TEST(BakeAtlas, a_wall_seen_from_both_sides_has_two_charts) {
   EXPECT_EQ(pages[0].colour.at(atlas.charts[2].x, atlas.charts[2].y)[0], 255);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::bake_atlas_test

@@ -12,7 +12,7 @@
 #include "stages/rendering/bvh_collapse.hpp"
 #include "stages/rendering/bvh_join.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::bvh_test {
 namespace {
 
 using stages::build_bvh;
@@ -230,4 +230,4 @@ TEST(Bvh, is_the_same_for_any_number_of_threads) {
   EXPECT_EQ(one.sphere_source, many.sphere_source);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::bvh_test

@@ -10,7 +10,7 @@
 #include "stages/rendering/render.hpp"
 #include "stages/rendering/small_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::curtains_test {
 namespace {
 
 using stages::Curtain;
@@ -134,4 +134,4 @@ TEST(Curtains, no_photograph_looks_through_them_and_no_view_shows_them) {
   }());
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::curtains_test

@@ -9,7 +9,7 @@
 #include "device.hpp"
 #include "stages/rendering/bake_atlas.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::equalise_test {
 namespace {
 
 using stages::PhotographOverlap;
@@ -249,4 +249,4 @@ TEST(ViewExposure, same_bytes_for_any_tile_and_thread_count) {
   set_thread_count(threads);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::equalise_test

@@ -6,7 +6,7 @@
 #include "geometry/colour.hpp"
 #include "stages/rendering/render.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::image_quality_test {
 namespace {
 
 Image8 noise(int width, int height, std::uint32_t seed) {
@@ -74,4 +74,4 @@ TEST(ImageQuality, rejects_images_of_different_sizes) {
   EXPECT_THROW(stages::compare_images(decode(image), image, {}), Error);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::image_quality_test

@@ -5,11 +5,11 @@
 #include "cases/room_scene.hpp"
 #include "core/error.hpp"
 #include "device.hpp"
+#include "geometry/vectors.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::render_bad_input_test {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 stages::ViewRequest view(const Vec3& eye, const Vec3& target) {
@@ -77,4 +77,4 @@ TEST(RenderBadInput, splats_that_are_no_numbers_are_not_drawn_and_normals_that_a
   EXPECT_TRUE(same_bits(odd.colour.pixels, none.colour.pixels));
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::render_bad_input_test

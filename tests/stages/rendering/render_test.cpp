@@ -10,7 +10,7 @@
 #include "device.hpp"
 #include "stages/rendering/render_requests.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::render_test {
 namespace {
 
 using stages::RenderedView;
@@ -476,4 +476,4 @@ TEST(Render, wrong_requests_name_what_is_wrong) {
   EXPECT_NE(message([&] { Renderer(queue(), broken); }).find("4 photographs"), std::string::npos);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::render_test

@@ -6,7 +6,7 @@
 #include "device.hpp"
 #include "stages/rendering/render_requests.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::sigma_choice_test {
 namespace {
 
 using stages::Renderer;
@@ -72,4 +72,4 @@ TEST(SigmaChoice, nothing_that_others_see_leaves_sigma_as_it_was) {
   EXPECT_EQ(renderer.options().sigma_px, 3);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::sigma_choice_test

@@ -5,7 +5,7 @@
 #include "core/error.hpp"
 #include "stages/room_scan.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::columns_test {
 namespace {
 
 using stages::recover_columns;
@@ -216,4 +216,4 @@ TEST(Columns, points_without_structure_are_an_error_that_says_so) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::columns_test

@@ -7,7 +7,7 @@
 
 #include "stages/room_scan.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::interleaving_test {
 namespace {
 
 constexpr int kRows = 20, kCols = 30;
@@ -46,4 +46,4 @@ TEST(Interleaving, samples_on_no_plane_lie_between_none) {
   EXPECT_EQ(share([](int row, int) { return row % 2; }, 1), 0);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::interleaving_test

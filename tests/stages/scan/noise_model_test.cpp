@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace hybrid::testing {
+namespace hybrid::testing::noise_model_test {
 namespace {
 
 using stages::RangeNoise;
@@ -72,4 +72,4 @@ TEST(RangeNoise, nothing_is_negative_or_not_finite) {
     }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::noise_model_test

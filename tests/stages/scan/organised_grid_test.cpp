@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace hybrid::testing {
+namespace hybrid::testing::organised_grid_test {
 namespace {
 
 constexpr int kRows = 9, kCols = 14;
@@ -83,4 +83,4 @@ TEST(OrganisedGrid, MissingSamplesAreEmptyAndFurtherReturnsExtra) {
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::organised_grid_test

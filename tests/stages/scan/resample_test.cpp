@@ -8,7 +8,7 @@
 #include "device.hpp"
 #include "stages/room_scan.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::resample_test {
 namespace {
 
 using stages::resample_scan;
@@ -280,4 +280,4 @@ TEST(Resample, its_options_have_the_ranges_they_say) {
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::resample_test

@@ -7,7 +7,7 @@
 
 #include "device.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::stray_samples_test {
 namespace {
 
 constexpr double kSigma = 0.002, kStep = 0.0035;
@@ -120,4 +120,4 @@ TEST(StraySamplesStage, tiles_agree_across_the_seam_and_small_images_are_no_erro
   }
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::stray_samples_test
