@@ -181,8 +181,8 @@ nlohmann::json parse(const fs::path& file) {
                        text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size())), '\n');
     fail_at(file, static_cast<int>(line), "no valid JSON: {}",
             excerpt(what.substr(std::min(what.size(), what.find("] ") + 2))));
-  } catch (const nlohmann::json::exception&
-               error) {  // a number that no double holds: known by its text, not its place
+  } catch (const nlohmann::json::exception& error) {
+    // A number that no double holds: known by its text, not its place.
     fail_input("{}: expected numbers of usual size: {}", file.string(), error.what());
   }
 }
