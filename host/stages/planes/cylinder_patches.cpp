@@ -17,7 +17,6 @@ namespace {
 // is one of a rib along a vault: a ring about the vault's axis goes on at the plane's radius.
 constexpr double kPatchShare = 0.9, kMostPatch = 0.15, kPatchTurn = 15 * std::numbers::pi / 180;
 constexpr double kRib_m = 0.5;                // from the vault's surface
-constexpr double kBeyond_m = 1;               // its ends
 constexpr int kSectorsAround = 72;            // of 5 degrees
 constexpr std::int64_t kFewestInSector = 10;  // samples of a sector that the ring goes through
 constexpr int kRingSectors = 12;              // that it must
@@ -55,7 +54,7 @@ int sector_of(const Cylinder& cylinder, const Vec3& point) {
 bool may_be_patch(const Supercluster& plane, const Cylinder& cylinder) {
   const double along = cylinder.along(plane.centroid_m), off = std::abs(cylinder.distance(plane.centroid_m));
   const Vec3 out = cylinder.outwards(plane.centroid_m).normalized();
-  const double beyond = cylinder.inside ? kBeyond_m : 0;
+  const double beyond = cylinder.inside ? kVaultGoesOn_m : 0;
   return static_cast<double>(plane.samples) < kMostPatch * static_cast<double>(cylinder.samples) &&
          along >= -beyond && along <= cylinder.length_m + beyond &&
          off < (cylinder.inside ? kRib_m : 0.1 * cylinder.radius_m) &&

@@ -7,6 +7,8 @@
 
 namespace hybrid::stages {
 
+inline constexpr double kVaultGoesOn_m = 1;  // beyond the ends that were seen of it
+
 // Columns and pipes among what lies on no plane, seen from outside, and barrel vaults, seen from inside:
 // round about an axis in any direction, with a constant taper (an entasis' tangent). Squares around a square,
 // in contact, whose normals turn about one direction suggest one; it takes the squares and then the samples

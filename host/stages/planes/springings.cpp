@@ -14,12 +14,11 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kMostTilt = 2 * std::numbers::pi / 180;  // of the axis out of the plane
-constexpr double kBeyond_m = 1;                           // the cylinder's ends
 constexpr double kLookedAt = 3;       // times the width in which plane and cylinder are one
 constexpr double kMostBeyond = 0.05;  // of the samples before the line: a plane with more goes on beyond it
 constexpr std::int64_t kFewest = 48;  // samples on either side
 constexpr int kManyRows = 1000;       // more are looked at with a stride
-constexpr std::int64_t kMany = 50;    // a plane that lost one sample in so many is fitted again
+constexpr std::int64_t kOneOf = 50;   // a plane that lost one sample in so many is fitted again
 
 // Where a cylinder touches a plane.
 struct Springing {
@@ -35,7 +34,7 @@ struct Springing {
   double beyond(const Vec3& point) const { return across.dot(point - cylinder->foot); }
   bool is_near(const Vec3& point) const {
     const double along = cylinder->along(point);
-    return along >= -kBeyond_m && along <= cylinder->length_m + kBeyond_m &&
+    return along >= -kVaultGoesOn_m && along <= cylinder->length_m + kVaultGoesOn_m &&
            std::abs(beyond(point)) <= kLookedAt * width_m;
   }
 };
@@ -168,7 +167,7 @@ void trim_springings(const RangeImage& image, const RangeNoise& noise, const Sup
   std::vector<Plane> fitted;
   for (const Supercluster& plane : planes) {
     fitted.push_back(plane.plane);
-    if (kMany * lost[plane.id - 1] > plane.samples) much.push_back(plane.id);
+    if (kOneOf * lost[plane.id - 1] > plane.samples) much.push_back(plane.id);
   }
   if (!much.empty())
     polish_planes(image, segmentation.square, labels, noise, fitted, PolishRounds::last, much);

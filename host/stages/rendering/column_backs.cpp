@@ -13,10 +13,10 @@ namespace {
 constexpr double kSide_rad = 2 * std::numbers::pi / kColumnSides;
 
 // Of bases and heads: thin slices whose samples are equally far from the axis.
-constexpr double kThin_m = 0.02, kBeyond = 2;      // radii from an end, along the axis
-constexpr double kNearest = 0.6, kFarthest = 2.2;  // radii from the axis
-constexpr std::size_t kFewest = 8;                 // samples of a slice
-constexpr double kSpread = 0.16;                   // of the radius, within which most of them are
+constexpr double kThin_m = 0.02, kProfileReach = 2;  // radii from an end, along the axis
+constexpr double kNearest = 0.6, kFarthest = 2.2;    // radii from the axis
+constexpr std::size_t kFewestInSlice = 8;            // samples of a slice
+constexpr double kSpread = 0.16;                     // of the radius, within which most of them are
 constexpr double kMost = 0.6;
 constexpr int kMostMissing = 5;  // slices one after the other that are not round or hidden
 constexpr double kSimplify_m = 0.01;
@@ -50,7 +50,7 @@ void simplify(const std::vector<Height>& outline, std::size_t first, std::size_t
 
 // What most samples of a slice have, but for what stands beside the column; nothing where it is not round.
 std::optional<double> common_radius(std::vector<double>& radii, double spread) {
-  if (radii.size() < kFewest) return std::nullopt;
+  if (radii.size() < kFewestInSlice) return std::nullopt;
   std::sort(radii.begin(), radii.end());
   std::size_t first = 0, count = 0, end = 0;
   for (std::size_t k = 0; k < radii.size(); ++k) {
@@ -65,7 +65,7 @@ std::optional<double> common_radius(std::vector<double>& radii, double spread) {
 
 // Of the base (-1) or the head (1), from the shaft's end outwards, as far as it is round; at least the end.
 std::vector<Height> profile(const ScanSight& sight, const Cylinder& column, int end) {
-  const double from = end < 0 ? 0 : column.length_m, reach = kBeyond * column.radius_m;
+  const double from = end < 0 ? 0 : column.length_m, reach = kProfileReach * column.radius_m;
   std::vector<std::vector<double>> radii(static_cast<std::size_t>(reach / kThin_m));
   const Vec3 middle = column.foot + (from + 0.5 * end * reach) * column.axis;
   for (const Vec3& point : sight.samples_near(middle, std::hypot(0.5 * reach, kFarthest * column.radius_m))) {

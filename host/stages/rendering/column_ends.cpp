@@ -10,11 +10,11 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kBeyond = 2.5, kInwards = 0.3;           // radii from an end, along the axis
-constexpr double kNearest = 1.7, kFarthest = 2.5;         // radii from the axis
-constexpr double kStep_m = 0.03;                          // of the places that are asked about
-constexpr int kMostSteps = 16;                            // across a polygon
-constexpr double kMostEmpty = 0.1, kLeastUnknown = 0.25;  // of them
+constexpr double kEndReach = 2.5, kInwards = 0.3;            // radii from an end, along the axis
+constexpr double kNearestSide = 1.7, kFarthestCorner = 2.5;  // radii from the axis
+constexpr double kPlaces_m = 0.03;                           // of the places that are asked about
+constexpr int kMostSteps = 16;                               // across a polygon
+constexpr double kMostEmpty = 0.1, kLeastUnknown = 0.25;     // of them
 constexpr double kSamePlane_m = 0.02;
 
 struct Polygon {
@@ -52,7 +52,7 @@ class FlatPolygon {
       low = low.cwiseMin(point);
       high = high.cwiseMax(point);
     }
-    const double step = std::max(kStep_m, (high - low).maxCoeff() / kMostSteps);
+    const double step = std::max(kPlaces_m, (high - low).maxCoeff() / kMostSteps);
     std::vector<Vec3> found;
     for (double y = low.y() + step / 2; y < high.y(); y += step)
       for (double x = low.x() + step / 2; x < high.x(); x += step)
@@ -87,10 +87,10 @@ bool is_of_end(const Polygon& polygon, const Cylinder& column) {
     high = std::max(high, column.along(point));
   }
   const double radius = column.radius_m, length = column.length_m;
-  const bool base = low >= -kBeyond * radius && high <= kInwards * radius;
-  const bool head = low >= length - kInwards * radius && high <= length + kBeyond * radius;
-  return (base || head) && farthest <= kFarthest * radius &&
-         distance_to_border(around, Vec2::Zero()) <= kNearest * radius;
+  const bool base = low >= -kEndReach * radius && high <= kInwards * radius;
+  const bool head = low >= length - kInwards * radius && high <= length + kEndReach * radius;
+  return (base || head) && farthest <= kFarthestCorner * radius &&
+         distance_to_border(around, Vec2::Zero()) <= kNearestSide * radius;
 }
 
 Polygon turned(const Polygon& polygon, const Cylinder& about, int quarters) {

@@ -9,7 +9,7 @@
 #include "device.hpp"
 #include "stages/box_room.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::springings_test {
 namespace {
 
 constexpr double kSpring_m = 1.5, kRadius_m = 3;  // height of the line, radius of the vault
@@ -129,4 +129,4 @@ TEST(Springings, only_a_cylinder_seen_from_inside_that_touches_the_plane_takes_s
 }
 
 }  // namespace
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::springings_test

@@ -7,7 +7,7 @@
 #include "stages/rendering/column_ends.hpp"
 #include "stages/rendering/small_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::column_backs_test {
 namespace {
 
 using stages::SightScan;
@@ -148,4 +148,4 @@ TEST_F(ColumnBehindAWall, no_plinth_where_it_is_empty_too_wide_or_far_or_no_colu
   EXPECT_EQ(sides(hiding, plinth(0.45, 0.45)), 0u);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::column_backs_test

@@ -43,7 +43,7 @@ TEST(Curtains, hang_behind_the_outline_of_what_is_near_and_no_farther_than_the_w
 
 TEST(Curtains, none_where_surfaces_are_one_or_another_scan_saw_through) {
   EXPECT_TRUE(stages::hang_curtains({}).empty());
-  const RangeImage wall = scan_of(empty), near = scan_of(thing_and_wall);
+  const RangeImage wall = scan_of(wall_alone), near = scan_of(thing_and_wall);
   EXPECT_TRUE(stages::hang_curtains({{&wall, nullptr, nullptr, {}}}).empty());
   const std::vector<std::uint32_t> one(near.count(), 1);
   EXPECT_TRUE(stages::hang_curtains({{&near, &one, nullptr, {}}}).empty());

@@ -7,7 +7,7 @@
 
 #include "stages/rendering/small_scans.hpp"
 
-namespace hybrid::testing {
+namespace hybrid::testing::scan_sight_test {
 namespace {
 
 using stages::ScanSight;
@@ -61,7 +61,7 @@ TEST(ScanSight, samples_near_a_place_are_those_within_the_radius_wherever_it_is)
 }
 
 TEST(ScanSight, what_is_at_a_place_before_it_and_behind_it) {
-  const RangeImage wall = scan_of(empty);
+  const RangeImage wall = scan_of(wall_alone);
   std::vector<std::uint8_t> stray(wall.count(), 1);
   const std::vector<SightScan> scans = {{&wall, nullptr, nullptr, {}}},
                                strays = {{&wall, nullptr, &stray, {}}};
@@ -92,4 +92,4 @@ TEST_F(ColumnBehindAWall, columns_stand_in_the_world) {
   EXPECT_EQ(found[0].cylinder.radius_m, column.radius_m);
 }
 
-}  // namespace hybrid::testing
+}  // namespace hybrid::testing::scan_sight_test

@@ -10,15 +10,15 @@
 
 namespace hybrid::testing {
 
-inline constexpr double kStep_rad = 0.01;
+inline constexpr double kSmallScanStep_rad = 0.01;
 
 // What a scanner that looks along +y sees, 80 x 120 nodes; `range` of a direction.
 inline RangeImage scan_of(const std::function<double(const Vec3&)>& range) {
   RangeImage image = make_range_image(80, 120);
   for (int row = 0; row < 80; ++row)
-    image.elevation_rad[static_cast<std::size_t>(row)] = kStep_rad * (39.5 - row);
+    image.elevation_rad[static_cast<std::size_t>(row)] = kSmallScanStep_rad * (39.5 - row);
   for (int col = 0; col < 120; ++col)
-    image.azimuth_rad[static_cast<std::size_t>(col)] = std::acos(0.0) + kStep_rad * (col - 59.5);
+    image.azimuth_rad[static_cast<std::size_t>(col)] = std::acos(0.0) + kSmallScanStep_rad * (col - 59.5);
   for (int row = 0; row < 80; ++row)
     for (int col = 0; col < 120; ++col) {
       const std::size_t i = image.index(row, col);
@@ -36,7 +36,7 @@ inline RangeImage scan_of(const std::function<double(const Vec3&)>& range) {
 }
 
 // The same wall from 3 m farther left, with nothing before it that this scanner sees.
-inline double empty(const Vec3& ray) {
+inline double wall_alone(const Vec3& ray) {
   return 4 / ray.y();
 }
 
@@ -52,7 +52,7 @@ class ColumnBehindAWall : public ::testing::Test {
 
   Cylinder column;
   std::vector<Cylinder> columns;
-  RangeImage hiding = scan_of(empty), through = scan_of([](const Vec3&ray) { return 9 / ray.y(); });
+  RangeImage hiding = scan_of(wall_alone), through = scan_of([](const Vec3&ray) { return 9 / ray.y(); });
 };
 
 }  // namespace hybrid::testing
