@@ -20,13 +20,12 @@ double largest_sigma(const std::vector<ScanProduct>& products) {
   return sigma_m;
 }
 
-std::vector<std::uint32_t> add_ring(const std::vector<Vec3>& points, PolygonModel& model) {
-  std::vector<std::uint32_t> ring;
-  for (const Vec3& point : points) {
-    ring.push_back(static_cast<std::uint32_t>(model.vertices.size()));
-    model.vertices.push_back(point);
-  }
-  return ring;
+// Of vertices that follow `by` others.
+Face shifted(Face face, std::uint32_t by) {
+  for (std::uint32_t& vertex : face.outer) vertex += by;
+  for (auto& hole : face.holes)
+    for (std::uint32_t& vertex : hole) vertex += by;
+  return face;
 }
 
 // What columns are on the sides that no scan has seen.
@@ -35,21 +34,20 @@ void append_columns(const std::vector<ScanProduct>& products,
   std::vector<std::uint32_t> product_of;
   for (std::size_t i = 0; i < products.size(); ++i)
     if (registrations[i]) product_of.push_back(static_cast<std::uint32_t>(i));
-  const auto add = [&](std::size_t scan, std::uint32_t cylinder, Face face) {
-    face.name = fmt::format("{}-column-{}", products[product_of[scan]].id, cylinder);
-    all.model.faces.push_back(std::move(face));
+  const auto add = [&](std::size_t scan, std::uint32_t cylinder, const Face& face, const auto& vertices) {
+    const auto shift = static_cast<std::uint32_t>(all.model.vertices.size());
+    all.model.faces.push_back(shifted(face, shift));
+    all.model.faces.back().name = fmt::format("{}-column-{}", products[product_of[scan]].id, cylinder);
+    all.model.vertices.insert(all.model.vertices.end(), vertices.begin(), vertices.end());
     all.scan.push_back(product_of[scan]);
   };
   const auto scans = sight_scans(products, registrations);
   const stages::ScanSight sight(scans, kSightTolerance_m);
   const auto ends = stages::column_ends(sight, all.model);
+  const Face quadrilateral{"", {0, 1, 2, 3}, {}};
   for (const stages::ColumnBack& back : stages::column_backs(sight))
-    add(back.scan, back.cylinder, {"", add_ring({back.corners.begin(), back.corners.end()}, all.model), {}});
-  for (const stages::ColumnEnd& end : ends) {
-    Face face{"", add_ring(end.outer, all.model), {}};
-    for (const auto& hole : end.holes) face.holes.push_back(add_ring(hole, all.model));
-    add(end.scan, end.cylinder, std::move(face));
-  }
+    add(back.scan, back.cylinder, quadrilateral, back.corners);
+  for (const auto& [scan, cylinder, polygon] : ends) add(scan, cylinder, polygon.faces[0], polygon.vertices);
 }
 
 }  // namespace
@@ -76,12 +74,8 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
     for (const Vec3& vertex : own.model.vertices)
       all.model.vertices.push_back(registrations[i]->world_from_scan() * vertex);
     for (std::size_t k = 0; k < own.model.faces.size(); ++k) {
-      Face face = own.model.faces[k];
-      face.name = fmt::format("{}-{}", products[i].id, own.supercluster[k]);
-      for (std::uint32_t& vertex : face.outer) vertex += shift;
-      for (auto& hole : face.holes)
-        for (std::uint32_t& vertex : hole) vertex += shift;
-      all.model.faces.push_back(std::move(face));
+      all.model.faces.push_back(shifted(own.model.faces[k], shift));
+      all.model.faces.back().name = fmt::format("{}-{}", products[i].id, own.supercluster[k]);
       all.scan.push_back(static_cast<std::uint32_t>(i));
     }
   }

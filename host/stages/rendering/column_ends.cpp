@@ -119,6 +119,21 @@ bool may_be_there(const ScanSight& sight, const FlatPolygon& polygon,
          static_cast<double>(unknown) >= kLeastUnknown * all;
 }
 
+PolygonModel model_of(const Polygon& polygon) {
+  PolygonModel model;
+  const auto add = [&](const std::vector<Vec3>& ring) {
+    std::vector<std::uint32_t> vertices;
+    for (const Vec3& point : ring) {
+      vertices.push_back(static_cast<std::uint32_t>(model.vertices.size()));
+      model.vertices.push_back(point);
+    }
+    return vertices;
+  };
+  model.faces = {{"", add(polygon.outer), {}}};
+  for (const auto& hole : polygon.holes) model.faces[0].holes.push_back(add(hole));
+  return model;
+}
+
 Polygon polygon_of(const PolygonModel& model, const Face& face) {
   Polygon polygon;
   for (const std::uint32_t vertex : face.outer) polygon.outer.push_back(model.vertices[vertex]);
@@ -143,11 +158,12 @@ std::vector<ColumnEnd> column_ends(const ScanSight& sight, const PolygonModel& c
       const Polygon polygon = polygon_of(contours, face);
       if (!is_of_end(polygon, column)) continue;
       for (const int quarters : {1, 2, 3}) {
-        Polygon copy = turned(polygon, column, quarters);
+        const Polygon copy = turned(polygon, column, quarters);
         const FlatPolygon flat(copy);
-        if (!may_be_there(sight, flat, copies)) continue;
+        PolygonModel model = model_of(copy);
+        if (!may_be_there(sight, flat, copies) || !can_be_triangulated(model)) continue;
         copies.push_back(flat);
-        ends.push_back({scan, column.id, std::move(copy.outer), std::move(copy.holes)});
+        ends.push_back({scan, column.id, std::move(model)});
       }
     }
   }

@@ -6,12 +6,11 @@
 
 namespace hybrid::stages {
 
-// A copy of a polygon of a column's base or head, world frame, front side outwards.
+// A copy of a polygon of a column's base or head.
 struct ColumnEnd {
   std::size_t scan = 0;
   std::uint32_t cylinder = 0;  // id in that scan
-  std::vector<Vec3> outer;
-  std::vector<std::vector<Vec3>> holes;
+  PolygonModel polygon;        // one face, world frame, front side outwards
 };
 
 // The sides of plinths and abaci that no scan has seen. What carries a column and what it carries is square,

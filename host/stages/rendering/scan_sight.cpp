@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "geometry/angles.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -65,29 +66,25 @@ std::vector<Vec3> ScanSight::samples_near(std::size_t scan, const Vec3& point, d
                                           double many) const {
   const RangeImage& image = *scans_[scan].image;
   // Rows and columns that may see the ball.
-  const double angle = point.norm() > radius_m ? std::asin(radius_m / point.norm()) : std::numbers::pi;
-  const double steepest = std::abs(std::atan2(point.z(), point.head<2>().norm())) + angle;
-  const double turn = steepest < std::numbers::pi / 2 ? std::min(angle / std::cos(steepest), std::numbers::pi)
-                                                      : std::numbers::pi;
-  const auto nodes = [](double reach, double step, int all) {
-    return static_cast<int>(std::min(reach / std::max(std::abs(step), 1e-9) + 2, 1.0 * all));
-  };
-  const auto [row, col, within] = lookups_[scan].towards(point);
-  const int up = nodes(angle, image.elevation_step_rad(), image.rows);
-  const int aside = nodes(turn, image.azimuth_step_rad(), image.cols);
-  const int top = std::max(row - up, 0), bottom = std::min(row + up + 1, image.rows);
-  int left = col - aside, right = col + aside + 1;
-  if (!image.wraps || right - left >= image.cols) {
-    left = image.wraps ? 0 : std::max(left, 0);
-    right = image.wraps ? image.cols : std::min(right, image.cols);
-  }
-  const double count = static_cast<double>(bottom - top) * (right - left);
-  const int stride = std::max(1, static_cast<int>(std::sqrt(count / many)));
+  const double ball = point.norm() > radius_m ? std::asin(radius_m / point.norm()) : kTurn / 2;
+  const double elevation = std::atan2(point.z(), point.head<2>().norm());
+  const double azimuth = std::atan2(point.y(), point.x());
+  const double reach = ball + 2 * image.step_rad(), steepest = std::abs(elevation) + reach;
+  const double turn = steepest < kTurn / 4 ? reach / std::cos(steepest) : kTurn / 2;
+  std::vector<int> rows, cols;
+  for (int row = 0; row < image.rows; ++row)
+    if (std::abs(image.elevation_rad[static_cast<std::size_t>(row)] - elevation) <= reach)
+      rows.push_back(row);
+  for (int col = 0; col < image.cols; ++col)
+    if (std::abs(std::remainder(image.azimuth_rad[static_cast<std::size_t>(col)] - azimuth, kTurn)) <= turn)
+      cols.push_back(col);
+  const double count = static_cast<double>(rows.size()) * static_cast<double>(cols.size());
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::sqrt(count / many)));
   std::vector<Vec3> found;
-  for (int r = top; r < bottom; r += stride)
-    for (int c = left; c < right; c += stride) {
-      if (!range_m(scan, r, c)) continue;
-      const Vec3 sample = image.point(image.index(r, (c + image.cols) % image.cols));
+  for (std::size_t r = 0; r < rows.size(); r += stride)
+    for (std::size_t c = 0; c < cols.size(); c += stride) {
+      if (!range_m(scan, rows[r], cols[c])) continue;
+      const Vec3 sample = image.point(image.index(rows[r], cols[c]));
       if ((sample - point).norm() <= radius_m) found.push_back(sample);
     }
   return found;

@@ -120,9 +120,11 @@ TEST_F(ColumnBehindAWall, a_side_of_its_plinth_is_there_on_all_four) {
   const double right[] = {0.45, 0, -0.45}, behind[] = {0, 0.45, 0};  // a quarter, a half, three quarters on
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_EQ(ends[k].scan, 0u);
-    ASSERT_EQ(ends[k].outer.size(), 4u);
-    ASSERT_EQ(ends[k].holes.size(), 1u);
-    const auto& c = ends[k].outer;
+    ASSERT_EQ(ends[k].polygon.faces.size(), 1u);
+    ASSERT_EQ(ends[k].polygon.faces[0].outer, (std::vector<std::uint32_t>{0, 1, 2, 3}));
+    ASSERT_EQ(ends[k].polygon.faces[0].holes.size(), 1u);
+    const auto& c = ends[k].polygon.vertices;
+    ASSERT_EQ(c.size(), 8u);
     const Vec3 middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
     EXPECT_LT((middle - Vec3(right[k], 6 + behind[k], -0.7)).norm(), 1e-9) << k;
     EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(middle)), 0) << k;
