@@ -9,8 +9,8 @@ std::vector<stages::SightScan> sight_scans(const std::vector<ScanProduct>& produ
                                            const std::vector<std::optional<ScanRegistration>>& registrations);
 
 // The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>, and
-// the backs of their columns that no scan has seen (column_backs.hpp), faces named <scan>-column-<cylinder
-// id>.
+// the sides of their columns that no scan has seen (column_backs.hpp, column_ends.hpp), faces named
+// <scan>-column-<cylinder id>.
 struct WorldContours {
   PolygonModel model;
   std::vector<std::uint32_t> scan;  // per face: index of its product
