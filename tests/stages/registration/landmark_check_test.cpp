@@ -1,5 +1,6 @@
 #include "stages/registration/landmark_check.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
