@@ -30,7 +30,7 @@ struct Springing {
   double reach_m;   // how far samples may stray from either
   double side = 0;  // of `across`, on which the cylinder goes on; 0: on none or on both
 
-  // Metres from the line, towards where the cylinder goes on once `side` is known.
+  // Metres from the line, along `across`.
   double beyond(const Vec3& point) const { return across.dot(point - cylinder->foot); }
   bool is_near(const Vec3& point) const {
     const double along = cylinder->along(point);
