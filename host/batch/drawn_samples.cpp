@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "stages/rendering/column_backs.hpp"
 #include "stages/rendering/column_ends.hpp"
+#include "stages/rendering/shadow_faces.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -28,26 +29,38 @@ Face shifted(Face face, std::uint32_t by) {
   return face;
 }
 
-// What columns are on the sides that no scan has seen.
-void append_columns(const std::vector<ScanProduct>& products,
-                    const std::vector<std::optional<ScanRegistration>>& registrations, WorldContours& all) {
+// What the scans' evidence says of sides and places that none of them has seen.
+void append_unseen(const std::vector<ScanProduct>& products,
+                   const std::vector<std::optional<ScanRegistration>>& registrations, WorldContours& all) {
   std::vector<std::uint32_t> product_of;
-  for (std::size_t i = 0; i < products.size(); ++i)
+  std::vector<std::size_t> scan_of(products.size());
+  for (std::size_t i = 0; i < products.size(); ++i) {
+    scan_of[i] = product_of.size();
     if (registrations[i]) product_of.push_back(static_cast<std::uint32_t>(i));
-  const auto add = [&](std::size_t scan, std::uint32_t cylinder, const Face& face, const auto& vertices) {
+  }
+  const auto scans = sight_scans(products, registrations);
+  const stages::ScanSight sight(scans, kSightTolerance_m);
+  std::vector<std::size_t> scan_of_face;
+  for (const std::uint32_t product : all.scan) scan_of_face.push_back(scan_of[product]);
+  const auto ends = stages::column_ends(sight, all.model);
+  const auto shadows = stages::shadow_faces(sight, all.model, scan_of_face);
+  const auto add = [&](std::size_t scan, std::string name, const Face& face, const auto& vertices) {
     const auto shift = static_cast<std::uint32_t>(all.model.vertices.size());
     all.model.faces.push_back(shifted(face, shift));
-    all.model.faces.back().name = fmt::format("{}-column-{}", products[product_of[scan]].id, cylinder);
+    all.model.faces.back().name = std::move(name);
     all.model.vertices.insert(all.model.vertices.end(), vertices.begin(), vertices.end());
     all.scan.push_back(product_of[scan]);
   };
-  const auto scans = sight_scans(products, registrations);
-  const stages::ScanSight sight(scans, kSightTolerance_m);
-  const auto ends = stages::column_ends(sight, all.model);
+  const auto column = [&](std::size_t scan, std::uint32_t cylinder) {
+    return fmt::format("{}-column-{}", products[product_of[scan]].id, cylinder);
+  };
   const Face quadrilateral{"", {0, 1, 2, 3}, {}};
   for (const stages::ColumnBack& back : stages::column_backs(sight))
-    add(back.scan, back.cylinder, quadrilateral, back.corners);
-  for (const auto& [scan, cylinder, polygon] : ends) add(scan, cylinder, polygon.faces[0], polygon.vertices);
+    add(back.scan, column(back.scan, back.cylinder), quadrilateral, back.corners);
+  for (const auto& [scan, cylinder, polygon] : ends)
+    add(scan, column(scan, cylinder), polygon.faces[0], polygon.vertices);
+  for (const auto& [face, corners] : shadows)
+    add(scan_of_face[face], all.model.faces[face].name + "-shadow", quadrilateral, corners);
 }
 
 }  // namespace
@@ -79,7 +92,7 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
       all.scan.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  if (unseen_m > 0) append_columns(products, registrations, all);
+  if (unseen_m > 0) append_unseen(products, registrations, all);
   return all;
 }
 

@@ -10,7 +10,8 @@ std::vector<stages::SightScan> sight_scans(const std::vector<ScanProduct>& produ
 
 // The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>, and
 // the sides of their columns that no scan has seen (column_backs.hpp, column_ends.hpp), faces named
-// <scan>-column-<cylinder id>.
+// <scan>-column-<cylinder id>, and what something hides of the polygons (shadow_faces.hpp), faces named
+// <scan>-<supercluster id>-shadow.
 struct WorldContours {
   PolygonModel model;
   std::vector<std::uint32_t> scan;  // per face: index of its product

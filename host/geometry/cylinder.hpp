@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -28,5 +29,12 @@ struct Cylinder {
   // Positive outside. Measured perpendicular to the axis, whatever the taper.
   double distance(const Vec3& point) const { return outwards(point).norm() - radius_at(along(point)); }
 };
+
+// Whether the middle of one lies within the other, near its axis: found twice on one surface.
+inline bool is_same(const Cylinder& a, const Cylinder& b) {
+  const Vec3 middle = a.foot + 0.5 * a.length_m * a.axis;
+  return a.inside == b.inside && b.along(middle) >= 0 && b.along(middle) <= b.length_m &&
+         b.outwards(middle).norm() < 0.5 * std::min(a.radius_m, b.radius_m);
+}
 
 }  // namespace hybrid

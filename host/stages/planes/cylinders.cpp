@@ -40,14 +40,6 @@ std::vector<Cylinder> on_strips(const RangeImage& image, const SquarePlanes& squ
   return search_cylinders(image, {strips, height, width, std::move(free)}, labels, options, false);
 }
 
-// Both from the same samples.
-bool is_same(const Cylinder& a, const Cylinder& b) {
-  const Vec3 middle = a.foot + 0.5 * a.length_m * a.axis;
-  const double along = b.along(middle);
-  return a.inside == b.inside && along >= 0 && along <= b.length_m &&
-         b.outwards(middle).norm() < 0.5 * std::min(a.radius_m, b.radius_m);
-}
-
 }  // namespace
 
 double cylinder_reach_m(const Cylinder& cylinder, const Vec3& point, const RangeNoise& noise,

@@ -32,6 +32,15 @@ bool ScanSight::is_empty(const Vec3& place, std::size_t but) const {
   return false;
 }
 
+bool ScanSight::is_hidden(const Vec3& place, std::size_t scan) const {
+  if (scans_[scan].image->count() == 0) return false;
+  const Vec3 point = scan_from_world_[scan] * place;
+  const auto node = lookups_[scan].towards(point);
+  if (!node.within) return false;
+  const auto range = range_m(scan, node.row, node.col);
+  return range && *range < point.norm() - tolerance_m_;
+}
+
 bool ScanSight::is_known(const Vec3& place) const {
   for (std::size_t s = 0; s < scans_.size(); ++s)
     if (scans_[s].image->count() > 0 && reaches(s, scan_from_world_[s] * place)) return true;

@@ -37,6 +37,9 @@ class ScanSight {
   // Whether a scan other than `but` sees past the place.
   bool is_empty(const Vec3& place, std::size_t but = kAll) const;
 
+  // Whether this scan sees something before the place.
+  bool is_hidden(const Vec3& place, std::size_t scan) const;
+
   // Whether any scan has a sample at the place or behind it; where a scan has none in that direction, whether
   // the surface is there beside it.
   bool is_known(const Vec3& place) const;

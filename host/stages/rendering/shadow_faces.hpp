@@ -1,0 +1,25 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "geometry/polygon_model.hpp"
+#include "stages/rendering/scan_sight.hpp"
+
+namespace hybrid::stages {
+
+// A rectangle of a contour polygon's plane.
+struct ShadowFace {
+  std::size_t face = 0;         // of the contours
+  std::array<Vec3, 4> corners;  // in order, front side the face's
+};
+
+// What stands before a plane that no proxy face explains, hides a part of it from the scan that shows it: a
+// passer-by before a buttress, a column before a gallery's front. The plane goes on there where the hidden
+// part lies between two seen ones, level or upright, or below a seen one down to the lowest place of an
+// upright polygon, for what is built stands on the ground; no scan looks through it there, and hardly any of
+// its border is seen through. `contours`: world frame; `scan_of_face`: index into sight's scans. In the order
+// of faces: same result for any number of threads.
+std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel& contours,
+                                     const std::vector<std::size_t>& scan_of_face);
+
+}  // namespace hybrid::stages

@@ -1,0 +1,123 @@
+#include "stages/rendering/shadow_faces.hpp"
+
+#include "stages/rendering/small_scans.hpp"
+
+namespace hybrid::testing::shadow_faces_test {
+namespace {
+
+using namespace stages;
+
+constexpr double kWall_m = 5, kPost_m = 3;  // before the scanner
+
+// A buttress' front, 2 m wide and 3 m high, on a plane across the view.
+PolygonModel upright() {
+  PolygonModel model;
+  model.vertices = {{-1, kWall_m, -1.5}, {1, kWall_m, -1.5}, {1, kWall_m, 1.5}, {-1, kWall_m, 1.5}};
+  model.faces = {{"front", {0, 1, 2, 3}, {}}};
+  return model;
+}
+
+bool is_on(const Vec3& ray, double low, double high) {
+  const Vec3 at = kWall_m / ray.y() * ray;
+  return std::abs(at.x()) < 1 && at.z() > low && at.z() < high;
+}
+
+// With a hole where `hidden` is, on the wall: x from -0.4 to 0.4, and z.
+PolygonModel with_hole(double low, double high) {
+  PolygonModel model = upright();
+  for (const auto& [x, z] : {std::pair{-0.4, low}, {-0.4, high}, {0.4, high}, {0.4, low}})
+    model.vertices.emplace_back(x, kWall_m, z);
+  if (low > -1.5)
+    model.faces[0].holes = {{4, 5, 6, 7}};
+  else
+    model.faces[0].outer = {0, 4, 5, 6, 7, 1, 2, 3};  // open at the foot
+  return model;
+}
+
+// A post hides x from -0.4 to 0.4 of the wall between two heights; what is beside the front is far behind it.
+double behind_post(const Vec3& ray, double low, double high) {
+  const Vec3 at = kWall_m / ray.y() * ray;
+  if (std::abs(at.x()) <= 0.4 && at.z() >= low && at.z() <= high) return kPost_m / ray.y();
+  return (is_on(ray, -1.5, 1.5) ? kWall_m : 9) / ray.y();
+}
+
+double area(const std::vector<ShadowFace>& faces) {
+  double sum = 0;
+  for (const auto& face : faces)
+    sum += (face.corners[1] - face.corners[0]).cross(Vec3(face.corners[3] - face.corners[0])).norm();
+  return sum;
+}
+
+std::vector<ShadowFace> shadows(const std::vector<RangeImage>& images, const PolygonModel& contours) {
+  std::vector<SightScan> scans;
+  for (const RangeImage& image : images) scans.push_back({&image, nullptr, nullptr, {}, nullptr});
+  const ScanSight sight(scans, 0.02);
+  return shadow_faces(sight, contours, std::vector<std::size_t>(contours.faces.size(), 0));
+}
+
+TEST(ShadowFaces, ThePlaneGoesOnBehindWhatHidesIt) {
+  const auto image = scan_of([](const Vec3& ray) { return behind_post(ray, -0.5, 0.5); });
+  const auto faces = shadows({image}, with_hole(-0.5, 0.5));
+  EXPECT_NEAR(area(faces), 0.8 * 1.0, 0.12);
+  for (const auto& face : faces) {
+    EXPECT_EQ(face.face, 0u);
+    for (const Vec3& corner : face.corners) {
+      EXPECT_NEAR(corner.y(), kWall_m, 1e-9);
+      EXPECT_LE(std::abs(corner.x()), 0.45);
+      EXPECT_LE(std::abs(corner.z()), 0.55);
+    }
+  }
+}
+
+TEST(ShadowFaces, FrontSideIsThePolygons) {
+  const auto image = scan_of([](const Vec3& ray) { return behind_post(ray, -0.5, 0.5); });
+  for (const auto& face : shadows({image}, with_hole(-0.5, 0.5)))
+    EXPECT_LT(
+        (face.corners[1] - face.corners[0]).cross(Vec3(face.corners[3] - face.corners[0])).normalized().y(),
+        -0.99);
+}
+
+TEST(ShadowFaces, AnUprightOneGoesDownToItsFoot) {
+  const auto image = scan_of([](const Vec3& ray) { return behind_post(ray, -1.5, 0.5); });
+  EXPECT_NEAR(area(shadows({image}, with_hole(-1.5, 0.5))), 0.8 * 2.0, 0.15);
+}
+
+TEST(ShadowFaces, WhatAnyScanLooksThroughStaysOpen) {
+  const auto image = scan_of([](const Vec3& ray) { return behind_post(ray, -0.5, 0.5); });
+  const auto through = scan_of([](const Vec3& ray) { return 9 / ray.y(); });
+  EXPECT_TRUE(shadows({image, through}, with_hole(-0.5, 0.5)).empty());
+}
+
+// A bench before an opening hides its lower part from side to side; above it the scan looks through.
+TEST(ShadowFaces, AnOpeningHalfHiddenStaysOpen) {
+  const auto image = scan_of([](const Vec3& ray) {
+    const Vec3 at = kWall_m / ray.y() * ray;
+    if (std::abs(at.x()) <= 0.4 && at.z() > -0.3 && at.z() <= 0.5) return 9 / ray.y();
+    return behind_post(ray, -0.5, -0.3);
+  });
+  EXPECT_TRUE(shadows({image}, with_hole(-0.5, 0.5)).empty());
+}
+
+TEST(ShadowFaces, NothingBesideItGoesOn) {
+  const auto image = scan_of([](const Vec3& ray) {
+    const Vec3 at = kWall_m / ray.y() * ray;
+    return std::abs(at.x()) > 1 ? kPost_m / ray.y() : behind_post(ray, 2, 2);
+  });
+  EXPECT_TRUE(shadows({image}, upright()).empty());
+}
+
+TEST(ShadowFaces, InTheOrderOfFaces) {
+  const auto image = scan_of([](const Vec3& ray) { return behind_post(ray, -1.5, 0.5); });
+  PolygonModel two = with_hole(-1.5, 0.5);
+  two.faces.push_back(two.faces[0]);
+  const auto faces = shadows({image}, two);
+  ASSERT_FALSE(faces.empty());
+  ASSERT_EQ(faces.size() % 2, 0u);
+  for (std::size_t k = 0; k < faces.size() / 2; ++k) {
+    EXPECT_EQ(faces[k].corners, faces[faces.size() / 2 + k].corners);
+    EXPECT_EQ(faces[faces.size() / 2 + k].face, 1u);
+  }
+}
+
+}  // namespace
+}  // namespace hybrid::testing::shadow_faces_test
