@@ -14,6 +14,7 @@ namespace {
 constexpr double kOnPolygonDeg = 30;  // normals of a sample's plane and of a polygon it lies on
 constexpr double kNoiseSigmas = 3;    // of the difference of two scans
 constexpr double kSightTolerance_m = 0.02;
+constexpr double kSeenThrough_m = 0.1;  // by which another scan sees past a sample that is in the air
 
 double largest_sigma(const std::vector<ScanProduct>& products) {
   double sigma_m = 0;
@@ -101,6 +102,9 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                           std::vector<ScanProduct>& products) {
   const WorldContours contours = world_contours(products, registrations, options.render.unseen_m);
   const double worst_sigma_m = largest_sigma(products);
+  const auto scans = sight_scans(products, registrations);
+  const stages::ScanSight sight(scans, kSightTolerance_m);
+  std::size_t scan = 0;
   for (std::size_t p = 0; p < products.size(); ++p) {
     if (!registrations[p]) continue;
     auto& product = products[p];
@@ -120,6 +124,8 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
       on_contour = stages::near_faces(queue, product.image, product.segmentation, contours.model,
                                       registrations[p]->world_from_scan(), kOnPolygonDeg, {near}, retained);
     const auto& to_face = registrations[p]->signed_distance_m;
+    const double through_m = kSeenThrough_m + kNoiseSigmas * worst_sigma_m;
+    const auto& world = registrations[p]->world_from_scan();
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
     parallel_for(
         product.image.count(),
@@ -127,12 +133,14 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
           if (!retained[i]) return;
           if (!on_contour.empty() && on_contour[i]) return;
           const bool planar = product.segmentation.sample_label[i] != 0;
+          if (!planar && sight.is_seen_through(world * product.image.point(i), through_m, scan)) return;
           const bool on_face =
               !to_face.empty() &&
               std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
           product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
         },
         1 << 14);
+    ++scan;
   }
 }
 

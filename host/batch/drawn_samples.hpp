@@ -22,7 +22,8 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
                              double unseen_m);
 
 // Decides how the retained samples of every registered scan are drawn (METHOD 10); fills product.drawn.
-// Not drawn: stray samples, and those that lie on a contour polygon. Drawn only without the proxy: those that
+// Not drawn: stray samples, those of no plane that another scan looks through (mixed pixels in the air, what
+// has moved away), and those that lie on a contour polygon. Drawn only without the proxy: those that
 // a proxy face stands for, as it stands for the discarded interior: planar ones within explain_m of a face,
 // others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on.
 void choose_drawn_samples(device::Queue& queue, const StageOptions& options,

@@ -32,6 +32,23 @@ bool ScanSight::is_empty(const Vec3& place, std::size_t but) const {
   return false;
 }
 
+bool ScanSight::is_seen_through(const Vec3& place, double margin_m, std::size_t but) const {
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    if (s == but || scans_[s].image->count() == 0) continue;
+    const Vec3 point = scan_from_world_[s] * place;
+    const auto node = lookups_[s].towards(point);
+    if (!node.within) continue;
+    const double least_m = point.norm() + margin_m;
+    bool through = true;
+    for (int k = 0; k < 9 && through; ++k) {
+      const auto range = range_m(s, node.row + k / 3 - 1, node.col + k % 3 - 1);
+      through = range && *range > least_m;
+    }
+    if (through) return true;
+  }
+  return false;
+}
+
 bool ScanSight::is_hidden(const Vec3& place, std::size_t scan) const {
   if (scans_[scan].image->count() == 0) return false;
   const Vec3 point = scan_from_world_[scan] * place;

@@ -79,6 +79,27 @@ TEST(ScanSight, what_is_at_a_place_before_it_and_behind_it) {
   EXPECT_TRUE(ScanSight({}, 0.02).columns().empty());
 }
 
+TEST(ScanSight, seen_through_by_another_scan_all_around_the_place) {
+  const auto behind = [](const Vec3& ray) { return 9 / ray.y(); };
+  const RangeImage wall = scan_of(wall_alone), far = scan_of(behind),
+                   post = scan_of(
+                       [&](const Vec3&ray) { return std::abs(ray.x()) < 0.02 ? 3 / ray.y() : behind(ray); });
+  const std::vector<SightScan> scans = {{&wall, nullptr, nullptr, {}}, {&far, nullptr, nullptr, {}}},
+                               posts = {{&wall, nullptr, nullptr, {}}, {&post, nullptr, nullptr, {}}};
+  const ScanSight sight(scans, 0.02), beside(posts, 0.02);
+  EXPECT_TRUE(sight.is_seen_through({0, 4, 0}, 0.1, 0));
+  EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 5.1, 0));   // by less
+  EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 0.1, 1));   // by itself alone
+  EXPECT_FALSE(sight.is_seen_through({0, -4, 0}, 0.1, 0));  // not in sight
+  EXPECT_FALSE(beside.is_seen_through({0, 4, 0}, 0.1, 0));
+  EXPECT_FALSE(beside.is_seen_through({0.1, 4, 0}, 0.1, 0));  // the next node sees the post
+  EXPECT_TRUE(beside.is_seen_through({0.3, 4, 0}, 0.1, 0));
+  EXPECT_TRUE(sight.is_hidden({0, 5, 0}, 0));
+  EXPECT_FALSE(sight.is_hidden({0, 4, 0}, 0));
+  EXPECT_FALSE(sight.is_hidden({0, -5, 0}, 0));
+  EXPECT_FALSE(sight.is_hidden({0, 5, 0}, 1));
+}
+
 TEST_F(ColumnBehindAWall, columns_stand_in_the_world) {
   columns.push_back(column);
   columns[1].inside = true;
