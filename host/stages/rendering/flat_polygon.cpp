@@ -6,7 +6,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kLevel = 0.9;  // of the normal's height: within 26 degrees
+constexpr double kLevelNormal = 0.9;  // of the normal's height: within 26 degrees
 
 }  // namespace
 
@@ -58,7 +58,7 @@ void FlatPolygon::find_axes(const std::vector<Vec3>& ring) {
     if ((next - ring[k]).squaredNorm() > longest.squaredNorm()) longest = next - ring[k];
   }
   normal_.normalize();
-  is_level_ = std::abs(normal_.z()) > kLevel;
+  is_level_ = std::abs(normal_.z()) > kLevelNormal;
   const Vec3 along = is_level_ ? longest : Vec3(Vec3::UnitZ().cross(normal_));
   u_ = (along - along.dot(normal_) * normal_).normalized();
   v_ = normal_.cross(u_);

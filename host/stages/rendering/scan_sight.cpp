@@ -36,13 +36,16 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, std::size_t 
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (s == but || scans_[s].image->count() == 0) continue;
     const Vec3 point = scan_from_world_[s] * place;
-    const auto node = lookups_[s].towards(point);
-    if (!node.within) continue;
     const double least_m = point.norm() + margin_m;
+    const Vec3 side = margin_m * point.unitOrthogonal();
+    const Vec3 up = point.normalized().cross(side);
     bool through = true;
-    for (int k = 0; k < 9 && through; ++k) {
-      const auto range = range_m(s, node.row + k / 3 - 1, node.col + k % 3 - 1);
+    for (const auto& [x, y] :
+         {std::pair{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
+      const auto beside = lookups_[s].towards(point + x * side + y * up);
+      const auto range = beside.within ? range_m(s, beside.row, beside.col) : std::nullopt;
       through = range && *range > least_m;
+      if (!through) break;
     }
     if (through) return true;
   }

@@ -37,7 +37,8 @@ class ScanSight {
   // Whether a scan other than `but` sees past the place.
   bool is_empty(const Vec3& place, std::size_t but = kAll) const;
 
-  // Whether a scan other than `but` sees past the place and all around it, `margin_m` and more.
+  // Whether a scan other than `but` sees past the place, and past those `margin_m` around it, by
+  // as much and more.
   bool is_seen_through(const Vec3& place, double margin_m, std::size_t but) const;
 
   // Whether this scan sees something before the place.

@@ -92,8 +92,10 @@ TEST(ScanSight, seen_through_by_another_scan_all_around_the_place) {
   EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 0.1, 1));   // by itself alone
   EXPECT_FALSE(sight.is_seen_through({0, -4, 0}, 0.1, 0));  // not in sight
   EXPECT_FALSE(beside.is_seen_through({0, 4, 0}, 0.1, 0));
-  EXPECT_FALSE(beside.is_seen_through({0.1, 4, 0}, 0.1, 0));  // the next node sees the post
+  EXPECT_FALSE(beside.is_seen_through({0.15, 4, 0}, 0.1, 0));  // the post is within 10 cm
+  EXPECT_FALSE(beside.is_seen_through({0.15, 4, 0.1}, 0.1, 0));
   EXPECT_TRUE(beside.is_seen_through({0.3, 4, 0}, 0.1, 0));
+  EXPECT_FALSE(beside.is_seen_through({0.3, 4, 0}, 0.3, 0));
   EXPECT_TRUE(sight.is_hidden({0, 5, 0}, 0));
   EXPECT_FALSE(sight.is_hidden({0, 4, 0}, 0));
   EXPECT_FALSE(sight.is_hidden({0, -5, 0}, 0));
