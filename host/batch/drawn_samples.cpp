@@ -125,6 +125,7 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                       registrations[p]->world_from_scan(), kOnPolygonDeg, {near}, retained);
     const auto& to_face = registrations[p]->signed_distance_m;
     const double through_m = kSeenThrough_m + kNoiseSigmas * worst_sigma_m;
+    const double step_rad = product.image.step_rad();
     const auto& world = registrations[p]->world_from_scan();
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
     parallel_for(
@@ -133,7 +134,9 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
           if (!retained[i]) return;
           if (!on_contour.empty() && on_contour[i]) return;
           const bool planar = product.segmentation.sample_label[i] != 0;
-          if (!planar && sight.is_seen_through(world * product.image.point(i), through_m, scan)) return;
+          const Vec3 point = product.image.point(i);
+          if (!planar && sight.is_seen_through(world * point, through_m, step_rad * point.norm(), scan))
+            return;
           const bool on_face =
               !to_face.empty() &&
               std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);

@@ -32,10 +32,11 @@ bool ScanSight::is_empty(const Vec3& place, std::size_t but) const {
   return false;
 }
 
-bool ScanSight::is_seen_through(const Vec3& place, double margin_m, std::size_t but) const {
+bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spacing_m, std::size_t but) const {
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (s == but || scans_[s].image->count() == 0) continue;
     const Vec3 point = scan_from_world_[s] * place;
+    if (point.norm() * scans_[s].image->step_rad() > spacing_m) continue;
     const double least_m = point.norm() + margin_m;
     const Vec3 side = margin_m * point.unitOrthogonal();
     const Vec3 up = point.normalized().cross(side);

@@ -37,9 +37,9 @@ class ScanSight {
   // Whether a scan other than `but` sees past the place.
   bool is_empty(const Vec3& place, std::size_t but = kAll) const;
 
-  // Whether a scan other than `but` sees past the place, and past those `margin_m` around it, by
-  // as much and more.
-  bool is_seen_through(const Vec3& place, double margin_m, std::size_t but) const;
+  // Whether a scan other than `but` sees past the place, and past those `margin_m` around it, by as much and
+  // more; one that has a sample at least every `spacing_m` there, for others miss what is thin.
+  bool is_seen_through(const Vec3& place, double margin_m, double spacing_m, std::size_t but) const;
 
   // Whether this scan sees something before the place.
   bool is_hidden(const Vec3& place, std::size_t scan) const;

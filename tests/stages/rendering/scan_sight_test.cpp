@@ -87,15 +87,17 @@ TEST(ScanSight, seen_through_by_another_scan_all_around_the_place) {
   const std::vector<SightScan> scans = {{&wall, nullptr, nullptr, {}}, {&far, nullptr, nullptr, {}}},
                                posts = {{&wall, nullptr, nullptr, {}}, {&post, nullptr, nullptr, {}}};
   const ScanSight sight(scans, 0.02), beside(posts, 0.02);
-  EXPECT_TRUE(sight.is_seen_through({0, 4, 0}, 0.1, 0));
-  EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 5.1, 0));   // by less
-  EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 0.1, 1));   // by itself alone
-  EXPECT_FALSE(sight.is_seen_through({0, -4, 0}, 0.1, 0));  // not in sight
-  EXPECT_FALSE(beside.is_seen_through({0, 4, 0}, 0.1, 0));
-  EXPECT_FALSE(beside.is_seen_through({0.15, 4, 0}, 0.1, 0));  // the post is within 10 cm
-  EXPECT_FALSE(beside.is_seen_through({0.15, 4, 0.1}, 0.1, 0));
-  EXPECT_TRUE(beside.is_seen_through({0.3, 4, 0}, 0.1, 0));
-  EXPECT_FALSE(beside.is_seen_through({0.3, 4, 0}, 0.3, 0));
+  EXPECT_TRUE(sight.is_seen_through({0, 4, 0}, 0.1, 0.1, 0));
+  EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 5.1, 0.1, 0));                       // by less
+  EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 0.1, 0.1, 1));                       // by itself alone
+  EXPECT_FALSE(sight.is_seen_through({0, -4, 0}, 0.1, 0.1, 0));                      // not in sight
+  EXPECT_FALSE(sight.is_seen_through({0, 4, 0}, 0.1, 3.9 * kSmallScanStep_rad, 0));  // too coarse for that
+  EXPECT_TRUE(sight.is_seen_through({0, 4, 0}, 0.1, 4.1 * kSmallScanStep_rad, 0));
+  EXPECT_FALSE(beside.is_seen_through({0, 4, 0}, 0.1, 0.1, 0));
+  EXPECT_FALSE(beside.is_seen_through({0.15, 4, 0}, 0.1, 0.1, 0));  // the post is within 10 cm
+  EXPECT_FALSE(beside.is_seen_through({0.15, 4, 0.1}, 0.1, 0.1, 0));
+  EXPECT_TRUE(beside.is_seen_through({0.3, 4, 0}, 0.1, 0.1, 0));
+  EXPECT_FALSE(beside.is_seen_through({0.3, 4, 0}, 0.3, 0.1, 0));
   EXPECT_TRUE(sight.is_hidden({0, 5, 0}, 0));
   EXPECT_FALSE(sight.is_hidden({0, 4, 0}, 0));
   EXPECT_FALSE(sight.is_hidden({0, -5, 0}, 0));
