@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 #include "core/parallel.hpp"
 #include "stages/rendering/flat_polygon.hpp"
@@ -14,6 +16,7 @@ constexpr int kMostCells = 256;           // across a polygon: of a larger one t
 constexpr double kMostSeenThrough = 0.2;  // of a part's border
 constexpr double kLeastHidden = 0.5;      // of a part: of the rest no scan says anything
 constexpr int kLeastCells = 4;            // of a part
+constexpr std::array<std::pair<int, int>, 4> kFourBeside = {{{0, 1}, {0, -1}, {1, 0}, {-1, 0}}};
 
 // What the scans say of a cell of a polygon's plane.
 enum class Cell : std::uint8_t { kUnsure, kSeen, kHidden, kEmpty };
@@ -112,7 +115,7 @@ class Shadow {
         for (std::size_t k = 0; k < part.size(); ++k) {
           const auto [r, c] = part[k];
           hidden += cells_[at(r, c)] == Cell::kHidden;
-          for (const auto& [up, across] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}}) {
+          for (const auto& [up, across] : kFourBeside) {
             const int y = r + up, x = c + across;
             if (!is_in(y, x)) continue;
             seen += cells_[at(y, x)] == Cell::kSeen;
@@ -138,7 +141,7 @@ class Shadow {
     for (int row = 0; row < rows_; ++row)
       for (int col = 0; col < cols_; ++col) {
         if (cells_[at(row, col)] != Cell::kSeen) continue;
-        for (const auto& [up, across] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}})
+        for (const auto& [up, across] : kFourBeside)
           if (is_in(row + up, col + across) && parts[at(row + up, col + across)]) filled[at(row, col)] = 1;
       }
   }

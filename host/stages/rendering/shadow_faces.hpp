@@ -13,7 +13,7 @@ struct ShadowFace {
   std::array<Vec3, 4> corners;  // in order, front side the face's
 };
 
-// What stands before a plane that no proxy face explains, hides a part of it from the scan that shows it: a
+// What stands before a plane that no proxy face explains hides a part of it from the scan that shows it: a
 // passer-by before a buttress, a column before a gallery's front. The plane goes on there where the hidden
 // part lies between two seen ones, level or upright, or below a seen one down to the lowest place of an
 // upright polygon, for what is built stands on the ground; no scan looks through it there, and hardly any of
