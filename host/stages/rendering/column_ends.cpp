@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/flat_ring.hpp"
+#include "stages/rendering/column_squares.hpp"
 #include "stages/rendering/flat_polygon.hpp"
 
 namespace hybrid::stages {
@@ -18,8 +19,7 @@ constexpr int kMostSteps = 16;                               // across a polygon
 constexpr double kMostEmpty = 0.1, kLeastUnknown = 0.25;     // of them
 constexpr double kSamePlane_m = 0.02;
 
-// Of its base or its head.
-bool is_of_end(const SpacePolygon& polygon, const Cylinder& column) {
+ColumnEndKind end_of(const SpacePolygon& polygon, const Cylinder& column) {
   const Vec3 a = column.axis.unitOrthogonal(), b = column.axis.cross(a);
   Ring2 around;  // seen along the axis, which is at 0
   double low = column.along(polygon.outer[0]), high = low, farthest = 0;
@@ -33,8 +33,9 @@ bool is_of_end(const SpacePolygon& polygon, const Cylinder& column) {
   const double radius = column.radius_m, length = column.length_m;
   const bool base = low >= -kEndReach * radius && high <= kInwards * radius;
   const bool head = low >= length - kInwards * radius && high <= length + kEndReach * radius;
-  return (base || head) && farthest <= kFarthestCorner * radius &&
-         distance_to_border(around, Vec2::Zero()) <= kNearestSide * radius;
+  if (farthest > kFarthestCorner * radius || distance_to_border(around, Vec2::Zero()) > kNearestSide * radius)
+    return ColumnEndKind::kNone;
+  return base ? ColumnEndKind::kBase : head ? ColumnEndKind::kHead : ColumnEndKind::kNone;
 }
 
 SpacePolygon turned(const SpacePolygon& polygon, const Cylinder& about, int quarters) {
@@ -72,18 +73,24 @@ std::vector<ColumnEnd> column_ends(const ScanSight& sight, const PolygonModel& c
     const auto is_done = [&column = column](const Cylinder& other) { return is_same(column, other); };
     if (std::any_of(done.begin(), done.end(), is_done)) continue;
     done.push_back(column);
-    std::vector<FlatPolygon> copies;
-    for (const Face& face : contours.faces) {
-      const SpacePolygon polygon = polygon_of(contours, face);
-      if (!is_of_end(polygon, column)) continue;
-      for (const int quarters : {1, 2, 3}) {
-        const SpacePolygon copy = turned(polygon, column, quarters);
-        const FlatPolygon flat(copy);
-        PolygonModel model = model_of(copy);
-        if (!may_be_there(sight, flat, copies) || !can_be_triangulated(model)) continue;
-        copies.push_back(flat);
-        ends.push_back({scan, column.id, std::move(model)});
-      }
+    std::vector<FlatPolygon> there;
+    const auto add = [&, scan = scan, id = column.id](const SpacePolygon& polygon) {
+      const FlatPolygon flat(polygon);
+      PolygonModel model = model_of(polygon);
+      if (!may_be_there(sight, flat, there) || !can_be_triangulated(model)) return;
+      there.push_back(flat);
+      ends.push_back({scan, id, std::move(model)});
+    };
+    for (const ColumnEndKind end : {ColumnEndKind::kBase, ColumnEndKind::kHead}) {
+      std::vector<SpacePolygon> seen;
+      for (const Face& face : contours.faces)
+        if (SpacePolygon polygon = polygon_of(contours, face); end_of(polygon, column) == end)
+          seen.push_back(std::move(polygon));
+      there.clear();
+      for (const SpacePolygon& polygon : seen) there.emplace_back(polygon);
+      for (const SpacePolygon& polygon : column_squares(column, end, seen)) add(polygon);
+      for (const SpacePolygon& polygon : seen)
+        for (const int quarters : {1, 2, 3}) add(turned(polygon, column, quarters));
     }
   }
   return ends;

@@ -27,6 +27,7 @@ class FlatPolygon {
   const Vec2& low() const { return low_; }
   const Vec2& high() const { return high_; }
   bool is_level() const { return is_level_; }
+  const Vec3& normal() const { return normal_; }
 
   bool holds(const Vec2& at) const;
   bool covers(const Vec3& place, double tolerance_m) const;  // lies on it

@@ -43,13 +43,21 @@ RangeImage front_of(const Cylinder& column, const Outline& outline) {
 }
 
 // A rectangle before the column's axis, its front side towards the scanner.
-PolygonModel plinth(double half_width, double before_axis) {
+PolygonModel plinth(double left, double right, double before_axis) {
   PolygonModel model;
   const double y = 6 - before_axis;
-  model.vertices = {{-half_width, y, -0.9}, {half_width, y, -0.9}, {half_width, y, -0.5},
-                    {-half_width, y, -0.5}, {-0.1, y, -0.8},       {-0.1, y, -0.6},
-                    {0.1, y, -0.6},         {0.1, y, -0.8}};
-  model.faces = {{"plinth", {0, 1, 2, 3}, {{4, 5, 6, 7}}}};
+  model.vertices = {{left, y, -0.9}, {right, y, -0.9}, {right, y, -0.5}, {left, y, -0.5}};
+  model.faces = {{"plinth", {0, 1, 2, 3}, {}}};
+  return model;
+}
+
+// With a hole.
+PolygonModel panelled(double half_width, double before_axis) {
+  PolygonModel model = plinth(-half_width, half_width, before_axis);
+  const double y = 6 - before_axis;
+  model.vertices.insert(model.vertices.end(),
+                        {{-0.1, y, -0.8}, {-0.1, y, -0.6}, {0.1, y, -0.6}, {0.1, y, -0.8}});
+  model.faces[0].holes = {{4, 5, 6, 7}};
   return model;
 }
 
@@ -114,8 +122,9 @@ TEST_F(ColumnBehindAWall, a_head_seen_from_one_side_is_as_round_on_the_other) {
     for (const Vec3& corner : back.corners) EXPECT_LE(corner.z(), 0.5 + 1e-9);
 }
 
-TEST_F(ColumnBehindAWall, a_side_of_its_plinth_is_there_on_all_four) {
-  const auto ends = ends_of({{&hiding, nullptr, nullptr, {}, &columns}}, plinth(0.45, 0.45));
+// What reaches no corner of a square may be a side of an octagon: only it is there again.
+TEST_F(ColumnBehindAWall, a_side_of_its_base_is_there_every_quarter_of_a_turn) {
+  const auto ends = ends_of({{&hiding, nullptr, nullptr, {}, &columns}}, panelled(0.3, 0.45));
   ASSERT_EQ(ends.size(), 3u);
   const double right[] = {0.45, 0, -0.45}, behind[] = {0, 0.45, 0};  // a quarter, a half, three quarters on
   for (std::size_t k = 0; k < 3; ++k) {
@@ -128,26 +137,75 @@ TEST_F(ColumnBehindAWall, a_side_of_its_plinth_is_there_on_all_four) {
     const Vec3 middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
     EXPECT_LT((middle - Vec3(right[k], 6 + behind[k], -0.7)).norm(), 1e-9) << k;
     EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(middle)), 0) << k;
-    EXPECT_NEAR((c[1] - c[0]).norm(), 0.9, 1e-9);
+    EXPECT_NEAR((c[1] - c[0]).norm(), 0.6, 1e-9);
   }
   // The same column of another scan brings nothing new.
   EXPECT_EQ(ends_of({{&hiding, nullptr, nullptr, {}, &columns}, {&hiding, nullptr, nullptr, {}, &columns}},
-                    plinth(0.45, 0.45))
+                    panelled(0.3, 0.45))
                 .size(),
             3u);
+}
+
+TEST_F(ColumnBehindAWall, half_a_side_of_its_plinth_says_all_four_and_the_top) {
+  const std::vector<SightScan> scans = {{&hiding, nullptr, nullptr, {}, &columns}};
+  for (const PolygonModel& seen : {plinth(-0.45, 0.05, 0.45), plinth(-0.05, 0.45, 0.45)}) {
+    const auto ends = ends_of(scans, seen);
+    ASSERT_EQ(ends.size(), 5u);
+    Vec3 middles = Vec3::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto& c = ends[k].polygon.vertices;
+      ASSERT_EQ(c.size(), 4u);
+      const Vec3 middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
+      middles += middle;
+      EXPECT_NEAR(column.outwards(middle).norm(), 0.45, 1e-9);
+      EXPECT_NEAR(middle.z(), -0.7, 1e-9);
+      EXPECT_NEAR((c[1] - c[0]).norm(), 0.9, 1e-9);
+      EXPECT_NEAR((c[3] - c[0]).norm(), 0.4, 1e-9);
+      EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).dot(column.outwards(middle)), 0) << k;
+    }
+    EXPECT_LT((middles / 4 - Vec3(0, 6, -0.7)).norm(), 1e-9);
+    const auto& top = ends[4].polygon;
+    ASSERT_EQ(top.faces[0].outer.size(), 4u);
+    ASSERT_EQ(top.faces[0].holes.size(), 1u);
+    for (const Vec3& corner : top.vertices) EXPECT_NEAR(corner.z(), -0.5, 1e-9);
+    const auto& c = top.vertices;
+    EXPECT_GT((c[1] - c[0]).cross(c[3] - c[0]).z(), 0);
+    for (const std::uint32_t vertex : top.faces[0].holes[0])
+      EXPECT_NEAR(column.outwards(c[vertex]).norm(), 0.3, 1e-9);
+  }
+  // Both halves are of one square; whole, it is no news itself.
+  PolygonModel halves = plinth(-0.45, 0.05, 0.45);
+  const PolygonModel other = plinth(-0.05, 0.45, 0.45);
+  halves.vertices.insert(halves.vertices.end(), other.vertices.begin(), other.vertices.end());
+  halves.faces.push_back({"other half", {4, 5, 6, 7}, {}});
+  EXPECT_EQ(ends_of(scans, halves).size(), 4u);
+  EXPECT_EQ(ends_of(scans, panelled(0.45, 0.45)).size(), 4u);
+}
+
+// Above the shaft the underside of what is square.
+TEST_F(ColumnBehindAWall, an_abacus_has_an_underside) {
+  PolygonModel abacus = plinth(-0.45, 0.45, 0.45);
+  for (Vec3& vertex : abacus.vertices) vertex.z() += 1.5;
+  const auto ends = ends_of({{&hiding, nullptr, nullptr, {}, &columns}}, abacus);
+  ASSERT_EQ(ends.size(), 4u);
+  const auto& c = ends[3].polygon.vertices;
+  for (const Vec3& corner : c) EXPECT_NEAR(corner.z(), 0.6, 1e-9);
+  EXPECT_LT((c[1] - c[0]).cross(c[3] - c[0]).z(), 0);
 }
 
 TEST_F(ColumnBehindAWall, no_plinth_where_it_is_empty_too_wide_or_far_or_no_column) {
   const auto sides = [&](const RangeImage& image, const PolygonModel& model) {
     return ends_of({{&image, nullptr, nullptr, {}, &columns}}, model).size();
   };
-  EXPECT_EQ(sides(hiding, plinth(0.45, 0.45)), 3u);
-  EXPECT_EQ(sides(through, plinth(0.45, 0.45)), 0u);
-  EXPECT_EQ(sides(hiding, plinth(0.8, 0.45)), 0u);
-  EXPECT_EQ(sides(hiding, plinth(0.3, 0.6)), 0u);
+  EXPECT_EQ(sides(hiding, plinth(-0.45, 0.45, 0.45)), 4u);
+  EXPECT_EQ(sides(through, plinth(-0.45, 0.45, 0.45)), 0u);
+  EXPECT_EQ(sides(hiding, plinth(-0.8, 0.8, 0.45)), 0u);
+  EXPECT_EQ(sides(hiding, plinth(-0.3, 0.3, 0.6)), 0u);
   EXPECT_EQ(sides(hiding, {}), 0u);
+  // Wider than it is far from the axis, on one side: no square.
+  EXPECT_EQ(sides(hiding, plinth(-0.45, 0.55, 0.45)), 3u);
   columns[0].inside = true;
-  EXPECT_EQ(sides(hiding, plinth(0.45, 0.45)), 0u);
+  EXPECT_EQ(sides(hiding, plinth(-0.45, 0.45, 0.45)), 0u);
 }
 
 }  // namespace hybrid::testing::column_backs_test
