@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "stages/rendering/column_backs.hpp"
 #include "stages/rendering/column_ends.hpp"
+#include "stages/rendering/far_flanks.hpp"
 #include "stages/rendering/shadow_faces.hpp"
 
 namespace hybrid::batch {
@@ -45,6 +46,7 @@ void append_unseen(const std::vector<ScanProduct>& products,
   for (const std::uint32_t product : all.scan) scan_of_face.push_back(scan_of[product]);
   const auto ends = stages::column_ends(sight, all.model);
   const auto shadows = stages::shadow_faces(sight, all.model, scan_of_face);
+  const auto flanks = stages::far_flanks(sight, all.model);
   const auto add = [&](std::size_t scan, std::string name, const Face& face, const auto& vertices) {
     const auto shift = static_cast<std::uint32_t>(all.model.vertices.size());
     all.model.faces.push_back(shifted(face, shift));
@@ -62,6 +64,8 @@ void append_unseen(const std::vector<ScanProduct>& products,
     add(scan, column(scan, cylinder), polygon.faces[0], polygon.vertices);
   for (const auto& [face, corners] : shadows)
     add(scan_of_face[face], all.model.faces[face].name + "-shadow", quadrilateral, corners);
+  for (const auto& [face, corners] : flanks)
+    add(scan_of_face[face], all.model.faces[face].name + "-flank", quadrilateral, corners);
 }
 
 }  // namespace
@@ -97,10 +101,10 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
   return all;
 }
 
-void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
-                          const std::vector<std::optional<ScanRegistration>>& registrations,
-                          std::vector<ScanProduct>& products) {
-  const WorldContours contours = world_contours(products, registrations, options.render.unseen_m);
+WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
+                                   const std::vector<std::optional<ScanRegistration>>& registrations,
+                                   std::vector<ScanProduct>& products) {
+  WorldContours contours = world_contours(products, registrations, options.render.unseen_m);
   const double worst_sigma_m = largest_sigma(products);
   const auto scans = sight_scans(products, registrations);
   const stages::ScanSight sight(scans, kSightTolerance_m);
@@ -145,6 +149,7 @@ void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
         1 << 14);
     ++scan;
   }
+  return contours;
 }
 
 }  // namespace hybrid::batch

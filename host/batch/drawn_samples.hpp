@@ -9,14 +9,15 @@ std::vector<stages::SightScan> sight_scans(const std::vector<ScanProduct>& produ
                                            const std::vector<std::optional<ScanRegistration>>& registrations);
 
 // The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>, and
-// the sides of their columns that no scan has seen (column_backs.hpp, column_ends.hpp), faces named
-// <scan>-column-<cylinder id>, and what something hides of the polygons (shadow_faces.hpp), faces named
-// <scan>-<supercluster id>-shadow.
+// the faces that close what no scan has seen: sides of columns (column_backs.hpp, column_ends.hpp), named
+// <scan>-column-<cylinder id>, what something hides of the polygons (shadow_faces.hpp), named
+// <scan>-<supercluster id>-shadow, and their far flanks (far_flanks.hpp), named <scan>-<supercluster
+// id>-flank.
 struct WorldContours {
   PolygonModel model;
   std::vector<std::uint32_t> scan;  // per face: index of its product
 };
-// `unseen_m` (RenderOptions) 0: all that no scan has seen is empty, and there are no backs.
+// `unseen_m` (RenderOptions) 0: all that no scan has seen is empty, and nothing closes it.
 WorldContours world_contours(const std::vector<ScanProduct>& products,
                              const std::vector<std::optional<ScanRegistration>>& registrations,
                              double unseen_m);
@@ -26,8 +27,9 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
 // has moved away), and those that lie on a contour polygon. Drawn only without the proxy: those that
 // a proxy face stands for, as it stands for the discarded interior: planar ones within explain_m of a face,
 // others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on.
-void choose_drawn_samples(device::Queue& queue, const StageOptions& options,
-                          const std::vector<std::optional<ScanRegistration>>& registrations,
-                          std::vector<ScanProduct>& products);
+// Returns the scene's contours.
+WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
+                                   const std::vector<std::optional<ScanRegistration>>& registrations,
+                                   std::vector<ScanProduct>& products);
 
 }  // namespace hybrid::batch

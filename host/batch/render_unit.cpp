@@ -199,16 +199,16 @@ void place_photographs(const io::SceneFile::Photographs& section, const std::vec
 
 stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
                                        const std::vector<std::optional<ScanRegistration>>& registrations,
-                                       const PhotographSet& photographs, double unseen_m, int every) {
+                                       const PhotographSet& photographs, const WorldContours& contours,
+                                       double unseen_m, int every) {
   stages::RenderScene scene;
   scene.proxy = model;
   scene.photographs = photographs.cameras;
   for (std::size_t i = 0; i < photographs.pixels->count(); ++i)
     scene.photograph_pixels.push_back(photographs.pixels->size(i));
   scene.decode = [kept = photographs.pixels](std::size_t index) { return kept->get(index); };
-  auto contours = world_contours(products, registrations, unseen_m);
-  scene.contours = std::move(contours.model);
-  scene.contour_scan = std::move(contours.scan);
+  scene.contours = contours.model;
+  scene.contour_scan = contours.scan;
   if (unseen_m > 0) scene.curtains = curtains_of(products, registrations, unseen_m);
   for (std::size_t i = 0; i < products.size(); ++i) {
     if (!registrations[i]) continue;

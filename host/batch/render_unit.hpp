@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "batch/drawn_samples.hpp"
 #include "batch/e57_images.hpp"
 #include "batch/kept_photographs.hpp"
 #include "batch/registration/registration_unit.hpp"
@@ -34,11 +35,12 @@ void place_photographs(const io::SceneFile::Photographs& section, const std::vec
                        PhotographSet& photographs);
 
 // Proxy, contour polygons and retained samples of all registered scans (as splats), photographs (METHOD 10).
-// Needs products[].drawn (choose_drawn_samples). With `unseen_m` (RenderOptions) above 0, curtains. `every`:
-// as in make_splats.
+// Needs products[].drawn (choose_drawn_samples, whose `contours` these are). With `unseen_m` (RenderOptions)
+// above 0, curtains. `every`: as in make_splats.
 stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
                                        const std::vector<std::optional<ScanRegistration>>& registrations,
-                                       const PhotographSet& photographs, double unseen_m = 0, int every = 1);
+                                       const PhotographSet& photographs, const WorldContours& contours,
+                                       double unseen_m = 0, int every = 1);
 
 // The view's camera and what it shows. Throws ErrorKind::input when it names a photograph that does not
 // exist.

@@ -212,16 +212,15 @@ class Run {
     if (run_.model && wants("edit"))
       unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
     progress_.step("drawn samples", all);
-    choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    run_.contours = choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
     if (!run_.model) return;
     if (needs_photographs()) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;
-    const auto contours = world_contours(run_.products, run_.registrations, options_.render.unseen_m);
     const fs::path file = request_.out / "model" / "unexplained.obj";
-    if (contours.model.faces.empty())
+    if (run_.contours.model.faces.empty())
       fs::remove(file);  // of an earlier run
     else
-      io::write_obj(file, contours.model);
+      io::write_obj(file, run_.contours.model);
   }
 
   // Scan i, whose pose is final now, if it has one.
@@ -325,7 +324,7 @@ class Run {
     const auto requested = views();
     if (requested.empty() && run_.photographs.cameras.empty()) return;
     const auto scene = build_render_scene(*run_.model, run_.products, run_.registrations, run_.photographs,
-                                          options_.render.unseen_m);
+                                          run_.contours, options_.render.unseen_m);
     stages::Renderer renderer(queue_, scene, options_.render);
     sigma_ = sigma_figures(renderer);
     if (options_.render.equalise) equalisation_ = equalisation_figures(renderer, run_.photographs);
@@ -362,6 +361,7 @@ class Run {
                               run_.photographs,
                               run_.products,
                               run_.registrations,
+                              run_.contours,
                               remains_,
                               [&](std::size_t i) { return std::optional(read_again(i)); },
                               options_};

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/drawn_samples.hpp"
 #include "batch/registration/registration_unit.hpp"
 #include "batch/render_unit.hpp"
 #include "batch/scene_scan.hpp"
@@ -61,6 +62,7 @@ struct SceneRun {
   std::vector<std::optional<ScanRegistration>>
       registrations;  // one per product; nothing when it failed, abstained or was not asked
   std::vector<std::optional<ScanRegistration>> abstentions;  // one per product; of those that abstained
+  WorldContours contours;                                    // of the registered scans
   std::vector<UnitFailure> failures;
   nlohmann::ordered_json summary;
   nlohmann::ordered_json timing;

@@ -41,7 +41,7 @@ TEST(RenderScene, curtains_hang_where_registered_scans_stand_in_the_world_and_on
   registrations[0].emplace();
   registrations[0]->icp.world_from_scan = world_from_scan;
   const auto with = [&](double unseen_m) {
-    return batch::build_render_scene({}, products, registrations, {}, unseen_m).curtains;
+    return batch::build_render_scene({}, products, registrations, {}, {}, unseen_m).curtains;
   };
   EXPECT_TRUE(with(0).empty());
   const auto curtains = with(0.5);

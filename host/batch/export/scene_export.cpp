@@ -51,7 +51,7 @@ struct SceneExport::State {
       : inputs(i),
         folder(out / "export"),
         earlier(files_of(folder / kIndex)),
-        scene(build_render_scene(i.model, i.products, i.registrations, i.photographs,
+        scene(build_render_scene(i.model, i.products, i.registrations, i.photographs, i.contours,
                                  i.options.render.unseen_m)),
         renderer(q, scene, i.options.render) {}
 

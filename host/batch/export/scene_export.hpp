@@ -20,6 +20,7 @@ struct ExportInputs {
   const PhotographSet& photographs;
   const std::vector<ScanProduct>& products;
   const std::vector<std::optional<ScanRegistration>>& registrations;
+  const WorldContours& contours;
   const std::vector<ScanRemains>& remains;
   std::function<std::optional<Scan>(std::size_t)> read_scan;  // a product's input, in the scanner's frame
   const StageOptions& options;

@@ -8,7 +8,7 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kUpright = 0.1;        // of a side's normal, along the axis
+constexpr double kSideUpright = 0.1;    // of a side's normal, along the axis
 constexpr double kReachesCorner = 0.8;  // of half the width: the sides of an octagon do not
 constexpr double kPastCorner_m = 0.03;
 constexpr double kSameWidth_m = 0.02;
@@ -34,7 +34,7 @@ struct Around {
 std::optional<Square> square_of(const Cylinder& column, const Around& around, const SpacePolygon& side) {
   const FlatPolygon flat(side);
   const Vec3 out = flat.normal() - flat.normal().dot(column.axis) * column.axis;
-  if (std::abs(flat.normal().dot(column.axis)) > kUpright) return {};
+  if (std::abs(flat.normal().dot(column.axis)) > kSideUpright) return {};
   const Vec3 normal = out.normalized(), across = column.axis.cross(normal);
   Square square{std::atan2(normal.dot(around.b), normal.dot(around.a)), 0, 0, 0, 0};
   square.turn_rad -= kQuarter * std::floor(square.turn_rad / kQuarter);

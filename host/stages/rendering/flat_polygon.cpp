@@ -38,6 +38,17 @@ PolygonModel model_of(const SpacePolygon& polygon) {
 
 FlatPolygon::FlatPolygon(const SpacePolygon& polygon) : origin_(polygon.outer[0]) {
   find_axes(polygon.outer);
+  flatten(polygon);
+}
+
+FlatPolygon::FlatPolygon(const SpacePolygon& polygon, const Vec3& second) : origin_(polygon.outer[0]) {
+  find_axes(polygon.outer);
+  v_ = (second - second.dot(normal_) * normal_).normalized();
+  u_ = v_.cross(normal_);
+  flatten(polygon);
+}
+
+void FlatPolygon::flatten(const SpacePolygon& polygon) {
   for (const Vec3& point : polygon.outer) outer_.push_back(flat(point));
   for (const auto& hole : polygon.holes) {
     holes_.emplace_back();

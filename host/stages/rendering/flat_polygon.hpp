@@ -21,6 +21,8 @@ PolygonModel model_of(const SpacePolygon& polygon);  // of one face without a na
 class FlatPolygon {
  public:
   explicit FlatPolygon(const SpacePolygon& polygon);
+  // The second coordinate along a direction on its plane, or nearly.
+  FlatPolygon(const SpacePolygon& polygon, const Vec3& second);
 
   Vec2 flat(const Vec3& point) const { return {u_.dot(point - origin_), v_.dot(point - origin_)}; }
   Vec3 lifted(const Vec2& at) const { return origin_ + at.x() * u_ + at.y() * v_; }
@@ -38,6 +40,7 @@ class FlatPolygon {
 
  private:
   void find_axes(const std::vector<Vec3>& ring);
+  void flatten(const SpacePolygon& polygon);
 
   Vec3 origin_, normal_ = Vec3::Zero(), u_, v_;
   bool is_level_ = false;

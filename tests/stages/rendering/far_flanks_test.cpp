@@ -1,0 +1,102 @@
+#include "stages/rendering/far_flanks.hpp"
+
+#include <algorithm>
+
+#include "stages/rendering/small_scans.hpp"
+
+namespace hybrid::testing::far_flanks_test {
+namespace {
+
+using namespace stages;
+
+constexpr double kFront_m = 5, kWall_m = 6;    // before the scanner
+constexpr double kNear_m = 0.5, kFar_m = 1.5;  // to its right: the buttress between them
+constexpr double kHigh_m = 1;
+
+// A buttress before a wall; the scanner sees its front and its left flank.
+double buttress(const Vec3& ray) {
+  const Vec3 front = kFront_m / ray.y() * ray;
+  if (front.x() >= kNear_m && front.x() <= kFar_m) return kFront_m / ray.y();
+  const Vec3 flank = kNear_m / ray.x() * ray;
+  if (ray.x() > 0 && flank.y() >= kFront_m && flank.y() <= kWall_m) return kNear_m / ray.x();
+  return kWall_m / ray.y();
+}
+
+// A post before the far border hides what is to the right of it, up to a height.
+double with_post(const Vec3& ray, double low) {
+  const Vec3 at = kFront_m / ray.y() * ray;
+  const bool post = at.x() > kFar_m - 0.05 && at.x() < kFar_m + 0.4 && at.z() > low;
+  return post ? 3 / ray.y() : buttress(ray);
+}
+
+// The front as far as `right`, and the flank, `gap` behind it.
+PolygonModel contours(double right, double gap = 0) {
+  PolygonModel model;
+  const double from = kFront_m + gap;
+  model.vertices = {{kNear_m, kFront_m, -kHigh_m}, {right, kFront_m, -kHigh_m},  {right, kFront_m, kHigh_m},
+                    {kNear_m, kFront_m, kHigh_m},  {kNear_m, kWall_m, -kHigh_m}, {kNear_m, from, -kHigh_m},
+                    {kNear_m, from, kHigh_m},      {kNear_m, kWall_m, kHigh_m}};
+  model.faces = {{"front", {0, 1, 2, 3}, {}}, {"flank", {4, 5, 6, 7}, {}}};
+  return model;
+}
+
+std::vector<FarFlank> flanks(const std::vector<RangeImage>& images, const PolygonModel& model) {
+  std::vector<SightScan> scans;
+  for (const RangeImage& image : images) scans.push_back({&image, nullptr, nullptr, {}, nullptr});
+  const ScanSight sight(scans, 0.02);
+  return far_flanks(sight, model);
+}
+
+void expect_whole(const std::vector<FarFlank>& found) {
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].face, 0u);
+  Vec3 low = found[0].corners[0], high = low;
+  for (const Vec3& corner : found[0].corners) {
+    EXPECT_NEAR(corner.x(), kFar_m, 0.05);
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
+  }
+  EXPECT_NEAR(low.y(), kFront_m, 1e-9);
+  EXPECT_NEAR(high.y(), kWall_m, 1e-9);
+  EXPECT_NEAR(low.z(), -kHigh_m, 1e-9);
+  EXPECT_NEAR(high.z(), kHigh_m, 1e-9);
+  const auto& c = found[0].corners;
+  EXPECT_GT((c[1] - c[0]).cross(Vec3(c[3] - c[0])).x(), 0);  // front side outwards
+}
+
+}  // namespace
+
+TEST(FarFlanks, WhatJutsOutHasTwo) {
+  expect_whole(flanks({scan_of(buttress)}, contours(kFar_m)));
+  // Its border is a little farther than where its samples end.
+  const auto found = flanks({scan_of(buttress)}, contours(kFar_m - 0.06));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_GT(found[0].corners[0].x(), kFar_m - 0.06);
+  EXPECT_LE(found[0].corners[0].x(), kFar_m + 0.05);
+}
+
+TEST(FarFlanks, WhatHidesAPartOfTheBorderDoesNotMatter) {
+  const auto post = [](double low) {
+    return scan_of([low](const Vec3& ray) { return with_post(ray, low); });
+  };
+  expect_whole(flanks({post(0.3)}, contours(kFar_m)));
+  EXPECT_TRUE(flanks({post(-2)}, contours(kFar_m)).empty());
+}
+
+TEST(FarFlanks, NoneWithoutASeenOneNorWhereItIsSeenToBeEmpty) {
+  PolygonModel front = contours(kFar_m);
+  front.faces.pop_back();
+  const auto image = scan_of(buttress);
+  EXPECT_TRUE(flanks({image}, front).empty());
+  EXPECT_TRUE(flanks({image}, {}).empty());
+  EXPECT_TRUE(flanks({image}, contours(kFar_m, 0.2)).empty());   // not the front's
+  EXPECT_TRUE(flanks({image}, contours(kFar_m - 0.4)).empty());  // the front goes on
+  const auto through = scan_of([](const Vec3& ray) { return kWall_m / ray.y(); });
+  EXPECT_TRUE(flanks({image, through}, contours(kFar_m)).empty());
+  // From behind the front it is no flank.
+  PolygonModel turned = contours(kFar_m);
+  std::reverse(turned.faces[0].outer.begin(), turned.faces[0].outer.end());
+  EXPECT_TRUE(flanks({image}, turned).empty());
+}
+
+}  // namespace hybrid::testing::far_flanks_test
