@@ -183,7 +183,9 @@ enum Drawn : std::uint8_t {
 
 // Sphere radius per node as SampleSurfaces says, so that neighbouring spheres close up; metres. The measured
 // nodes that `drawn` (Drawn, per node) does not rule out become splats in the world frame. scan_index colours
-// plain views. Of every so many rows and columns one is taken, whose spheres are as many times larger.
+// plain views. After them, splats for nodes without a sample that lie between two such nodes of one surface
+// in a row or a column: a dropout is no window. Of every so many rows and columns one is taken, whose spheres
+// are as many times larger, and gaps stay.
 std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation& segmentation,
                                const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan,
                                std::uint32_t scan_index, int every = 1);

@@ -16,6 +16,7 @@ constexpr int kMostCells = 256;           // across a polygon: of a larger one t
 constexpr double kMostSeenThrough = 0.2;  // of a part's border
 constexpr double kLeastHidden = 0.5;      // of a part: of the rest no scan says anything
 constexpr int kLeastCells = 4;            // of a part
+constexpr double kSmallHole_m2 = 0.02;    // in which nothing was measured
 constexpr std::array<std::pair<int, int>, 4> kFourBeside = {{{0, 1}, {0, -1}, {1, 0}, {-1, 0}}};
 
 // What the scans say of a cell of a polygon's plane.
@@ -131,6 +132,7 @@ class Shadow {
         if (part.size() >= kLeastCells && share(hidden, part.size()) >= kLeastHidden &&
             share(empty, empty + seen) <= kMostSeenThrough)
           continue;
+        if (empty == 0 && static_cast<double>(part.size()) * step_ * step_ <= kSmallHole_m2) continue;
         for (const auto& [r, c] : part) filled[at(r, c)] = 0;
       }
   }

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -8,24 +10,105 @@
 namespace hybrid::stages {
 namespace {
 
-std::vector<Splat> row_splats(const RangeImage& image, const SampleSurfaces& surfaces,
-                              const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan,
-                              std::uint32_t scan_index, int every, int row) {
-  std::vector<Splat> splats;
-  for (int col = 0; col < image.cols; col += every) {
-    const std::size_t i = image.index(row, col);
-    if (drawn[i] == kNotDrawn || image.mask[i] != kMeasured) continue;
-    const SampleSurface surface = surfaces.at(row, col);
-    const Vec3f centre = (world_from_scan * image.point(i)).cast<float>();
-    const Vec3f normal = world_from_scan.rotate(surface.normal).cast<float>();
-    splats.push_back({{centre.x(), centre.y(), centre.z()},
-                      static_cast<float>(surface.radius_m * every * world_from_scan.scale),
-                      {normal.x(), normal.y(), normal.z()},
-                      scan_index,
-                      drawn[i] == kDrawnOffFaces});
+constexpr double kOneSurface = 0.9;   // cosine between the normals of two samples of no plane
+constexpr double kFarthestApart = 4;  // of their distance, in steps of the grid
+constexpr int kWidestGap = 4;         // steps between a gap's sides; of what lies on no plane 2
+
+class SplatMaker {
+ public:
+  SplatMaker(const RangeImage& image, const PlaneSegmentation& segmentation,
+             const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan, std::uint32_t scan_index,
+             int every)
+      : image_(image),
+        segmentation_(segmentation),
+        surfaces_(image, segmentation),
+        drawn_(drawn),
+        world_from_scan_(world_from_scan),
+        scan_index_(scan_index),
+        every_(every) {}
+
+  std::vector<Splat> samples(int row) const {
+    std::vector<Splat> splats;
+    for (int col = 0; col < image_.cols; col += every_)
+      if (const std::size_t i = image_.index(row, col); is_drawn(i))
+        splats.push_back(splat(image_.point(i), surfaces_.at(row, col), drawn_[i]));
+    return splats;
   }
-  return splats;
-}
+
+  std::vector<Splat> gaps(int row) const {
+    std::vector<Splat> splats;
+    for (int col = 0; col < image_.cols; ++col)
+      if (image_.mask[image_.index(row, col)] != kMeasured)
+        if (const auto gap = between(row, col)) splats.push_back(*gap);
+    return splats;
+  }
+
+ private:
+  bool is_drawn(std::size_t i) const { return drawn_[i] != kNotDrawn && image_.mask[i] == kMeasured; }
+
+  Splat splat(const Vec3& point, const SampleSurface& surface, std::uint8_t drawn) const {
+    const Vec3f centre = (world_from_scan_ * point).cast<float>();
+    const Vec3f normal = world_from_scan_.rotate(surface.normal).cast<float>();
+    return {{centre.x(), centre.y(), centre.z()},
+            static_cast<float>(surface.radius_m * every_ * world_from_scan_.scale),
+            {normal.x(), normal.y(), normal.z()},
+            scan_index_,
+            drawn == kDrawnOffFaces};
+  }
+
+  // At a node without a sample: between two drawn ones of one surface on either side of it.
+  std::optional<Splat> between(int row, int col) const {
+    if (const auto found = between(row, col, 1, 0, image_.elevation_step_rad())) return found;
+    return between(row, col, 0, 1, image_.azimuth_step_rad());
+  }
+
+  std::optional<Splat> between(int row, int col, int down, int across, double step_rad) const {
+    const auto before = next_drawn(row, col, -down, -across), after = next_drawn(row, col, down, across);
+    if (!before || !after || drawn_[before->node] != drawn_[after->node]) return std::nullopt;
+    const Vec3 one = image_.point(before->node), other = image_.point(after->node);
+    SampleSurface surface = surfaces_.at(before->row, before->col);
+    const SampleSurface beside = surfaces_.at(after->row, after->col);
+    const std::uint32_t plane = label(before->node);
+    const int apart = before->steps + after->steps;
+    if (plane != label(after->node) || apart > (plane != 0 ? kWidestGap : 2)) return std::nullopt;
+    if (plane == 0 && (!(surface.normal.dot(beside.normal) > kOneSurface) ||
+                       (one - other).norm() > kFarthestApart * apart * step_rad * one.norm()))
+      return std::nullopt;
+    surface.radius_m = std::max(surface.radius_m, beside.radius_m);
+    const double share = static_cast<double>(before->steps) / apart;
+    return splat(one + share * (other - one), surface, drawn_[before->node]);
+  }
+
+  struct DrawnNode {
+    std::size_t node;
+    int row, col, steps;
+  };
+
+  std::optional<DrawnNode> next_drawn(int row, int col, int down, int across) const {
+    for (int steps = 1; steps < kWidestGap; ++steps) {
+      const int r = row + steps * down;
+      int c = col + steps * across;
+      if (image_.wraps) c = (c + image_.cols) % image_.cols;
+      if (r < 0 || c < 0 || r >= image_.rows || c >= image_.cols) return std::nullopt;
+      const std::size_t i = image_.index(r, c);
+      if (is_drawn(i)) return DrawnNode{i, r, c, steps};
+      if (image_.mask[i] == kMeasured) return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+  std::uint32_t label(std::size_t i) const {
+    return segmentation_.sample_label.empty() ? 0 : segmentation_.sample_label[i];
+  }
+
+  const RangeImage& image_;
+  const PlaneSegmentation& segmentation_;
+  const SampleSurfaces surfaces_;
+  const std::vector<std::uint8_t>& drawn_;
+  const Pose& world_from_scan_;
+  std::uint32_t scan_index_;
+  int every_;
+};
 
 }  // namespace
 
@@ -35,11 +118,13 @@ std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation&
   if (drawn.size() != image.count())
     fail(ErrorKind::failed, "make_splats: expected a flag for each of {} nodes, found {}", image.count(),
          drawn.size());
-  const SampleSurfaces surfaces(image, segmentation);
-  std::vector<std::vector<Splat>> rows(static_cast<std::size_t>((image.rows + every - 1) / every));
-  parallel_for(rows.size(), [&](std::size_t row) {
-    rows[row] =
-        row_splats(image, surfaces, drawn, world_from_scan, scan_index, every, every * static_cast<int>(row));
+  const SplatMaker maker(image, segmentation, drawn, world_from_scan, scan_index, every);
+  // Samples first.
+  const auto taken = static_cast<std::size_t>((image.rows + every - 1) / every);
+  std::vector<std::vector<Splat>> rows(taken + (every == 1 ? taken : 0));
+  parallel_for(rows.size(), [&](std::size_t k) {
+    rows[k] =
+        k < taken ? maker.samples(every * static_cast<int>(k)) : maker.gaps(static_cast<int>(k - taken));
   });
   std::vector<std::size_t> begin(rows.size() + 1, 0);
   for (std::size_t row = 0; row < rows.size(); ++row) begin[row + 1] = begin[row] + rows[row].size();

@@ -95,9 +95,13 @@ TEST(Splats, stand_for_the_measured_samples_kept_and_close_up) {
   const RoomScan scan = RoomScan::make(room, 180, 480);
   std::vector<std::uint8_t> keep(scan.image.count(), 1);
   for (std::size_t i = 0; i < keep.size(); i += 2) keep[i] = 0;
-  std::size_t expected = 0;
-  for (std::size_t i = 0; i < keep.size(); ++i) expected += keep[i] && scan.image.mask[i] == kMeasured;
-  EXPECT_EQ(stages::make_splats(scan.image, {}, keep, scan.world_from_scan, 2).size(), expected);
+  const auto half = stages::make_splats(scan.image, {}, keep, scan.world_from_scan, 2);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i] || scan.image.mask[i] != kMeasured) continue;
+    const Vec3f at = (scan.world_from_scan * scan.image.point(i)).cast<float>();
+    EXPECT_EQ(half.at(kept++).centre_m, (std::array<float, 3>{at.x(), at.y(), at.z()}));
+  }
 
   std::fill(keep.begin(), keep.end(), std::uint8_t{1});
   stages::RenderScene scene;
@@ -124,12 +128,87 @@ TEST(Splats, stand_for_the_measured_samples_kept_and_close_up) {
       EXPECT_FLOAT_EQ(larger.radius_m, 3 * splat.radius_m);
     }
   EXPECT_EQ(of_these, thinned.size());
+  EXPECT_GT(scene.splats.size(), next);  // gaps between them
   stages::ViewRequest request;
   request.camera = look_at(scan.world_from_scan.translation, Vec3(0, 2, 1.4), {0, 0, 1}, 50, 200, 150);
   request.texture = false;
   const auto view = stages::Renderer(queue(), scene).render(request);
   const auto holes = std::count(view.id.begin(), view.id.end(), 0u);
   EXPECT_LT(static_cast<double>(holes), 0.1 * 200 * 150);
+}
+
+// The wall x = 2, on plane 1 left of the middle and on none right of it.
+struct GapsInAWall {
+  RangeImage image = make_range_image(9, 21);
+  PlaneSegmentation segmentation;
+  std::vector<std::uint8_t> drawn;
+
+  GapsInAWall() : drawn(image.count(), stages::kDrawn) {
+    segmentation.sample_label.assign(image.count(), 0);
+    for (int r = 0; r < 9; ++r) image.elevation_rad[static_cast<std::size_t>(r)] = 0.02 * (4 - r);
+    for (int c = 0; c < 21; ++c) image.azimuth_rad[static_cast<std::size_t>(c)] = 0.02 * (c - 10);
+    for (int r = 0; r < 9; ++r)
+      for (int c = 0; c < 21; ++c) {
+        const std::size_t i = image.index(r, c);
+        const double y = 2 * std::tan(0.02 * (c - 10)), z = std::hypot(2, y) * std::tan(0.02 * (4 - r));
+        image.x[i] = 2;
+        image.y[i] = static_cast<float>(y);
+        image.z[i] = static_cast<float>(z);
+        image.range_m[i] = static_cast<float>(Vec3(2, y, z).norm());
+        image.mask[i] = kMeasured;
+        segmentation.sample_label[i] = c < 10 ? 1 : 0;
+      }
+    segmentation.superclusters.resize(1);
+    segmentation.superclusters[0].id = 1;
+    segmentation.superclusters[0].plane = {{-1, 0, 0}, -2};
+  }
+
+  void lose(int row, int from, int to) {
+    for (int col = from; col <= to; ++col) image.mask[image.index(row, col)] = kEmpty;
+  }
+  std::size_t gaps() const {
+    std::size_t samples = 0;
+    for (std::size_t i = 0; i < image.count(); ++i) samples += image.mask[i] == kMeasured && drawn[i];
+    return stages::make_splats(image, segmentation, drawn, {}, 0).size() - samples;
+  }
+};
+
+TEST(Splats, close_what_is_missing_between_samples_of_one_surface) {
+  GapsInAWall wall;
+  EXPECT_EQ(wall.gaps(), 0u);
+  wall.lose(4, 5, 5);
+  ASSERT_EQ(wall.gaps(), 1u);
+  const stages::Splat gap = stages::make_splats(wall.image, wall.segmentation, wall.drawn, {}, 0).back();
+  EXPECT_NEAR(gap.centre_m[0], 2, 1e-6);
+  EXPECT_NEAR(gap.centre_m[1], wall.image.y[wall.image.index(4, 5)], 1e-3);
+  EXPECT_NEAR(gap.centre_m[2], wall.image.z[wall.image.index(4, 5)], 1e-3);
+  EXPECT_GT(gap.radius_m, 0.02);
+  // Three nodes each way of a plane are still a gap, more are an opening; of no plane one.
+  const auto lost = [](int first, int last, int from, int to) {
+    GapsInAWall holed;
+    for (int row = first; row <= last; ++row) holed.lose(row, from, to);
+    return holed.gaps();
+  };
+  EXPECT_EQ(lost(3, 5, 3, 5), 9u);
+  EXPECT_EQ(lost(2, 6, 2, 6), 0u);
+  EXPECT_EQ(lost(4, 4, 15, 15), 1u);
+  EXPECT_EQ(lost(3, 4, 14, 15), 0u);
+}
+
+TEST(Splats, close_nothing_between_two_surfaces) {
+  GapsInAWall step;  // half a metre deep
+  for (int r = 0; r < 9; ++r)
+    for (int c = 12; c < 21; ++c) step.image.x[step.image.index(r, c)] = 2.5f;
+  for (int r = 0; r < 9; ++r) step.lose(r, 11, 11);
+  EXPECT_EQ(step.gaps(), 0u);
+  GapsInAWall plane;  // ends where nothing tells its label
+  for (int r = 0; r < 9; ++r) plane.lose(r, 10, 10);
+  EXPECT_EQ(plane.gaps(), 0u);
+  GapsInAWall hidden;  // what is not drawn beside a gap leaves it
+  hidden.lose(4, 5, 5);
+  for (const std::size_t i : {hidden.image.index(4, 4), hidden.image.index(3, 5)})
+    hidden.drawn[i] = stages::kNotDrawn;
+  EXPECT_EQ(hidden.gaps(), 0u);
 }
 
 TEST(SampleSurface, knows_normal_and_spacing_of_a_wall) {

@@ -23,9 +23,10 @@ bool is_on(const Vec3& ray, double low, double high) {
 }
 
 // With a hole where `hidden` is, on the wall: x from -0.4 to 0.4, and z.
-PolygonModel with_hole(double low, double high) {
+PolygonModel with_hole(double low, double high, double half_width = 0.4) {
   PolygonModel model = upright();
-  for (const auto& [x, z] : {std::pair{-0.4, low}, {-0.4, high}, {0.4, high}, {0.4, low}})
+  for (const auto& [x, z] :
+       {std::pair{-half_width, low}, {-half_width, high}, {half_width, high}, {half_width, low}})
     model.vertices.emplace_back(x, kWall_m, z);
   if (low > -1.5)
     model.faces[0].holes = {{4, 5, 6, 7}};
@@ -96,6 +97,24 @@ TEST(ShadowFaces, AnOpeningHalfHiddenStaysOpen) {
     return behind_post(ray, -0.5, -0.3);
   });
   EXPECT_TRUE(shadows({image}, with_hole(-0.5, 0.5)).empty());
+}
+
+// No return in a square of it.
+RangeImage nothing_measured(double half_width) {
+  RangeImage image = scan_of([](const Vec3& ray) { return behind_post(ray, 2, 2); });
+  for (std::size_t i = 0; i < image.count(); ++i)
+    if (std::abs(image.point(i).x()) <= half_width && std::abs(image.point(i).z()) <= half_width)
+      image.mask[i] = kEmpty;
+  return image;
+}
+
+TEST(ShadowFaces, WhatLacksAFewSamplesIsNoOpening) {
+  const auto few = nothing_measured(0.06);
+  EXPECT_NEAR(area(shadows({few}, with_hole(-0.06, 0.06, 0.06))), 0.16 * 0.16, 0.012);
+  const auto window = nothing_measured(0.4);
+  EXPECT_TRUE(shadows({window}, with_hole(-0.4, 0.4)).empty());
+  const auto through = scan_of([](const Vec3& ray) { return 9 / ray.y(); });
+  EXPECT_TRUE(shadows({few, through}, with_hole(-0.06, 0.06, 0.06)).empty());
 }
 
 TEST(ShadowFaces, NothingBesideItGoesOn) {
