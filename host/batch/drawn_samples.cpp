@@ -46,7 +46,7 @@ void append_unseen(const std::vector<ScanProduct>& products,
   for (const std::uint32_t product : all.scan) scan_of_face.push_back(scan_of[product]);
   const auto ends = stages::column_ends(sight, all.model);
   const auto shadows = stages::shadow_faces(sight, all.model, scan_of_face);
-  const auto flanks = stages::far_flanks(sight, all.model);
+  const std::size_t seen = all.model.faces.size();
   const auto add = [&](std::size_t scan, std::string name, const Face& face, const auto& vertices) {
     const auto shift = static_cast<std::uint32_t>(all.model.vertices.size());
     all.model.faces.push_back(shifted(face, shift));
@@ -64,7 +64,7 @@ void append_unseen(const std::vector<ScanProduct>& products,
     add(scan, column(scan, cylinder), polygon.faces[0], polygon.vertices);
   for (const auto& [face, corners] : shadows)
     add(scan_of_face[face], all.model.faces[face].name + "-shadow", quadrilateral, corners);
-  for (const auto& [face, corners] : flanks)
+  for (const auto& [face, corners] : stages::far_flanks(sight, all.model, seen))
     add(scan_of_face[face], all.model.faces[face].name + "-flank", quadrilateral, corners);
 }
 

@@ -1,6 +1,7 @@
 #include "stages/rendering/column_squares.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -11,17 +12,19 @@ namespace {
 constexpr double kSideUpright = 0.1;    // of a side's normal, along the axis
 constexpr double kReachesCorner = 0.8;  // of half the width: the sides of an octagon do not
 constexpr double kPastCorner_m = 0.03;
-constexpr double kSameWidth_m = 0.02;
+constexpr double kSameWidth_m = 0.06;
 constexpr double kSameTurn_rad = 0.07;
 constexpr int kShaftCorners = 24;
 constexpr double kQuarter = std::numbers::pi / 2;
 
 // Square about an axis.
 struct Square {
-  double turn_rad;       // of a side's outward normal, from the axis' first perpendicular; in [0, a quarter)
-  double half_m;         // of the width
-  double low_m, high_m;  // along the axis
-  double area_m2;        // of the sides that say so
+  struct Side {
+    double apart_m = 0, area_m2 = 0;  // from the axis; of what was seen, 0: nothing
+  };
+  double turn_rad;              // of the first side's outward normal, in [0, a quarter)
+  std::array<Side, 4> sides{};  // each a quarter of a turn on from the one before
+  double low_m, high_m;         // along the axis
 };
 
 // The axis' two perpendiculars.
@@ -36,60 +39,92 @@ std::optional<Square> square_of(const Cylinder& column, const Around& around, co
   const Vec3 out = flat.normal() - flat.normal().dot(column.axis) * column.axis;
   if (std::abs(flat.normal().dot(column.axis)) > kSideUpright) return {};
   const Vec3 normal = out.normalized(), across = column.axis.cross(normal);
-  Square square{std::atan2(normal.dot(around.b), normal.dot(around.a)), 0, 0, 0, 0};
-  square.turn_rad -= kQuarter * std::floor(square.turn_rad / kQuarter);
-  double left = 0, right = 0;
+  const double turn_rad = std::atan2(normal.dot(around.b), normal.dot(around.a));
+  const double quarters = std::floor(turn_rad / kQuarter);
+  Square square;
+  square.turn_rad = turn_rad - quarters * kQuarter;
+  double apart = 0, left = 0, right = 0;
   square.low_m = square.high_m = column.along(side.outer[0]);
   for (const Vec3& point : side.outer) {
-    square.half_m += normal.dot(point - column.foot) / static_cast<double>(side.outer.size());
+    apart += normal.dot(point - column.foot) / static_cast<double>(side.outer.size());
     left = std::min(left, across.dot(point - column.foot));
     right = std::max(right, across.dot(point - column.foot));
     square.low_m = std::min(square.low_m, column.along(point));
     square.high_m = std::max(square.high_m, column.along(point));
   }
   const double reach = std::max(right, -left);
-  if (reach < kReachesCorner * square.half_m || reach > square.half_m + kPastCorner_m) return {};
-  square.area_m2 = (right - left) * (square.high_m - square.low_m);
+  if (reach < kReachesCorner * apart || reach > apart + kPastCorner_m) return {};
+  square.sides[(static_cast<std::size_t>(quarters + 4)) % 4] = {
+      apart, (right - left) * (square.high_m - square.low_m)};
   return square;
 }
 
-double turn_between(double a, double b) {
-  const double apart = std::abs(a - b);
-  return std::min(apart, kQuarter - apart);
+const Square::Side& largest(const Square& square) {
+  return *std::max_element(
+      square.sides.begin(), square.sides.end(),
+      [](const Square::Side& a, const Square::Side& b) { return a.area_m2 < b.area_m2; });
 }
 
 bool is_same_square(const Square& a, const Square& b) {
-  return turn_between(a.turn_rad, b.turn_rad) < kSameTurn_rad &&
-         std::abs(a.half_m - b.half_m) < kSameWidth_m && a.low_m <= b.high_m && b.low_m <= a.high_m;
+  const double turn = std::abs(a.turn_rad - b.turn_rad);
+  return std::min(turn, kQuarter - turn) < kSameTurn_rad &&
+         std::abs(largest(a).apart_m - largest(b).apart_m) < kSameWidth_m && a.low_m <= b.high_m &&
+         b.low_m <= a.high_m;
 }
 
-// The larger side's turn and width.
+// Of two that say how far a side is from the axis the larger one counts.
 void join(Square& square, const Square& other) {
-  const double low_m = std::min(square.low_m, other.low_m), high_m = std::max(square.high_m, other.high_m);
-  if (other.area_m2 > square.area_m2) square = other;
-  square.low_m = low_m;
-  square.high_m = high_m;
+  if (largest(other).area_m2 > largest(square).area_m2) square.turn_rad = other.turn_rad;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (other.sides[k].area_m2 > square.sides[k].area_m2) square.sides[k] = other.sides[k];
+  square.low_m = std::min(square.low_m, other.low_m);
+  square.high_m = std::max(square.high_m, other.high_m);
 }
 
-SpacePolygon side_of(const Cylinder& column, const Around& around, const Square& square, int quarter) {
-  const Vec3 out = around.towards(square.turn_rad + quarter * kQuarter), across = column.axis.cross(out);
-  const auto corner = [&](double sign, double along_m) -> Vec3 {
-    return column.foot + along_m * column.axis + square.half_m * (out + sign * across);
+// Of each side from the axis, which may be a little off the square's middle: what was not seen is as far from
+// the opposite side as the others are from each other.
+std::array<double, 4> apart_m(const Square& square) {
+  const auto seen = [&](std::size_t k) { return square.sides[k % 4].area_m2 > 0; };
+  double sum = 0, count = 0, pairs = 0, pair_count = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (seen(k)) sum += square.sides[k].apart_m, ++count;
+    if (k < 2 && seen(k) && seen(k + 2))
+      pairs += square.sides[k].apart_m + square.sides[k + 2].apart_m, ++pair_count;
+  }
+  const double width = pair_count > 0 ? pairs / pair_count : 2 * sum / count;
+  std::array<double, 4> apart;
+  for (std::size_t k = 0; k < 4; ++k)
+    apart[k] = seen(k)       ? square.sides[k].apart_m
+               : seen(k + 2) ? width - square.sides[(k + 2) % 4].apart_m
+                             : 0.5 * width;
+  return apart;
+}
+
+SpacePolygon side_of(const Cylinder& column, const Around& around, const Square& square, std::size_t side) {
+  const auto apart = apart_m(square);
+  const Vec3 out = around.towards(square.turn_rad + static_cast<double>(side) * kQuarter),
+             across = column.axis.cross(out);
+  const auto corner = [&](double across_m, double along_m) -> Vec3 {
+    return column.foot + along_m * column.axis + apart[side] * out + across_m * across;
   };
-  return {{corner(-1, square.low_m), corner(1, square.low_m), corner(1, square.high_m),
-           corner(-1, square.high_m)},
+  const double left = -apart[(side + 3) % 4], right = apart[(side + 1) % 4];
+  return {{corner(left, square.low_m), corner(right, square.low_m), corner(right, square.high_m),
+           corner(left, square.high_m)},
           {}};
 }
 
 // At one height about the shaft, its front side up or down.
 SpacePolygon level_of(const Cylinder& column, const Around& around, const Square& square, double along_m,
                       bool up) {
+  const auto apart = apart_m(square);
   const Vec3 middle = column.foot + along_m * column.axis;
   const double shaft_m = column.radius_at(std::clamp(along_m, 0.0, column.length_m));
   SpacePolygon level;
-  for (int k = 0; k < 4; ++k)
-    level.outer.push_back(middle + std::numbers::sqrt2 * square.half_m *
-                                       around.towards(square.turn_rad + (k + 0.5) * kQuarter));
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double turn = square.turn_rad + static_cast<double>(k) * kQuarter;
+    level.outer.push_back(middle + apart[k] * around.towards(turn) +
+                          apart[(k + 1) % 4] * around.towards(turn + kQuarter));
+  }
   level.holes.emplace_back();
   for (int k = 0; k < kShaftCorners; ++k)
     level.holes[0].push_back(middle + shaft_m * around.towards(-k * 4 * kQuarter / kShaftCorners));
@@ -119,7 +154,8 @@ std::vector<SpacePolygon> column_squares(const Cylinder& column, ColumnEndKind e
   for (const Square& square : squares) {
     for (int quarter = 0; quarter < 4; ++quarter) found.push_back(side_of(column, around, square, quarter));
     const bool up = end == ColumnEndKind::kBase;
-    if (square.half_m > column.radius_m)
+    const auto apart = apart_m(square);
+    if (*std::min_element(apart.begin(), apart.end()) > column.radius_m)
       found.push_back(level_of(column, around, square, up ? square.high_m : square.low_m, up));
   }
   return found;

@@ -11,6 +11,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kSquare = 0.1;    // cosine between a front's normal and its flank's
+constexpr double kOpposite = 0.9;  // between its two flanks' normals, negative
 constexpr double kTouch_m = 0.04;  // between the borders of a front and its flank
 constexpr double kBefore_m = 0.03;
 constexpr double kRow_m = 0.02, kMostRows = 512;
@@ -32,9 +33,11 @@ struct Row {
 
 class Front {
  public:
+  // `beside`: the faces that may be where the flank would be.
   Front(const ScanSight& sight, const SpacePolygon& front, const Vec3& normal, const SpacePolygon& flank,
-        const Vec3& flank_normal)
+        const Vec3& flank_normal, const std::vector<const FlatPolygon*>& beside)
       : sight_(sight),
+        beside_(beside),
         normal_(normal),
         up_(normal.cross(flank_normal).normalized()),
         front_(front, up_),
@@ -107,11 +110,16 @@ class Front {
         const Vec3 place = at(row.x_m + kWithin_m, row.y_m, depth);
         ++all;
         empty += sight_.is_empty(place);
-        unknown += !sight_.is_known(place);
+        unknown += !sight_.is_known(place) && !is_there(at(row.x_m, row.y_m, depth));
       }
     const auto whole = static_cast<double>(all);
     return static_cast<double>(empty) <= kMostEmptyBehind * whole &&
            static_cast<double>(unknown) >= kLeastUnknownBehind * whole;
+  }
+
+  bool is_there(const Vec3& place) const {
+    return std::any_of(beside_.begin(), beside_.end(),
+                       [&](const FlatPolygon* face) { return face->covers(place, kMostBeyond_m); });
   }
 
   static double middle(const std::vector<Row>& run, double Row::*value) {
@@ -123,6 +131,7 @@ class Front {
   }
 
   const ScanSight& sight_;
+  const std::vector<const FlatPolygon*>& beside_;
   Vec3 normal_, up_;
   FlatPolygon front_, flank_;  // second coordinates along the edge they share
   double flank_up_m_ = 0;      // of the flank's origin over the front's, along that edge
@@ -152,23 +161,30 @@ bool begins_at(const SpacePolygon& polygon, const Vec3& point, const Vec3& norma
 
 }  // namespace
 
-std::vector<FarFlank> far_flanks(const ScanSight& sight, const PolygonModel& contours) {
+std::vector<FarFlank> far_flanks(const ScanSight& sight, const PolygonModel& contours, std::size_t seen) {
   std::vector<SpacePolygon> polygons;
-  std::vector<Vec3> normals;
+  std::vector<FlatPolygon> flat;
   std::vector<Box> boxes;
   for (const Face& face : contours.faces) {
     polygons.push_back(polygon_of(contours, face));
-    normals.push_back(FlatPolygon(polygons.back()).normal());
+    flat.emplace_back(polygons.back());
     boxes.emplace_back(polygons.back());
   }
-  std::vector<std::vector<FarFlank>> of_face(polygons.size());
-  parallel_for(polygons.size(), [&](std::size_t front) {
-    for (std::size_t flank = 0; flank < polygons.size(); ++flank) {
-      if (!boxes[front].is_near(boxes[flank]) || std::abs(normals[front].dot(normals[flank])) > kSquare ||
-          !begins_at(polygons[front], polygons[flank].outer[0], normals[flank]) ||
-          !begins_at(polygons[flank], polygons[front].outer[0], normals[front]))
+  std::vector<std::vector<FarFlank>> of_face(seen);
+  parallel_for(seen, [&](std::size_t front) {
+    const Vec3& normal = flat[front].normal();
+    std::vector<std::size_t> near;
+    for (std::size_t face = 0; face < polygons.size(); ++face)
+      if (boxes[front].is_near(boxes[face]) && std::abs(normal.dot(flat[face].normal())) <= kSquare)
+        near.push_back(face);
+    for (const std::size_t flank : near) {
+      if (flank >= seen || !begins_at(polygons[front], polygons[flank].outer[0], flat[flank].normal()) ||
+          !begins_at(polygons[flank], polygons[front].outer[0], normal))
         continue;
-      const Front both(sight, polygons[front], normals[front], polygons[flank], normals[flank]);
+      std::vector<const FlatPolygon*> beside;
+      for (const std::size_t face : near)
+        if (flat[face].normal().dot(flat[flank].normal()) < -kOpposite) beside.push_back(&flat[face]);
+      const Front both(sight, polygons[front], normal, polygons[flank], flat[flank].normal(), beside);
       for (const auto& corners : both.quadrilaterals()) of_face[front].push_back({front, corners});
     }
   });

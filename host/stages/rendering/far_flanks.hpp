@@ -15,8 +15,9 @@ struct FarFlank {
 
 // What juts out has two flanks, of which a scan often sees one: a buttress, a pew's end, a chest. Where a
 // polygon has a seen flank (a polygon that leads straight back from one of its borders), its opposite border,
-// if a scan sees past it, has one too, as deep, as far as no scan knows what is there. `contours`: world
-// frame. In the order of faces: same result for any number of threads.
-std::vector<FarFlank> far_flanks(const ScanSight& sight, const PolygonModel& contours);
+// if a scan sees past it, has one too, as deep, where no scan knows what is there. `contours`: world frame;
+// the first `seen` faces were seen, those that follow close what was not. Where a face is already there is no
+// flank. In the order of faces: same result for any number of threads.
+std::vector<FarFlank> far_flanks(const ScanSight& sight, const PolygonModel& contours, std::size_t seen);
 
 }  // namespace hybrid::stages

@@ -44,7 +44,7 @@ std::vector<FarFlank> flanks(const std::vector<RangeImage>& images, const Polygo
   std::vector<SightScan> scans;
   for (const RangeImage& image : images) scans.push_back({&image, nullptr, nullptr, {}, nullptr});
   const ScanSight sight(scans, 0.02);
-  return far_flanks(sight, model);
+  return far_flanks(sight, model, std::min<std::size_t>(model.faces.size(), 2));
 }
 
 void expect_whole(const std::vector<FarFlank>& found) {
@@ -93,6 +93,15 @@ TEST(FarFlanks, NoneWithoutASeenOneNorWhereItIsSeenToBeEmpty) {
   EXPECT_TRUE(flanks({image}, contours(kFar_m - 0.4)).empty());  // the front goes on
   const auto through = scan_of([](const Vec3& ray) { return kWall_m / ray.y(); });
   EXPECT_TRUE(flanks({image, through}, contours(kFar_m)).empty());
+  // Nor where there is a face.
+  PolygonModel closed = contours(kFar_m);
+  for (const double y : {kWall_m, kFront_m})
+    for (const double z : {-kHigh_m, kHigh_m}) closed.vertices.emplace_back(kFar_m + 0.02, y, z);
+  closed.faces.push_back({"there", {8, 9, 11, 10}, {}});
+  ASSERT_EQ(flanks({image}, contours(kFar_m)).size(), 1u);
+  EXPECT_TRUE(flanks({image}, closed).empty());
+  std::swap(closed.faces.back().outer[0], closed.faces.back().outer[2]);  // its back
+  EXPECT_EQ(flanks({image}, closed).size(), 1u);
   // From behind the front it is no flank.
   PolygonModel turned = contours(kFar_m);
   std::reverse(turned.faces[0].outer.begin(), turned.faces[0].outer.end());
