@@ -37,4 +37,11 @@ inline bool is_same(const Cylinder& a, const Cylinder& b) {
          b.outwards(middle).norm() < 0.5 * std::min(a.radius_m, b.radius_m);
 }
 
+// Whether two columns may be of one design: as thick, as upright.
+inline bool is_alike(const Cylinder& a, const Cylinder& b) {
+  constexpr double kThicker = 0.05, kParallel = 0.9994;  // of the radius; cosine of 2 degrees
+  return !a.inside && !b.inside && std::abs(a.radius_m - b.radius_m) <= kThicker * a.radius_m &&
+         a.axis.dot(b.axis) >= kParallel;
+}
+
 }  // namespace hybrid

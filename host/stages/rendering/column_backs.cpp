@@ -20,6 +20,8 @@ constexpr double kSpread = 0.16;                     // of the radius, within wh
 constexpr double kMost = 0.6;
 constexpr int kMostMissing = 5;  // slices one after the other that are not round or hidden
 constexpr double kSimplify_m = 0.01;
+constexpr double kLeastMore_m = 0.04;  // that another column's outline must tell
+constexpr double kAlike = 0.1;         // of the radius, between two outlines
 
 // A column's outline at a height: along its axis, from it.
 struct Height {
@@ -89,6 +91,58 @@ std::vector<Height> profile(const ScanSight& sight, const Cylinder& column, int 
   return heights;
 }
 
+// The outlines of a column's base and head, each from the shaft's end outwards.
+struct Ends {
+  std::vector<Height> base, head;
+};
+
+std::optional<double> radius_at(const std::vector<Height>& outline, double along_m) {
+  for (std::size_t k = 0; k + 1 < outline.size(); ++k) {
+    const Height &a = outline[k], &b = outline[k + 1];
+    if ((along_m - a.along_m) * (along_m - b.along_m) <= 0 && a.along_m != b.along_m)
+      return a.radius_m + (b.radius_m - a.radius_m) * (along_m - a.along_m) / (b.along_m - a.along_m);
+  }
+  return std::nullopt;
+}
+
+// Another column's outline along this one's axis, at the same height in the world, with its shaft up to
+// where this one's is.
+std::vector<Height> carried_over(const Cylinder& column, const Cylinder& other,
+                                 const std::vector<Height>& outline, int end) {
+  const double shift_m = column.along(other.foot);
+  std::vector<Height> moved;
+  if (const double from = end < 0 ? 0 : column.length_m; end * (outline[0].along_m + shift_m - from) > 0)
+    moved.push_back({from, other.radius_at(std::clamp(from - shift_m, 0.0, other.length_m))});
+  for (const Height& height : outline) moved.push_back({height.along_m + shift_m, height.radius_m});
+  return moved;
+}
+
+// Columns of one design have the same bases and heads at the same height: where what stands before a column
+// hides its own from every scan, the outline of the one like it that was seen farthest goes on from its own.
+void share_ends(const std::vector<SightColumn>& columns, std::vector<Ends>& all) {
+  const auto seen = all;
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    for (const int end : {-1, 1}) {
+      const auto of = [end](auto& ends) -> auto& {
+        return end < 0 ? ends.base : ends.head;
+      };
+      const Cylinder& column = columns[k].cylinder;
+      auto& own = of(all[k]);
+      const Height last = own.back();
+      std::vector<Height> best;
+      for (std::size_t j = 0; j < columns.size(); ++j) {
+        if (j == k || !is_alike(column, columns[j].cylinder)) continue;
+        auto outline = carried_over(column, columns[j].cylinder, of(seen[j]), end);
+        const double farther = end * (outline.back().along_m - (best.empty() ? last : best.back()).along_m);
+        if (farther < (best.empty() ? kLeastMore_m : 0.001)) continue;
+        const auto here = radius_at(outline, last.along_m);
+        if (here && std::abs(*here - last.radius_m) <= kAlike * column.radius_m) best = std::move(outline);
+      }
+      for (const Height& height : best)
+        if (end * (height.along_m - last.along_m) > 0) own.push_back(height);
+    }
+}
+
 Vec3 place_on(const Cylinder& cylinder, const Height& height, double turn_rad) {
   const Vec3 a = cylinder.axis.unitOrthogonal(), b = cylinder.axis.cross(a);
   return cylinder.foot + height.along_m * cylinder.axis +
@@ -119,7 +173,7 @@ void append_backs(const ScanSight& sight, const SightColumn& column, const std::
   }
 }
 
-std::vector<ColumnBack> backs_of(const ScanSight& sight, const SightColumn& column) {
+std::vector<ColumnBack> backs_of(const ScanSight& sight, const SightColumn& column, const Ends& ends) {
   const Cylinder& cylinder = column.cylinder;
   const int slices = std::max(1, static_cast<int>(std::lround(cylinder.length_m / kColumnSlice_m)));
   std::vector<Height> shaft;
@@ -130,7 +184,7 @@ std::vector<ColumnBack> backs_of(const ScanSight& sight, const SightColumn& colu
   std::vector<ColumnBack> backs;
   append_backs(sight, column, shaft, backs);
   for (const int end : {-1, 1}) {
-    const auto heights = profile(sight, cylinder, end);
+    const auto& heights = end < 0 ? ends.base : ends.head;
     for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
       std::vector<Height> stretch = {heights[k], heights[k + 1]};
       if (end < 0) std::swap(stretch[0], stretch[1]);
@@ -149,8 +203,13 @@ Vec3 on_cylinder(const Cylinder& cylinder, double along_m, double turn_rad, doub
 
 std::vector<ColumnBack> column_backs(const ScanSight& sight) {
   const auto columns = sight.columns();
+  std::vector<Ends> ends(columns.size());
+  parallel_for(columns.size(), [&](std::size_t k) {
+    ends[k] = {profile(sight, columns[k].cylinder, -1), profile(sight, columns[k].cylinder, 1)};
+  });
+  share_ends(columns, ends);
   std::vector<std::vector<ColumnBack>> of_column(columns.size());
-  parallel_for(columns.size(), [&](std::size_t k) { of_column[k] = backs_of(sight, columns[k]); });
+  parallel_for(columns.size(), [&](std::size_t k) { of_column[k] = backs_of(sight, columns[k], ends[k]); });
   std::vector<ColumnBack> backs;
   for (const auto& some : of_column) backs.insert(backs.end(), some.begin(), some.end());
   return backs;

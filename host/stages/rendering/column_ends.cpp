@@ -2,8 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "geometry/flat_ring.hpp"
 #include "stages/rendering/column_squares.hpp"
@@ -18,6 +20,7 @@ constexpr double kPlaces_m = 0.03;                           // of the places th
 constexpr int kMostSteps = 16;                               // across a polygon
 constexpr double kMostEmpty = 0.1, kLeastUnknown = 0.25;     // of them
 constexpr double kSamePlane_m = 0.02;
+constexpr double kAlikeReach = 4;  // radii from an end: its own may be hidden
 
 ColumnEndKind end_of(const SpacePolygon& polygon, const Cylinder& column) {
   const Vec3 a = column.axis.unitOrthogonal(), b = column.axis.cross(a);
@@ -64,36 +67,79 @@ bool may_be_there(const ScanSight& sight, const FlatPolygon& polygon,
          static_cast<double>(unknown) >= kLeastUnknown * all;
 }
 
+// What was seen at one end of a column.
+struct SeenEnd {
+  std::vector<SpacePolygon> polygons, squares;
+};
+
+std::vector<SeenEnd> seen_ends(const std::vector<SightColumn>& columns, ColumnEndKind end,
+                               const PolygonModel& contours) {
+  std::vector<SeenEnd> ends(columns.size());
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    for (const Face& face : contours.faces)
+      if (SpacePolygon polygon = polygon_of(contours, face); end_of(polygon, columns[k].cylinder) == end)
+        ends[k].polygons.push_back(std::move(polygon));
+    ends[k].squares = column_squares(columns[k].cylinder, end, ends[k].polygons);
+  }
+  return ends;
+}
+
+// The squares of the nearest column of the same design that has some, at the same height.
+std::vector<SpacePolygon> squares_of_alike(const std::vector<SightColumn>& columns,
+                                           const std::vector<SeenEnd>& ends, std::size_t column) {
+  const Cylinder& own = columns[column].cylinder;
+  const auto apart = [&](std::size_t k) { return own.outwards(columns[k].cylinder.foot); };
+  std::optional<std::size_t> nearest;
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (k != column && !ends[k].squares.empty() && is_alike(own, columns[k].cylinder) &&
+        (!nearest || apart(k).norm() < apart(*nearest).norm()))
+      nearest = k;
+  if (!nearest) return {};
+  std::vector<SpacePolygon> squares = ends[*nearest].squares;
+  const Vec3 move = -apart(*nearest);
+  for (SpacePolygon& square : squares) {
+    for (Vec3& point : square.outer) point += move;
+    for (auto& hole : square.holes)
+      for (Vec3& point : hole) point += move;
+  }
+  std::erase_if(squares, [&](const SpacePolygon& square) {
+    return std::any_of(square.outer.begin(), square.outer.end(), [&](const Vec3& point) {
+      const double along = own.along(point), beyond = std::max(-along, along - own.length_m);
+      return beyond < 0 || beyond > kAlikeReach * own.radius_m;
+    });
+  });
+  return squares;
+}
+
 }  // namespace
 
 std::vector<ColumnEnd> column_ends(const ScanSight& sight, const PolygonModel& contours) {
-  std::vector<ColumnEnd> ends;
-  std::vector<Cylinder> done;
-  for (const auto& [scan, column] : sight.columns()) {
-    const auto is_done = [&column = column](const Cylinder& other) { return is_same(column, other); };
-    if (std::any_of(done.begin(), done.end(), is_done)) continue;
-    done.push_back(column);
-    std::vector<FlatPolygon> there;
-    const auto add = [&, scan = scan, id = column.id](const SpacePolygon& polygon) {
-      const FlatPolygon flat(polygon);
-      PolygonModel model = model_of(polygon);
-      if (!may_be_there(sight, flat, there) || !can_be_triangulated(model)) return;
-      there.push_back(flat);
-      ends.push_back({scan, id, std::move(model)});
-    };
-    for (const ColumnEndKind end : {ColumnEndKind::kBase, ColumnEndKind::kHead}) {
-      std::vector<SpacePolygon> seen;
-      for (const Face& face : contours.faces)
-        if (SpacePolygon polygon = polygon_of(contours, face); end_of(polygon, column) == end)
-          seen.push_back(std::move(polygon));
-      there.clear();
-      for (const SpacePolygon& polygon : seen) there.emplace_back(polygon);
-      for (const SpacePolygon& polygon : column_squares(column, end, seen)) add(polygon);
-      for (const SpacePolygon& polygon : seen)
-        for (const int quarters : {1, 2, 3}) add(turned(polygon, column, quarters));
+  std::vector<SightColumn> columns;
+  for (const SightColumn& column : sight.columns())
+    if (std::none_of(columns.begin(), columns.end(),
+                     [&](const SightColumn& other) { return is_same(column.cylinder, other.cylinder); }))
+      columns.push_back(column);
+  const std::array ends = {seen_ends(columns, ColumnEndKind::kBase, contours),
+                           seen_ends(columns, ColumnEndKind::kHead, contours)};
+  std::vector<ColumnEnd> all;
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    for (const auto& end : ends) {
+      std::vector<FlatPolygon> there;
+      for (const SpacePolygon& polygon : end[k].polygons) there.emplace_back(polygon);
+      const auto add = [&](const SpacePolygon& polygon) {
+        const FlatPolygon flat(polygon);
+        PolygonModel model = model_of(polygon);
+        if (!may_be_there(sight, flat, there) || !can_be_triangulated(model)) return;
+        there.push_back(flat);
+        all.push_back({columns[k].scan, columns[k].cylinder.id, std::move(model)});
+      };
+      for (const SpacePolygon& square :
+           end[k].squares.empty() ? squares_of_alike(columns, end, k) : end[k].squares)
+        add(square);
+      for (const SpacePolygon& polygon : end[k].polygons)
+        for (const int quarters : {1, 2, 3}) add(turned(polygon, columns[k].cylinder, quarters));
     }
-  }
-  return ends;
+  return all;
 }
 
 }  // namespace hybrid::stages
