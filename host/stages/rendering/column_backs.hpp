@@ -22,8 +22,8 @@ struct ColumnBack {
 // The parts of columns and pipes that no scan has seen: neither their surface, nor that the place is empty. A
 // column is known to be round from the part that was seen, so its back is known, too. Strips along the axis,
 // in slices of 10 cm joined where they follow each other. Beyond its ends the same of its base and its head,
-// as far as all that scans show there is round, slice by slice, two radii at most. In the order of scans and
-// cylinders.
+// as far as all that scans show there is round, slice by slice, two radii at most; what is hidden farther on
+// is as at another column of the same design (is_alike) at that height. In the order of scans and cylinders.
 std::vector<ColumnBack> column_backs(const ScanSight& sight);
 
 }  // namespace hybrid::stages

@@ -193,6 +193,98 @@ TEST_F(ColumnBehindAWall, an_abacus_has_an_underside) {
   EXPECT_LT((c[1] - c[0]).cross(c[3] - c[0]).z(), 0);
 }
 
+// Two columns on round bases; of the right one a low wall hides the base and the foot of the shaft.
+class ColumnsOfOneDesign : public ::testing::Test {
+ protected:
+  static constexpr double kHidden_m = -0.2;
+  const Outline outline = {{-0.8, 0.4}, {-0.5, 0.4}, {-0.4999, 0.3}, {0.5, 0.3}};
+
+  ColumnsOfOneDesign() {
+    for (const double x : {-1.2, 1.2}) {
+      Cylinder column;
+      column.id = static_cast<std::uint32_t>(columns.size() + 1);
+      column.foot = {x, 6, x < 0 ? -0.5 : kHidden_m};
+      column.length_m = 0.5 - column.foot.z();
+      column.radius_m = 0.3;
+      columns.push_back(column);
+    }
+  }
+
+  double range(const Vec3& ray) const {
+    const Vec3 low = 4 / ray.y() * ray;
+    if (low.x() > 0.2 && low.z() < kHidden_m * 4 / 6) return 4 / ray.y();
+    for (double range = 5; range < 7; range += 0.001)
+      for (const Cylinder& column : columns)
+        if (const Vec3 at = range * ray; column.outwards(at).norm() < radius_of(outline, at.z()))
+          return range;
+    return 9 / ray.y();
+  }
+
+  // Of the right one, below its foot.
+  std::vector<stages::ColumnBack> hidden_part() const {
+    const RangeImage image = scan_of([&](const Vec3& ray) { return range(ray); });
+    std::vector<stages::ColumnBack> found;
+    for (const auto& back : backs_of({{&image, nullptr, nullptr, {}, &columns}}))
+      if (back.cylinder == 2 && back.corners[0].z() < kHidden_m - 0.01) found.push_back(back);
+    return found;
+  }
+
+  std::vector<Cylinder> columns;
+};
+
+TEST_F(ColumnsOfOneDesign, what_is_hidden_of_one_is_as_another_shows_it) {
+  const auto hidden = hidden_part();
+  ASSERT_GE(hidden.size(), 24u);  // shaft and base, all around
+  double lowest = 0;
+  for (const auto& back : hidden)
+    for (const Vec3& corner : back.corners) {
+      lowest = std::min(lowest, corner.z());
+      if (std::abs(corner.z() + 0.5) < 0.03) continue;  // where the base begins
+      EXPECT_NEAR(columns[1].outwards(corner).norm(), radius_of(outline, corner.z()), 0.015);
+      EXPECT_NEAR(corner.x(), 1.2, 0.42);
+    }
+  EXPECT_LT(lowest, -0.8 + 0.01 * 6 + 0.02);  // as far as rows of samples, then slices, reach down to -0.8
+  EXPECT_GE(lowest, -0.8);
+}
+
+TEST_F(ColumnsOfOneDesign, another_design_says_nothing) {
+  const auto only_known_below = [&](const char* what) { EXPECT_TRUE(hidden_part().empty()) << what; };
+  columns[0].radius_m = 0.35;
+  only_known_below("thicker");
+  columns[0].radius_m = 0.3;
+  columns[0].axis = Vec3(0, 0.1, 1).normalized();
+  only_known_below("it leans");
+  columns.erase(columns.begin());
+  only_known_below("alone");
+}
+
+TEST_F(ColumnBehindAWall, its_plinth_may_be_that_of_a_column_like_it) {
+  Cylinder other = column;
+  other.id = 2;
+  other.foot += Vec3(2, 0.5, 0.3);  // of its shaft less was seen
+  other.length_m -= 0.3;
+  const auto ends = [&](const Cylinder& second, const RangeImage& image) {
+    columns = {column, second};
+    return ends_of({{&image, nullptr, nullptr, {}, &columns}}, plinth(-0.45, 0.45, 0.45));
+  };
+  const auto both = ends(other, hiding);
+  ASSERT_EQ(both.size(), 4u + 5u);
+  for (std::size_t k = 4; k < 8; ++k) {
+    EXPECT_EQ(both[k].cylinder, 2u);
+    const auto& c = both[k].polygon.vertices;
+    const Vec3 middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
+    EXPECT_NEAR(other.outwards(middle).norm(), 0.45, 1e-9);
+    EXPECT_NEAR(middle.z(), -0.7, 1e-9);  // at the same height
+  }
+  EXPECT_TRUE(ends(other, through).empty());
+  Cylinder thicker = other;
+  thicker.radius_m = 0.35;
+  EXPECT_EQ(ends(thicker, hiding).size(), 4u);
+  Cylinder high = other;
+  high.foot.z() = 1;
+  EXPECT_EQ(ends(high, hiding).size(), 4u);
+}
+
 TEST_F(ColumnBehindAWall, no_plinth_where_it_is_empty_too_wide_or_far_or_no_column) {
   const auto sides = [&](const RangeImage& image, const PolygonModel& model) {
     return ends_of({{&image, nullptr, nullptr, {}, &columns}}, model).size();
