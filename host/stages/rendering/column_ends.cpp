@@ -19,7 +19,7 @@ constexpr double kNearestSide = 1.7, kFarthestCorner = 2.5;  // radii from the a
 constexpr double kPlaces_m = 0.03;                           // of the places that are asked about
 constexpr int kMostSteps = 16;                               // across a polygon
 constexpr double kMostEmpty = 0.1, kLeastUnknown = 0.25;     // of them
-constexpr double kSamePlane_m = 0.02;
+constexpr double kSamePlane_m = 0.05;
 constexpr double kAlikeReach = 4;  // radii from an end: its own may be hidden
 
 ColumnEndKind end_of(const SpacePolygon& polygon, const Cylinder& column) {

@@ -22,7 +22,7 @@ struct Square {
   struct Side {
     double apart_m = 0, area_m2 = 0;  // from the axis; of what was seen, 0: nothing
   };
-  double turn_rad;              // of the first side's outward normal, in [0, a quarter)
+  double turn_rad;              // of the first side's outward normal, from 0 to a quarter or hardly beyond
   std::array<Side, 4> sides{};  // each a quarter of a turn on from the one before
   double low_m, high_m;         // along the axis
 };
@@ -73,7 +73,13 @@ bool is_same_square(const Square& a, const Square& b) {
 }
 
 // Of two that say how far a side is from the axis the larger one counts.
-void join(Square& square, const Square& other) {
+void join(Square& square, Square other) {
+  if (const double turn = other.turn_rad - square.turn_rad; std::abs(turn) > 0.5 * kQuarter) {
+    // Its first side is this one's second, or this one's last.
+    other.turn_rad -= std::copysign(kQuarter, turn);
+    std::rotate(other.sides.begin(), turn > 0 ? other.sides.end() - 1 : other.sides.begin() + 1,
+                other.sides.end());
+  }
   if (largest(other).area_m2 > largest(square).area_m2) square.turn_rad = other.turn_rad;
   for (std::size_t k = 0; k < 4; ++k)
     if (other.sides[k].area_m2 > square.sides[k].area_m2) square.sides[k] = other.sides[k];
@@ -152,7 +158,7 @@ std::vector<SpacePolygon> column_squares(const Cylinder& column, ColumnEndKind e
   }
   std::vector<SpacePolygon> found;
   for (const Square& square : squares) {
-    for (int quarter = 0; quarter < 4; ++quarter) found.push_back(side_of(column, around, square, quarter));
+    for (std::size_t side = 0; side < 4; ++side) found.push_back(side_of(column, around, square, side));
     const bool up = end == ColumnEndKind::kBase;
     const auto apart = apart_m(square);
     if (*std::min_element(apart.begin(), apart.end()) > column.radius_m)

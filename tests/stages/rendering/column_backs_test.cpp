@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <utility>
 
 #include "stages/rendering/column_ends.hpp"
@@ -180,6 +182,31 @@ TEST_F(ColumnBehindAWall, half_a_side_of_its_plinth_says_all_four_and_the_top) {
   halves.faces.push_back({"other half", {4, 5, 6, 7}, {}});
   EXPECT_EQ(ends_of(scans, halves).size(), 4u);
   EXPECT_EQ(ends_of(scans, panelled(0.45, 0.45)).size(), 4u);
+}
+
+// A little turned one way and the other, and farther from the axis behind it than before it.
+TEST_F(ColumnBehindAWall, sides_of_a_plinth_are_where_they_were_seen) {
+  const std::vector<SightScan> scans = {{&hiding, nullptr, nullptr, {}, &columns}};
+  for (const double turn : {0.005, -0.005}) {
+    PolygonModel two = plinth(-0.45, 0.45, 0.43);
+    const PolygonModel behind = plinth(-0.45, 0.45, 0.47);
+    const auto turned = [&](const Vec3& point, double rad) -> Vec3 {
+      return column.foot + Eigen::AngleAxisd(rad, Vec3::UnitZ()) * Vec3(point - column.foot);
+    };
+    for (Vec3& point : two.vertices) point = turned(point, turn);
+    for (const Vec3& point : behind.vertices) two.vertices.push_back(turned(point, std::acos(-1.0) - turn));
+    two.faces.push_back({"behind", {4, 5, 6, 7}, {}});
+    const auto ends = ends_of(scans, two);
+    ASSERT_EQ(ends.size(), 3u);  // the two others and the top
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto& c = ends[k].polygon.vertices;
+      const Vec3 middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
+      EXPECT_NEAR(std::abs(middle.x()), 0.45, 0.005);
+      EXPECT_NEAR(middle.y(), 6.02, 0.005);
+      EXPECT_NEAR((c[1] - c[0]).norm(), 0.9, 1e-9);
+    }
+    EXPECT_LT(ends[0].polygon.vertices[0].x() * ends[1].polygon.vertices[0].x(), 0);
+  }
 }
 
 // Above the shaft the underside of what is square.

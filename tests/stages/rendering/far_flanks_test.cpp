@@ -41,8 +41,7 @@ PolygonModel contours(double right, double gap = 0) {
 }
 
 std::vector<FarFlank> flanks(const std::vector<RangeImage>& images, const PolygonModel& model) {
-  std::vector<SightScan> scans;
-  for (const RangeImage& image : images) scans.push_back({&image, nullptr, nullptr, {}, nullptr});
+  const std::vector<SightScan> scans = bare_scans(images);
   const ScanSight sight(scans, 0.02);
   return far_flanks(sight, model, std::min<std::size_t>(model.faces.size(), 2));
 }

@@ -50,8 +50,7 @@ double area(const std::vector<ShadowFace>& faces) {
 }
 
 std::vector<ShadowFace> shadows(const std::vector<RangeImage>& images, const PolygonModel& contours) {
-  std::vector<SightScan> scans;
-  for (const RangeImage& image : images) scans.push_back({&image, nullptr, nullptr, {}, nullptr});
+  const std::vector<SightScan> scans = bare_scans(images);
   const ScanSight sight(scans, 0.02);
   return shadow_faces(sight, contours, std::vector<std::size_t>(contours.faces.size(), 0));
 }

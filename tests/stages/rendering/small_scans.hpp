@@ -7,6 +7,7 @@
 
 #include "geometry/cylinder.hpp"
 #include "geometry/range_image.hpp"
+#include "stages/rendering/scan_sight.hpp"
 
 namespace hybrid::testing {
 
@@ -33,6 +34,13 @@ inline RangeImage scan_of(const std::function<double(const Vec3&)>& range) {
       image.mask[i] = kMeasured;
     }
   return image;
+}
+
+// Scans of nothing but their images, where the world stands.
+inline std::vector<stages::SightScan> bare_scans(const std::vector<RangeImage>& images) {
+  std::vector<stages::SightScan> scans;
+  for (const RangeImage& image : images) scans.push_back({&image, nullptr, nullptr, {}, nullptr});
+  return scans;
 }
 
 // The same wall from 3 m farther left, with nothing before it that this scanner sees.
