@@ -47,6 +47,7 @@ constexpr double kMiddle = 0.8;     // of its length, where mouldings at its end
 constexpr double kMostSeenThrough = 0.05, kLeastSeen = 0.4;
 constexpr double kLimb = 0.35;              // cosine: rays nearer to the limb say nothing
 constexpr int kSlices = 64, kSectors = 48;  // where it is asked whether it is seen
+constexpr double kLeastAsked = 0.05;        // of them: what all rays graze is not told by any
 
 using Nodes = std::vector<std::uint32_t>;
 
@@ -408,7 +409,8 @@ class Search {
         on_it += std::abs(behind) <= reach;
         through += behind > reach;
       }
-    return on_it >= kLeastSeen * asked && through <= kMostSeenThrough * (on_it + through);
+    return asked >= kLeastAsked * kSlices * kSectors && on_it >= kLeastSeen * asked &&
+           through <= kMostSeenThrough * (on_it + through);
   }
 
   // Of the squares that agree between its ends.

@@ -129,6 +129,42 @@ TEST(Cylinders, a_pipe_narrower_than_two_squares_shows_itself_on_strips) {
   EXPECT_LT(angle_deg(found[0].axis, Vec3::UnitZ()), 0.2);
 }
 
+// A pipe along the view, its top below the scanner by so much, from 1.5 to 5 m away, before a wall.
+RoomScan along_a_pipe(double below_m) {
+  constexpr double kRadius_m = 0.5, kStep_rad = 0.0025;
+  RoomScan scan;
+  RangeImage& image = scan.image = make_range_image(320, 480);
+  const double depth = below_m + kRadius_m;
+  for (int row = 0; row < 320; ++row)
+    image.elevation_rad[static_cast<std::size_t>(row)] = 0.1 - kStep_rad * row;
+  for (int col = 0; col < 480; ++col)
+    image.azimuth_rad[static_cast<std::size_t>(col)] = std::numbers::pi / 2 + kStep_rad * (col - 239.5);
+  for (int row = 0; row < 320; ++row)
+    for (int col = 0; col < 480; ++col) {
+      const std::size_t i = image.index(row, col);
+      const double el = image.elevation_rad[static_cast<std::size_t>(row)],
+                   az = image.azimuth_rad[static_cast<std::size_t>(col)];
+      const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+      const double a = ray.x() * ray.x() + ray.z() * ray.z(), b = depth * ray.z(),
+                   root = b * b - a * (depth * depth - kRadius_m * kRadius_m);
+      const double on_pipe = root > 0 ? (-b - std::sqrt(root)) / a : 0;
+      const bool hit = on_pipe * ray.y() > 1.5 && on_pipe * ray.y() < 5;
+      const Vec3 point = (hit ? on_pipe : 8 / ray.y()) * ray;
+      image.range_m[i] = static_cast<float>(point.norm());
+      image.x[i] = static_cast<float>(point.x());
+      image.y[i] = static_cast<float>(point.y());
+      image.z[i] = static_cast<float>(point.z());
+      image.mask[i] = kMeasured;
+    }
+  return scan;
+}
+
+// What every ray grazes may be anything: a pipe is one where some rays meet it.
+TEST(Cylinders, none_that_every_ray_grazes) {
+  EXPECT_EQ(cylinders_of(along_a_pipe(1.0), 0.0005).size(), 1u);
+  EXPECT_TRUE(cylinders_of(along_a_pipe(0.4), 0.0005).empty());
+}
+
 TEST(Cylinders, none_without_a_column_nor_when_none_is_asked_for) {
   BoxRoom room;
   const auto scan = scan_room(room);
