@@ -41,13 +41,20 @@ ColumnEndKind end_of(const SpacePolygon& polygon, const Cylinder& column) {
   return base ? ColumnEndKind::kBase : head ? ColumnEndKind::kHead : ColumnEndKind::kNone;
 }
 
+template <typename Move>
+SpacePolygon each_moved(SpacePolygon polygon, const Move& move) {
+  const auto each = [&](std::vector<Vec3>& ring) {
+    for (Vec3& point : ring) point = move(point);
+  };
+  each(polygon.outer);
+  std::for_each(polygon.holes.begin(), polygon.holes.end(), each);
+  return polygon;
+}
+
 SpacePolygon turned(const SpacePolygon& polygon, const Cylinder& about, int quarters) {
   const Mat3 turn = Eigen::AngleAxisd(quarters * std::numbers::pi / 2, about.axis).toRotationMatrix();
-  SpacePolygon copy = polygon;
-  const auto move = [&](Vec3& point) { point = about.foot + turn * (point - about.foot); };
-  std::for_each(copy.outer.begin(), copy.outer.end(), move);
-  for (auto& hole : copy.holes) std::for_each(hole.begin(), hole.end(), move);
-  return copy;
+  return each_moved(polygon,
+                    [&](const Vec3& point) { return Vec3(about.foot + turn * (point - about.foot)); });
 }
 
 // Whether enough of it is new, and little of it seen to be empty.
@@ -95,13 +102,10 @@ std::vector<SpacePolygon> squares_of_alike(const std::vector<SightColumn>& colum
         (!nearest || apart(k).norm() < apart(*nearest).norm()))
       nearest = k;
   if (!nearest) return {};
-  std::vector<SpacePolygon> squares = ends[*nearest].squares;
-  const Vec3 move = -apart(*nearest);
-  for (SpacePolygon& square : squares) {
-    for (Vec3& point : square.outer) point += move;
-    for (auto& hole : square.holes)
-      for (Vec3& point : hole) point += move;
-  }
+  std::vector<SpacePolygon> squares;
+  for (const SpacePolygon& square : ends[*nearest].squares)
+    squares.push_back(
+        each_moved(square, [away = apart(*nearest)](const Vec3& point) { return Vec3(point - away); }));
   std::erase_if(squares, [&](const SpacePolygon& square) {
     return std::any_of(square.outer.begin(), square.outer.end(), [&](const Vec3& point) {
       const double along = own.along(point), beyond = std::max(-along, along - own.length_m);

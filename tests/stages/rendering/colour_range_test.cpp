@@ -103,6 +103,10 @@ TEST(Splats, stand_for_the_measured_samples_kept_and_close_up) {
     EXPECT_EQ(half.at(kept++).centre_m, (std::array<float, 3>{at.x(), at.y(), at.z()}));
   }
 
+  // Whatever follows stands for nodes without a sample.
+  const auto measured = std::count(scan.image.mask.begin(), scan.image.mask.end(), kMeasured);
+  EXPECT_LE(half.size() - kept, scan.image.count() - static_cast<std::size_t>(measured));
+
   std::fill(keep.begin(), keep.end(), std::uint8_t{1});
   stages::RenderScene scene;
   scene.splats = stages::make_splats(scan.image, {}, keep, scan.world_from_scan, 2);
