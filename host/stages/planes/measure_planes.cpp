@@ -15,6 +15,7 @@ namespace {
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
 constexpr int kStrideBeforeLast = 3;
 constexpr std::size_t kMany = 4'000'000;  // samples; of fewer all are seen
+constexpr std::size_t kMostGap = 4;       // nodes between samples of one run
 constexpr double kAreaCosine = 0.02;      // c of the area: grazing samples cover no infinite area
 
 using Labels = std::vector<std::uint32_t>;
@@ -33,7 +34,8 @@ void add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels, 
   if constexpr (requires { sum.add_run(image, labels, run, of); })
     sum.add_run(image, labels, run, of);
   else
-    for (std::size_t k = 0; k < run.count; ++k) sum.add(image, labels, run.first + k, of);
+    for (std::size_t i = run.first; i < run.first + run.count; ++i)
+      if (labels[i] == labels[run.first] && image.mask[i] == kMeasured) sum.add(image, labels, i, of);
 }
 
 // Forms Sum::add(image, labels, sample, plane) per band of `square` rows anchored at row 0 and label, of
@@ -60,13 +62,18 @@ std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::ve
       const std::size_t end = image.index(row, 0) + static_cast<std::size_t>(image.cols);
       for (std::size_t i = image.index(row, 0); i < end;) {
         const std::uint32_t label = labels[i];
-        SampleRun run{i, 0};
-        while (i < end && labels[i] == label && label != 0 && image.mask[i] == kMeasured) ++i;
-        run.count = i - run.first;
-        if (run.count > 0)
-          add_run(image, labels, run, planes[label - 1], sum_of(label));
-        else
+        if (label == 0 || image.mask[i] != kMeasured) {
           ++i;
+          continue;
+        }
+        SampleRun run{i, 0};
+        for (; i < end && i <= run.first + run.count + kMostGap; ++i) {
+          if (image.mask[i] != kMeasured || labels[i] == 0) continue;
+          if (labels[i] != label) break;
+          run.count = i + 1 - run.first;
+        }
+        i = run.first + run.count;
+        add_run(image, labels, run, planes[label - 1], sum_of(label));
       }
     }
   });

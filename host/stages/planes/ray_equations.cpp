@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "core/cpu_clones.hpp"
@@ -32,63 +33,99 @@ struct Samples {
   alignas(64) Values measured{}, near{}, far{};
 };
 
-// Calls body(k) for the `count` lanes in use: mostly all of them.
-template <typename Body>
-HYBRID_INLINE void for_lanes(std::size_t count, const Body& body) {
-  if (count == kLanes)
-    for (std::size_t k = 0; k < kLanes; ++k) body(k);
-  else
-    for (std::size_t k = 0; k < count; ++k) body(k);
-}
-
 // Where a group of lanes is.
 struct Place {
   const std::uint32_t* labels;
   const std::uint8_t* masks;
   std::ptrdiff_t rows, cols, row, col;
   std::size_t count;
+  std::uint32_t own;  // label
 };
+
+// Vectors of the compiler's, for what it makes no vectors of by itself: labels and masks differ in width. They
+// are handed on by reference alone: how a function returns one depends on the processor it is compiled for.
+using Flags = std::uint32_t __attribute__((vector_size(kLanes * sizeof(std::uint32_t))));  // all bits or none
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Longs = std::uint64_t __attribute__((vector_size(kLanes * sizeof(std::uint64_t))));
+using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
+
+template <typename Value, typename Lanes>
+HYBRID_INLINE void load_some(const Value* from, std::size_t count, Lanes& to) {
+  to = Lanes{};
+  if (count == kLanes)
+    std::memcpy(&to, from, sizeof to);
+  else
+    for (std::size_t k = 0; k < count; ++k) to[k] = from[k];
+}
+
+HYBRID_INLINE void load_masks(const std::uint8_t* from, std::size_t count, Flags& to) {
+  std::uint64_t bytes = 0;
+  if (count == kLanes)
+    std::memcpy(&bytes, from, sizeof bytes);
+  else
+    std::memcpy(&bytes, from, count);
+  const Longs spread = (bytes >> Longs{0, 8, 16, 24, 32, 40, 48, 56}) & 255U;
+  to = __builtin_convertvector(spread, Flags);
+}
+
+template <typename From>
+HYBRID_INLINE void widen(const From& from, Values& to) {
+  const auto wide = __builtin_convertvector(from, Doubles);
+  std::memcpy(&to, &wide, sizeof to);
+}
 
 // Whether another surface is `by` nodes from each sample: which of the two a sample there belongs to depends
 // on where the planes were thought to be, so that it says little about where they are, and that with a bias.
-HYBRID_INLINE void mark_others(const Place& place, std::ptrdiff_t by, Values& flags) {
-  const std::ptrdiff_t first = place.row * place.cols + place.col;
-  const std::uint32_t own = place.labels[first], *const label = place.labels + first + by;
-  const std::uint8_t* const mask = place.masks + first + by;
-  for_lanes(place.count, [&](std::size_t k) {
-    const double other = label[k] != own ? 1.0 : 0.0, there = mask[k] != kEmpty ? 1.0 : 0.0;
-    flags[k] = std::max(flags[k], other * there);
-  });
+HYBRID_INLINE void mark_others(const Place& place, std::ptrdiff_t by, Flags& flags) {
+  const std::ptrdiff_t first = place.row * place.cols + place.col + by;
+  Flags label, mask;
+  load_some(place.labels + first, place.count, label);
+  load_masks(place.masks + first, place.count, mask);
+  flags |= (label != place.own) & (mask != std::uint32_t{kEmpty});
 }
 
-HYBRID_INLINE void mark_border(const Place& place, std::ptrdiff_t reach, Values& flags) {
+HYBRID_INLINE void mark_border(const Place& place, std::ptrdiff_t reach, Values& border) {
+  Flags flags{};
   if (place.row >= reach) mark_others(place, -reach * place.cols, flags);
   if (place.row + reach < place.rows) mark_others(place, reach * place.cols, flags);
   if (place.col >= reach && place.col + static_cast<std::ptrdiff_t>(place.count) + reach <= place.cols) {
     mark_others(place, -reach, flags);
     mark_others(place, reach, flags);
-    return;
+  } else {
+    const std::ptrdiff_t begin = place.row * place.cols;
+    for (std::size_t k = 0; k < place.count; ++k) {  // across the seam
+      const std::ptrdiff_t col = place.col + static_cast<std::ptrdiff_t>(k);
+      for (const std::ptrdiff_t to : {(col + place.cols - reach) % place.cols, (col + reach) % place.cols})
+        if (place.labels[begin + to] != place.own && place.masks[begin + to] != kEmpty) flags[k] = ~0U;
+    }
   }
-  const std::ptrdiff_t begin = place.row * place.cols;
-  for (std::size_t k = 0; k < place.count; ++k) {  // across the seam
-    const std::ptrdiff_t col = place.col + static_cast<std::ptrdiff_t>(k);
-    for (const std::ptrdiff_t to : {(col + place.cols - reach) % place.cols, (col + reach) % place.cols})
-      if (place.labels[begin + to] != place.labels[begin + col] && place.masks[begin + to] != kEmpty)
-        flags[k] = 1;
-  }
+  flags &= 1U;
+  widen(flags, border);
 }
 
+HYBRID_INLINE void load_own(const float* from, const Place& place, const Flags& own, Values& to) {
+  Floats values;
+  load_some(from, place.count, values);
+  Flags bits;
+  std::memcpy(&bits, &values, sizeof bits);
+  bits &= own;
+  std::memcpy(&values, &bits, sizeof values);
+  widen(values, to);
+}
+
+// Lanes of nodes that are no samples of the plane's are at the origin, and not measured.
 HYBRID_INLINE Samples load(const RangeImage& image, const Place& place) {
   Samples samples;
   const std::ptrdiff_t first = place.row * place.cols + place.col;
-  const float *const x = image.x.data() + first, *const y = image.y.data() + first,
-                     *const z = image.z.data() + first;
-  for_lanes(place.count, [&](std::size_t k) {
-    samples.x[k] = x[k];
-    samples.y[k] = y[k];
-    samples.z[k] = z[k];
-    samples.measured[k] = 1;
-  });
+  Flags label, mask;
+  load_some(place.labels + first, place.count, label);
+  load_masks(place.masks + first, place.count, mask);
+  Flags own = (label == place.own) & (mask == std::uint32_t{kMeasured});
+  load_own(image.x.data() + first, place, own, samples.x);
+  load_own(image.y.data() + first, place, own, samples.y);
+  load_own(image.z.data() + first, place, own, samples.z);
+  own &= 1U;
+  widen(own, samples.measured);
   mark_border(place, 1, samples.near);
   mark_border(place, 2, samples.far);
   return samples;
@@ -175,7 +212,8 @@ void RayEquations::add_run(const RangeImage& image, const std::vector<std::uint3
               image.cols,
               static_cast<std::ptrdiff_t>(run.first / cols),
               static_cast<std::ptrdiff_t>(run.first % cols),
-              0};
+              0,
+              labels[run.first]};
   for (std::size_t done = 0; done < run.count; done += place.count) {
     place.col += static_cast<std::ptrdiff_t>(place.count);
     place.count = std::min(run.count - done, kLanes);

@@ -9,7 +9,8 @@
 
 namespace hybrid::stages {
 
-// Measured samples side by side in one row with one label.
+// Nodes side by side in one row, of which the first and the last are measured samples of one label, and most
+// of those between; others there are holes in a surface, or on none.
 struct SampleRun {
   std::size_t first = 0, count = 0;
 };
@@ -43,7 +44,7 @@ struct RayEquations {
   };
   Lanes inner, border;  // where another surface begins near by
 
-  // Each sample with Tukey's biweight.
+  // Each sample of the label with Tukey's biweight.
   void add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels, const SampleRun& run,
                const Frame& frame);
   void merge(const RayEquations& other);
