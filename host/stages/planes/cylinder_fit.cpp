@@ -4,7 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
-#include <limits>
+
+#include "stages/planes/cylinder_sums.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -31,38 +32,10 @@ Vec3 upright(const Vec3& axis) {
   return axis;
 }
 
-double tukey(double residual, double reach) {
-  const double u = residual / reach;
-  return std::abs(u) < 1 ? (1 - u * u) * (1 - u * u) : 0;
-}
-
-// One step. Unknowns: the axis' place and lean across itself (2 each), radius, taper, at the middle `centre`.
-struct Normal {
-  Mat6 matrix = Mat6::Zero();
-  Vec6 right = Vec6::Zero();
-  double squares = 0, weight = 0;
-  std::size_t within = 0;
-};
-
-Normal normal_equations(const std::vector<Vec3>& points, const Cylinder& at, const std::array<Vec3, 2>& frame,
-                        double reach_m) {
-  Normal sums;
-  for (const Vec3& point : points) {
-    const Vec3 out = at.outwards(point);
-    const double radius = out.norm(), t = at.along(point) - 0.5 * at.length_m;
-    const double residual = radius - at.radius_m - at.taper * t;
-    const double weight = tukey(residual, reach_m);
-    if (!(weight > 0) || !(radius > 0)) continue;
-    const Vec3 q = out / radius;
-    Vec6 row;
-    row << -q.dot(frame[0]), -q.dot(frame[1]), -t * q.dot(frame[0]), -t * q.dot(frame[1]), -1, -t;
-    sums.matrix += weight * row * row.transpose();
-    sums.right -= weight * residual * row;
-    sums.squares += weight * residual * residual;
-    sums.weight += weight;
-    ++sums.within;
-  }
-  // The prior, as strong as points that scatter as these do make it.
+// One step; the prior is as strong as points that scatter as these do make it.
+CylinderPoints::Sums normal_equations(const CylinderPoints& points, const Cylinder& at,
+                                      const std::array<Vec3, 2>& frame, double reach_m) {
+  CylinderPoints::Sums sums = points.sums(at, frame, reach_m);
   const double variance = sums.squares / std::max(sums.weight, 1e-300);
   const double prior = variance / (kTaperSigma * kTaperSigma);
   sums.matrix(5, 5) += prior;
@@ -71,13 +44,8 @@ Normal normal_equations(const std::vector<Vec3>& points, const Cylinder& at, con
 }
 
 // Foot and length: what points within reach take of the axis. The radius stays that of the middle.
-void span(const std::vector<Vec3>& points, double reach_m, Cylinder& cylinder) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Vec3& point : points) {
-    if (!(std::abs(cylinder.distance(point)) <= reach_m)) continue;
-    low = std::min(low, cylinder.along(point));
-    high = std::max(high, cylinder.along(point));
-  }
+void span(const CylinderPoints& points, double reach_m, Cylinder& cylinder) {
+  const auto [low, high] = points.extent(cylinder, reach_m);
   if (!(low <= high)) return;
   cylinder.radius_m = cylinder.radius_at(0.5 * (low + high));
   cylinder.foot += low * cylinder.axis;
@@ -117,12 +85,13 @@ std::optional<Cylinder> cylinder_through(const std::vector<OrientedPoint>& point
   return found;
 }
 
-std::optional<Cylinder> fit_cylinder(const std::vector<Vec3>& points, const Cylinder& start, double reach_m) {
+std::optional<Cylinder> fit_cylinder(const std::vector<Vec3>& of, const Cylinder& start, double reach_m) {
+  const CylinderPoints points(of);
   Cylinder at = start;
   for (int round = 0; round < kFitRounds; ++round) {
     span(points, reach_m, at);
     const auto frame = across(at.axis);
-    const Normal sums = normal_equations(points, at, frame, reach_m);
+    const auto sums = normal_equations(points, at, frame, reach_m);
     if (sums.within < kFewestFit) return std::nullopt;
     const Eigen::LDLT<Mat6> solver(sums.matrix);
     const Vec6 step = solver.solve(sums.right);
