@@ -204,6 +204,15 @@ class MixedSamples {
   std::vector<double> scatter_;
 };
 
+// Samples that may look across a node: what it has become may make them mixed.
+void ask_around(const RangeImage& image, const RimCrossings& crossings, std::size_t i,
+                std::vector<bool>& asked) {
+  const int row = static_cast<int>(i) / image.cols, col = static_cast<int>(i) % image.cols;
+  for (int away = -RimCrossings::kMostReach; away <= RimCrossings::kMostReach; ++away)
+    for (const auto& node : {crossings.node(row + away, col), crossings.node(row, col + away)})
+      if (node) asked[*node] = true;
+}
+
 }  // namespace
 
 std::vector<std::int64_t> trim_mixed_rims(const RangeImage& image, const RangeNoise& noise,
@@ -216,20 +225,23 @@ std::vector<std::int64_t> trim_mixed_rims(const RangeImage& image, const RangeNo
   const MixedSamples mixed(image, noise, beam, tolerance, crossings, labels, planes.size());
   const double half_beam = beam.at(kRoom_m) / 2 / (image.step_rad() * kRoom_m);
   const int rounds = std::clamp(static_cast<int>(std::ceil(half_beam)), kFewestRounds, kMostRounds);
+  std::vector<bool> asked(labels.size());  // in the next round
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::vector<std::size_t>> of_row(static_cast<std::size_t>(image.rows));
     parallel_for(of_row.size(), [&](std::size_t row) {
       for (int col = 0; col < image.cols; ++col) {
         const std::size_t i = image.index(static_cast<int>(row), col);
-        if (crossings.on_plane(i) && !crossings.is_inside(static_cast<int>(row), col) &&
-            mixed.is_mixed(static_cast<int>(row), col))
+        if ((round == 0 || asked[i]) && crossings.on_plane(i) &&
+            !crossings.is_inside(static_cast<int>(row), col) && mixed.is_mixed(static_cast<int>(row), col))
           of_row[row].push_back(i);
       }
     });
+    asked.assign(asked.size(), false);
     for (const auto& row : of_row)
       for (const std::size_t i : row) {
         lost[labels[i]] += 1;
         labels[i] = 0;
+        ask_around(image, crossings, i, asked);
       }
   }
   return lost;

@@ -54,7 +54,7 @@ class RimCrossings {
   // From sample i (on_plane) at a node in one of the four directions; nothing where the label goes on, or
   // comes again, or no surface is met within kMostGap nodes.
   std::optional<RimCrossing> cross(int row, int col, int row_step, int col_step) const;
-  static constexpr int kMostGap = 12;
+  static constexpr int kMostGap = 12, kMostReach = kMostGap + 2;  // nodes; the farthest that is looked at
 
  private:
   const RangeImage& image_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.hpp"
 #include "lib/random.h"
@@ -32,6 +33,17 @@ void free_in_window(const RangeImage& image, const std::vector<std::uint8_t>& us
         const Vec3 point = image.point(i);
         points.push_back({point, point.norm(), (r - row) * kWindow + c - col});
       }
+}
+
+// How many samples of the window's rows are free, by column: where few are, as in most windows, none need be
+// taken.
+std::vector<int> free_in_columns(const RangeImage& image, const std::vector<std::uint8_t>& use, int row) {
+  std::vector<int> free(static_cast<std::size_t>(image.cols));
+  for (int r = row; r < std::min(row + kWindow, image.rows); ++r) {
+    const std::uint8_t* const of_row = use.data() + image.index(r, 0);
+    for (std::size_t col = 0; col < free.size(); ++col) free[col] += of_row[col] == kFree ? 1 : 0;
+  }
+  return free;
 }
 
 // |measured - predicted range| on the plane through `a` with this unit normal, in sigmas.
@@ -91,8 +103,13 @@ std::vector<WindowSeed> find_sparse_seeds(const RangeImage& image, const std::ve
   const auto rows = static_cast<std::size_t>((image.rows + kStride - 1) / kStride);
   std::vector<std::vector<WindowSeed>> of_row(rows);
   parallel_for(rows, [&](std::size_t row) {
+    const std::vector<int> free = free_in_columns(image, use, static_cast<int>(row) * kStride);
     std::vector<WindowPoint> points;
     for (int col = 0; col < image.cols; col += kStride) {
+      const auto window = free.begin() + col;
+      if (std::accumulate(window, window + std::min(kWindow, image.cols - col), std::size_t{0}) <
+          kFewestOfWindow)
+        continue;
       const auto corner = static_cast<std::uint32_t>(image.index(static_cast<int>(row) * kStride, col));
       free_in_window(image, use, corner, points);
       WindowSeed seed{corner, kSparseSeed, 0, best_members(points, noise, corner)};
