@@ -17,7 +17,17 @@ using Values = std::array<double, kLanes>;
 // With p, q the outward direction along `across`, negative, t the place along the axis from the middle and r
 // the distance: each times 1, t, t^2 or 1, t.
 constexpr std::size_t kTerms = 26;
-enum Term : std::size_t { kPp = 0, kPq = 3, kQq = 6, kP = 9, kQ = 12, kOne = 15, kRp = 18, kRq = 20, kR = 22 };
+enum Term : std::size_t {
+  kPp = 0,
+  kPq = 3,
+  kQq = 6,
+  kP = 9,
+  kQ = 12,
+  kOne = 15,
+  kRp = 18,
+  kRq = 20,
+  kR = 22
+};
 constexpr std::size_t kSquares = 24, kWithin = 25;
 
 constexpr double kOnAxis_m = 1e-12;  // a point nearer to the axis is in no direction from it

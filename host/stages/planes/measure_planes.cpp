@@ -15,8 +15,8 @@ namespace {
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
 constexpr int kStrideBeforeLast = 3;
 constexpr std::size_t kMany = 4'000'000;  // samples; of fewer all are seen
-constexpr std::size_t kMostGap = 4;       // nodes between samples of one run
-constexpr double kAreaCosine = 0.02;      // c of the area: grazing samples cover no infinite area
+constexpr std::size_t kGroup = RayEquations::kLanes;
+constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
 
 using Labels = std::vector<std::uint32_t>;
 
@@ -27,18 +27,63 @@ struct Band {
   std::vector<Sum> sums;
 };
 
-// Adds a run, sample by sample where the sum cannot do better.
+// Adds the measured samples of the label among `count` nodes, one by one where the sum cannot do better.
 template <typename Sum, typename Of>
-void add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels, const SampleRun& run,
-             const Of& of, Sum& sum) {
-  if constexpr (requires { sum.add_run(image, labels, run, of); })
-    sum.add_run(image, labels, run, of);
+void add_nodes(const RangeImage& image, const Labels& labels, std::size_t first, std::size_t count,
+               std::uint32_t label, const Of& of, Sum& sum) {
+  if constexpr (requires { sum.add_nodes(image, labels, first, count, label, of); })
+    sum.add_nodes(image, labels, first, count, label, of);
   else
-    for (std::size_t i = run.first; i < run.first + run.count; ++i)
-      if (labels[i] == labels[run.first] && image.mask[i] == kMeasured) sum.add(image, labels, i, of);
+    for (std::size_t i = first; i < first + count; ++i)
+      if (labels[i] == label && image.mask[i] == kMeasured) sum.add(image, labels, i, of);
 }
 
-// Forms Sum::add(image, labels, sample, plane) per band of `square` rows anchored at row 0 and label, of
+// Whether a group has this label and no other, as most have.
+bool has_only(const std::uint32_t* of_group, std::uint32_t label) {
+  std::uint32_t others = 0, own = 0;
+  for (std::size_t k = 0; k < kGroup; ++k) {
+    others |= static_cast<std::uint32_t>(of_group[k] != label) & static_cast<std::uint32_t>(of_group[k] != 0);
+    own |= static_cast<std::uint32_t>(of_group[k] == label);
+  }
+  return own != 0 && others == 0;
+}
+
+// Adds the measured samples with a label among the nodes from `first` to `end`, which are of one row, by
+// add(first, count, label): those of a label in groups of kGroup nodes, and groups side by side that have but
+// one label, together.
+template <typename Add>
+void add_groups(const RangeImage& image, const Labels& labels, std::size_t first, std::size_t end,
+                const Add& add) {
+  const auto label_of = [&](std::size_t i) { return image.mask[i] == kMeasured ? labels[i] : 0; };
+  std::size_t begin = first;
+  std::uint32_t of_groups = 0;  // from `begin` on
+  const auto add_until = [&](std::size_t group) {
+    if (of_groups != 0) add(begin, group - begin, of_groups);
+    of_groups = 0;
+  };
+  for (std::size_t group = first; group < end; group += kGroup) {
+    if (group + kGroup <= end && has_only(&labels[group], of_groups)) continue;
+    std::array<std::uint32_t, kGroup> found;
+    std::size_t count = 0;
+    for (std::size_t i = group; i < std::min(end, group + kGroup); ++i) {
+      const std::uint32_t label = label_of(i);
+      if (label == 0 || (count > 0 && found[count - 1] == label)) continue;
+      if (std::find(found.begin(), found.begin() + count, label) == found.begin() + count)
+        found[count++] = label;
+    }
+    if (count == 1 && found[0] == of_groups) continue;
+    add_until(group);
+    if (count == 1) {
+      begin = group;
+      of_groups = found[0];
+    } else {
+      for (std::size_t k = 0; k < count; ++k) add(group, std::min(end - group, kGroup), found[k]);
+    }
+  }
+  add_until(end);
+}
+
+// Forms the sums per band of `square` rows anchored at row 0 and label, of
 // every `stride`th row, then merges the bands from top to bottom: the same bits for any number of threads.
 template <typename Sum, typename Planes>
 std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::vector<std::uint32_t>& labels,
@@ -60,21 +105,10 @@ std::vector<Sum> sum_by_label(const RangeImage& image, int square, const std::ve
     for (int row = (first + stride - 1) / stride * stride; row < std::min(first + square, image.rows);
          row += stride) {
       const std::size_t end = image.index(row, 0) + static_cast<std::size_t>(image.cols);
-      for (std::size_t i = image.index(row, 0); i < end;) {
-        const std::uint32_t label = labels[i];
-        if (label == 0 || image.mask[i] != kMeasured) {
-          ++i;
-          continue;
-        }
-        SampleRun run{i, 0};
-        for (; i < end && i <= run.first + run.count + kMostGap; ++i) {
-          if (image.mask[i] != kMeasured || labels[i] == 0) continue;
-          if (labels[i] != label) break;
-          run.count = i + 1 - run.first;
-        }
-        i = run.first + run.count;
-        add_run(image, labels, run, planes[label - 1], sum_of(label));
-      }
+      add_groups(image, labels, image.index(row, 0), end,
+                 [&](std::size_t from, std::size_t nodes, std::uint32_t label) {
+                   add_nodes(image, labels, from, nodes, label, planes[label - 1], sum_of(label));
+                 });
     }
   });
   std::vector<Sum> total(planes.size());

@@ -40,30 +40,35 @@ struct Place {
   std::ptrdiff_t rows, cols, row, col;
   std::size_t count;
   std::uint32_t own;  // label
+
+  // Whether a whole vector from this node on lies within the arrays, of whatever rows.
+  bool is_whole(std::ptrdiff_t first) const {
+    return first >= 0 && first + static_cast<std::ptrdiff_t>(kLanes) <= rows * cols;
+  }
 };
 
-// Vectors of the compiler's, for what it makes no vectors of by itself: labels and masks differ in width. They
-// are handed on by reference alone: how a function returns one depends on the processor it is compiled for.
+// Vectors of the compiler's, for what it makes no vectors of by itself: labels and masks differ in width.
+// They are handed on by reference alone: how a function returns one depends on the processor it is compiled
+// for.
 using Flags = std::uint32_t __attribute__((vector_size(kLanes * sizeof(std::uint32_t))));  // all bits or none
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Longs = std::uint64_t __attribute__((vector_size(kLanes * sizeof(std::uint64_t))));
 using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
 
+// Lanes beyond `count` hold whatever is there where the arrays go on, else 0: none of them counts.
 template <typename Value, typename Lanes>
-HYBRID_INLINE void load_some(const Value* from, std::size_t count, Lanes& to) {
-  to = Lanes{};
-  if (count == kLanes)
+HYBRID_INLINE void load_some(const Value* from, std::size_t count, bool whole, Lanes& to) {
+  if (whole) {
     std::memcpy(&to, from, sizeof to);
-  else
-    for (std::size_t k = 0; k < count; ++k) to[k] = from[k];
+    return;
+  }
+  to = Lanes{};
+  std::memcpy(&to, from, count * sizeof *from);
 }
 
-HYBRID_INLINE void load_masks(const std::uint8_t* from, std::size_t count, Flags& to) {
+HYBRID_INLINE void load_masks(const std::uint8_t* from, std::size_t count, bool whole, Flags& to) {
   std::uint64_t bytes = 0;
-  if (count == kLanes)
-    std::memcpy(&bytes, from, sizeof bytes);
-  else
-    std::memcpy(&bytes, from, count);
+  std::memcpy(&bytes, from, whole ? kLanes : count);
   const Longs spread = (bytes >> Longs{0, 8, 16, 24, 32, 40, 48, 56}) & 255U;
   to = __builtin_convertvector(spread, Flags);
 }
@@ -79,8 +84,9 @@ HYBRID_INLINE void widen(const From& from, Values& to) {
 HYBRID_INLINE void mark_others(const Place& place, std::ptrdiff_t by, Flags& flags) {
   const std::ptrdiff_t first = place.row * place.cols + place.col + by;
   Flags label, mask;
-  load_some(place.labels + first, place.count, label);
-  load_masks(place.masks + first, place.count, mask);
+  const bool whole = place.is_whole(first);
+  load_some(place.labels + first, place.count, whole, label);
+  load_masks(place.masks + first, place.count, whole, mask);
   flags |= (label != place.own) & (mask != std::uint32_t{kEmpty});
 }
 
@@ -103,9 +109,9 @@ HYBRID_INLINE void mark_border(const Place& place, std::ptrdiff_t reach, Values&
   widen(flags, border);
 }
 
-HYBRID_INLINE void load_own(const float* from, const Place& place, const Flags& own, Values& to) {
+HYBRID_INLINE void load_own(const float* from, std::size_t count, bool whole, const Flags& own, Values& to) {
   Floats values;
-  load_some(from, place.count, values);
+  load_some(from, count, whole, values);
   Flags bits;
   std::memcpy(&bits, &values, sizeof bits);
   bits &= own;
@@ -118,12 +124,14 @@ HYBRID_INLINE Samples load(const RangeImage& image, const Place& place) {
   Samples samples;
   const std::ptrdiff_t first = place.row * place.cols + place.col;
   Flags label, mask;
-  load_some(place.labels + first, place.count, label);
-  load_masks(place.masks + first, place.count, mask);
-  Flags own = (label == place.own) & (mask == std::uint32_t{kMeasured});
-  load_own(image.x.data() + first, place, own, samples.x);
-  load_own(image.y.data() + first, place, own, samples.y);
-  load_own(image.z.data() + first, place, own, samples.z);
+  const bool whole = place.is_whole(first);
+  load_some(place.labels + first, place.count, whole, label);
+  load_masks(place.masks + first, place.count, whole, mask);
+  Flags own = (label == place.own) & (mask == std::uint32_t{kMeasured}) &
+              (Flags{0, 1, 2, 3, 4, 5, 6, 7} < static_cast<std::uint32_t>(place.count));
+  load_own(image.x.data() + first, place.count, whole, own, samples.x);
+  load_own(image.y.data() + first, place.count, whole, own, samples.y);
+  load_own(image.z.data() + first, place.count, whole, own, samples.z);
   own &= 1U;
   widen(own, samples.measured);
   mark_border(place, 1, samples.near);
@@ -201,8 +209,8 @@ double sum(const Values& of) {
 }  // namespace
 
 HYBRID_CPU_CLONES
-void RayEquations::add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels,
-                           const SampleRun& run, const Frame& frame) {
+void RayEquations::add_nodes(const RangeImage& image, const std::vector<std::uint32_t>& labels,
+                             std::size_t first, std::size_t count, std::uint32_t label, const Frame& frame) {
   if (frame.noise == nullptr) return;
   const Equation equation{frame.axes, frame.m, *frame.noise, kBorder_m / image.step_rad()};
   const auto cols = static_cast<std::size_t>(image.cols);
@@ -210,13 +218,13 @@ void RayEquations::add_run(const RangeImage& image, const std::vector<std::uint3
               image.mask.data(),
               image.rows,
               image.cols,
-              static_cast<std::ptrdiff_t>(run.first / cols),
-              static_cast<std::ptrdiff_t>(run.first % cols),
+              static_cast<std::ptrdiff_t>(first / cols),
+              static_cast<std::ptrdiff_t>(first % cols),
               0,
-              labels[run.first]};
-  for (std::size_t done = 0; done < run.count; done += place.count) {
+              label};
+  for (std::size_t done = 0; done < count; done += place.count) {
     place.col += static_cast<std::ptrdiff_t>(place.count);
-    place.count = std::min(run.count - done, kLanes);
+    place.count = std::min(count - done, kLanes);
     add_samples(equation, load(image, place), inner, border);
   }
 }

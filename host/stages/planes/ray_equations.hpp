@@ -9,12 +9,6 @@
 
 namespace hybrid::stages {
 
-// Nodes side by side in one row, of which the first and the last are measured samples of one label, and most
-// of those between; others there are holes in a surface, or on none.
-struct SampleRun {
-  std::size_t first = 0, count = 0;
-};
-
 // Normal equations of a correction to m = normal / offset that minimises the weighted squares of the
 // residuals along the rays, r (1 - m . p), in the plane's own axes.
 struct RayEquations {
@@ -44,9 +38,9 @@ struct RayEquations {
   };
   Lanes inner, border;  // where another surface begins near by
 
-  // Each sample of the label with Tukey's biweight.
-  void add_run(const RangeImage& image, const std::vector<std::uint32_t>& labels, const SampleRun& run,
-               const Frame& frame);
+  // The measured samples of the label among `count` nodes of one row, with Tukey's biweight.
+  void add_nodes(const RangeImage& image, const std::vector<std::uint32_t>& labels, std::size_t first,
+                 std::size_t count, std::uint32_t label, const Frame& frame);
   void merge(const RayEquations& other);
   // Of both, when one of `stride` samples was added: those at the border err together, and say little.
   Sums weighted(int stride) const;

@@ -94,15 +94,12 @@ void expect_sums(const Wall& wall, const stages::RayEquations& sums) {
 TEST(RayEquations, of_vectors_are_those_of_single_samples) {
   const Wall wall;
   stages::RayEquations sums;
+  // Groups of all lengths, from one node to more than two vectors, in whatever place of a row.
+  std::size_t length = 0;
   for (std::size_t i = 0; i < wall.image.count();) {
-    stages::SampleRun run{i, 0};
-    const std::size_t end = (i / 61 + 1) * 61;
-    while (i < end && wall.of_plane(i)) ++i;
-    run.count = i - run.first;
-    if (run.count == 0)
-      ++i;
-    else
-      sums.add_run(wall.image, wall.labels, run, wall.frame);
+    const std::size_t count = std::min(1 + length++ % 19, (i / 61 + 1) * 61 - i);
+    sums.add_nodes(wall.image, wall.labels, i, count, kOwn, wall.frame);
+    i += count;
   }
   expect_sums(wall, sums);
 }
