@@ -35,6 +35,14 @@ struct RangeImage {
   std::size_t index(int row, int col) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(col);
   }
+  // Of an image that wraps the column that a column beyond an end is; else the same. No division: it is asked
+  // of every neighbour of every sample.
+  int wrapped(int col) const {
+    if (!wraps) return col;
+    while (col < 0) col += cols;
+    while (col >= cols) col -= cols;
+    return col;
+  }
   Vec3 point(std::size_t i) const { return {x[i], y[i], z[i]}; }
   double elevation_step_rad() const {
     return rows > 1 ? (elevation_rad.front() - elevation_rad.back()) / (rows - 1) : 0;

@@ -111,7 +111,7 @@ void colour_cylinders(const RangeImage& image, const PlaneSegmentation& segmenta
     parallel_for(static_cast<std::size_t>(std::max(window.bottom + 1 - window.top, 0)), [&](std::size_t r) {
       const int row = window.top + static_cast<int>(r);
       for (int k = 0; k < window.columns; ++k) {
-        const int col = image.wraps ? (window.left + k + image.cols) % image.cols : window.left + k;
+        const int col = image.wrapped(window.left + k);
         if (col < 0 || col >= image.cols) continue;
         const std::size_t i = image.index(row, col);
         if (image.mask[i] == kEmpty || segmentation.sample_label[i] != 0) continue;

@@ -30,7 +30,7 @@ std::vector<std::uint32_t> gather_nodes(const RangeImage& image, const std::vect
     const int row = tile.row - 1 + static_cast<int>(r);
     for (std::size_t c = 0; c < width; ++c) {
       int col = tile.col - 1 + static_cast<int>(c);
-      if (image.wraps) col = (col + image.cols) % image.cols;
+      col = image.wrapped(col);
       std::uint32_t label = 0;
       if (row < 0)
         label = upper_pole;
@@ -147,7 +147,7 @@ ContourCells find_contour_cells(device::Queue& queue, const RangeImage& image,
   const auto label_at = [&](int row, int col) -> std::uint32_t {
     if (row < 0) return upper;
     if (row >= image.rows) return lower;
-    if (image.wraps) col = (col + image.cols) % image.cols;
+    col = image.wrapped(col);
     return col < 0 || col >= image.cols ? 0 : labels[image.index(row, col)];
   };
   for (std::size_t i = 0; i < codes.size(); ++i) {

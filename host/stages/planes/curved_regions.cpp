@@ -47,7 +47,7 @@ PlaneHeights heights(const RangeImage& image, const SquarePlanes& squares, const
   const double spacing_m = region.fit.centroid.norm() * image.step_rad();
   const int rim = static_cast<int>(std::lround(std::min(reach_m / std::max(spacing_m, 1e-9), kMostMargin)));
   const auto on_plane = [&](int row, int col) {
-    if (image.wraps) col = (col + image.cols) % image.cols;
+    col = image.wrapped(col);
     if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return false;
     const double height = region.fit.plane.distance(image.point(image.index(row, col)));
     return std::abs(height) <= reach_m;  // false for NaN

@@ -245,7 +245,7 @@ class Search {
   Nodes flood(const Cylinder& cylinder) {
     Nodes reached;
     const auto reach = [&](int row, int col) {
-      if (image_.wraps) col = (col + image_.cols) % image_.cols;
+      col = image_.wrapped(col);
       if (row < 0 || col < 0 || row >= image_.rows || col >= image_.cols) return;
       const auto i = static_cast<std::uint32_t>(image_.index(row, col));
       if (visited_[i] || !on(cylinder, i)) return;

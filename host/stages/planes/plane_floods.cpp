@@ -170,7 +170,7 @@ PlaneFlood PlaneFlooder::without_tongues(const PlaneFlood& flood) const {
     for (int side = 0; side < 4; ++side) {
       const int r = row + (side == 1) - (side == 3);
       int c = col + (side == 0) - (side == 2);
-      if (image_.wraps) c = (c + cols) % cols;
+      c = image_.wrapped(c);
       if (r < 0 || r >= image_.rows || c < 0 || c >= cols) continue;
       visit(static_cast<std::uint32_t>(image_.index(r, c)));
     }

@@ -63,7 +63,7 @@ bool is_seen_through(const RangeImage& image, const SquarePlanes& squares, const
   for (int i = 0; i <= steps; ++i) {
     const int row = gap.row * n + n / 2 + gap.rows * n * i / std::max(steps, 1);
     int col = gap.col * n + n / 2 + gap.cols * n * i / std::max(steps, 1);
-    if (image.wraps) col = (col % image.cols + image.cols) % image.cols;
+    col = image.wrapped(col);
     if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) continue;
     const Vec3 point = image.point(image.index(row, col));
     if (!std::isfinite(point.x())) continue;

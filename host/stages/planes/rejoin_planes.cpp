@@ -158,7 +158,7 @@ class Rejoining {
         for (int step = 1; step <= longest; ++step) {
           row += (direction == 0) - (direction == 1);
           col += (direction == 2) - (direction == 3);
-          if (image_.wraps) col = (col + image_.cols) % image_.cols;
+          col = image_.wrapped(col);
           if (row < 0 || row >= image_.rows || col < 0 || col >= image_.cols) break;
           const std::size_t i = image_.index(row, col);
           const std::uint32_t label = heir[labels_[i]];
@@ -180,7 +180,7 @@ class Rejoining {
     for (const std::uint32_t i : looked_[part - 1].samples) {
       const int row = static_cast<int>(i) / image_.cols, col = static_cast<int>(i) % image_.cols;
       const auto holds = [&](int r, int c) {
-        if (image_.wraps) c = (c + image_.cols) % image_.cols;
+        c = image_.wrapped(c);
         return r >= 0 && r < image_.rows && c >= 0 && c < image_.cols &&
                heir[labels_[image_.index(r, c)]] == of;
       };

@@ -40,7 +40,7 @@ class RimCrossings {
   }
   const Plane& plane(std::size_t i) const { return planes_[labels_[i] - 1]; }
   std::optional<std::size_t> node(int row, int col) const {
-    if (image_.wraps) col = (col + image_.cols) % image_.cols;
+    col = image_.wrapped(col);
     if (row < 0 || row >= image_.rows || col < 0 || col >= image_.cols) return std::nullopt;
     return image_.index(row, col);
   }

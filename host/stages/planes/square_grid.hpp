@@ -21,7 +21,10 @@ struct SquareGrid {
   std::size_t count() const { return static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols); }
   // Index of the square at an offset, or kNone.
   std::int64_t at(int row, int col) const {
-    if (wraps) col = (col % cols + cols) % cols;
+    if (wraps) {  // no division: it is asked of every neighbour
+      while (col < 0) col += cols;
+      while (col >= cols) col -= cols;
+    }
     if (row < 0 || row >= rows || col < 0 || col >= cols) return kNone;
     return static_cast<std::int64_t>(row) * cols + col;
   }

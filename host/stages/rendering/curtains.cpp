@@ -53,7 +53,7 @@ class Hanger {
 
  private:
   std::optional<std::size_t> node(int row, int col) const {
-    if (image_.wraps) col = (col + image_.cols) % image_.cols;
+    col = image_.wrapped(col);
     if (row < 0 || col < 0 || row >= image_.rows || col >= image_.cols) return std::nullopt;
     return image_.index(row, col);
   }

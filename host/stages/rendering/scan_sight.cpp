@@ -134,7 +134,7 @@ bool ScanSight::reaches(std::size_t scan, const Vec3& point) const {
 
 std::optional<double> ScanSight::range_m(std::size_t scan, int row, int col) const {
   const RangeImage& image = *scans_[scan].image;
-  if (image.wraps) col = (col + image.cols) % image.cols;
+  col = image.wrapped(col);
   if (row < 0 || col < 0 || row >= image.rows || col >= image.cols) return std::nullopt;
   const std::size_t i = image.index(row, col);
   const auto* stray = scans_[scan].stray;

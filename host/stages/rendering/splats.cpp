@@ -88,7 +88,7 @@ class SplatMaker {
     for (int steps = 1; steps < kWidestGap; ++steps) {
       const int r = row + steps * down;
       int c = col + steps * across;
-      if (image_.wraps) c = (c + image_.cols) % image_.cols;
+      c = image_.wrapped(c);
       if (r < 0 || c < 0 || r >= image_.rows || c >= image_.cols) return std::nullopt;
       const std::size_t i = image_.index(r, c);
       if (is_drawn(i)) return DrawnNode{i, r, c, steps};

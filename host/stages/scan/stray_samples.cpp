@@ -29,7 +29,7 @@ struct TilePoints {
       for (std::size_t c = 0; c < width; ++c) {
         int col = tile.col - STRAY_WINDOW + static_cast<int>(c);
         // An image narrower than the window must not meet its own samples again around the turn.
-        if (image.wraps && image.cols > 2 * STRAY_WINDOW) col = (col + image.cols) % image.cols;
+        if (image.cols > 2 * STRAY_WINDOW) col = image.wrapped(col);
         if (col < 0 || col >= image.cols) continue;
         const std::size_t from = image.index(row, col), to = r * width + c;
         if (image.mask[from] != kMeasured) continue;
