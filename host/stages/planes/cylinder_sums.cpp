@@ -11,12 +11,12 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kLanes = CylinderPoints::kLanes;
-using Values = std::array<double, kLanes>;
+constexpr std::size_t kAbreast = CylinderPoints::kLanes;
+using Values = std::array<double, kAbreast>;
 
 // With p, q the outward direction along `across`, negative, t the place along the axis from the middle and r
 // the distance: each times 1, t, t^2 or 1, t.
-constexpr std::size_t kTerms = 26;
+constexpr std::size_t kSumsOfPoint = 26;
 enum Term : std::size_t {
   kPp = 0,
   kPq = 3,
@@ -89,10 +89,10 @@ CylinderPoints::Sums CylinderPoints::sums(const Cylinder& at, const std::array<V
   const double inverse_reach = 1 / reach_m;
   const double p0 = -across[0].x(), p1 = -across[0].y(), p2 = -across[0].z();
   const double q0 = -across[1].x(), q1 = -across[1].y(), q2 = -across[1].z();
-  alignas(64) std::array<Values, kTerms> terms{};
-  for (std::size_t from = 0; from < x_.size(); from += kLanes) {
+  alignas(64) std::array<Values, kSumsOfPoint> terms{};
+  for (std::size_t from = 0; from < x_.size(); from += kAbreast) {
     alignas(64) Values ts, rs, ps, qs, ws, counts;
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kAbreast; ++k) {
       const Seen seen(axis, x_[from + k], y_[from + k], z_[from + k]);
       const double r = seen.distance, u = r * inverse_reach, one = 1 - u * u;
       const double inverse = 1 / std::max(seen.radius, kOnAxis_m);
@@ -103,7 +103,7 @@ CylinderPoints::Sums CylinderPoints::sums(const Cylinder& at, const std::array<V
       counts[k] = one > 0 ? counts_[from + k] : 0.0;
       ws[k] = counts[k] * (one * one);
     }
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kAbreast; ++k) {
       const double t = ts[k], r = rs[k], p = ps[k], q = qs[k], w = ws[k];
       const double wt = w * t, wtt = wt * t, wr = w * r, wrt = wr * t;
       const double pp = p * p, pq = p * q, qq = q * q;
@@ -135,8 +135,8 @@ CylinderPoints::Sums CylinderPoints::sums(const Cylinder& at, const std::array<V
       terms[kWithin][k] += counts[k];
     }
   }
-  std::array<double, kTerms> s;
-  for (std::size_t t = 0; t < kTerms; ++t) s[t] = sum(terms[t]);
+  std::array<double, kSumsOfPoint> s;
+  for (std::size_t t = 0; t < kSumsOfPoint; ++t) s[t] = sum(terms[t]);
   Sums sums;
   sums.matrix << s[kPp], s[kPq], s[kPp + 1], s[kPq + 1], -s[kP], -s[kP + 1],   //
       s[kPq], s[kQq], s[kPq + 1], s[kQq + 1], -s[kQ], -s[kQ + 1],              //
@@ -158,8 +158,8 @@ std::pair<double, double> CylinderPoints::extent(const Cylinder& at, double reac
   alignas(64) Values low, high;
   low.fill(kFar);
   high.fill(-kFar);
-  for (std::size_t from = 0; from < x_.size(); from += kLanes)
-    for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t from = 0; from < x_.size(); from += kAbreast)
+    for (std::size_t k = 0; k < kAbreast; ++k) {
       const Seen seen(axis, x_[from + k], y_[from + k], z_[from + k]);
       const double counts = std::abs(seen.distance) <= reach_m ? counts_[from + k] : 0.0;
       const double lower = counts > 0 ? seen.along : kFar, upper = counts > 0 ? seen.along : -kFar;
