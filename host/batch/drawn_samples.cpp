@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 #include "stages/rendering/column_backs.hpp"
 #include "stages/rendering/column_ends.hpp"
 #include "stages/rendering/far_flanks.hpp"
@@ -32,7 +32,7 @@ Face shifted(Face face, std::uint32_t by) {
 }
 
 // What the scans' evidence says of sides and places that none of them has seen.
-void append_unseen(const std::vector<ScanProduct>& products,
+void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct>& products,
                    const std::vector<std::optional<ScanRegistration>>& registrations, WorldContours& all) {
   std::vector<std::uint32_t> product_of;
   std::vector<std::size_t> scan_of(products.size());
@@ -40,8 +40,6 @@ void append_unseen(const std::vector<ScanProduct>& products,
     scan_of[i] = product_of.size();
     if (registrations[i]) product_of.push_back(static_cast<std::uint32_t>(i));
   }
-  const auto scans = sight_scans(products, registrations);
-  const stages::ScanSight sight(scans, kSightTolerance_m);
   std::vector<std::size_t> scan_of_face;
   for (const std::uint32_t product : all.scan) scan_of_face.push_back(scan_of[product]);
   const auto ends = stages::column_ends(sight, all.model);
@@ -82,8 +80,7 @@ std::vector<stages::SightScan> sight_scans(
 }
 
 WorldContours world_contours(const std::vector<ScanProduct>& products,
-                             const std::vector<std::optional<ScanRegistration>>& registrations,
-                             double unseen_m) {
+                             const std::vector<std::optional<ScanRegistration>>& registrations) {
   WorldContours all;
   for (std::size_t i = 0; i < products.size(); ++i) {
     if (!registrations[i]) continue;
@@ -97,17 +94,17 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
       all.scan.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  if (unseen_m > 0) append_unseen(products, registrations, all);
   return all;
 }
 
 WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                    const std::vector<std::optional<ScanRegistration>>& registrations,
                                    std::vector<ScanProduct>& products) {
-  WorldContours contours = world_contours(products, registrations, options.render.unseen_m);
+  WorldContours contours = world_contours(products, registrations);
   const double worst_sigma_m = largest_sigma(products);
   const auto scans = sight_scans(products, registrations);
   const stages::ScanSight sight(scans, kSightTolerance_m);
+  if (options.render.unseen_m > 0) append_unseen(sight, products, registrations, contours);
   std::size_t scan = 0;
   for (std::size_t p = 0; p < products.size(); ++p) {
     if (!registrations[p]) continue;
@@ -132,21 +129,30 @@ WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& opt
     const double step_rad = product.image.step_rad();
     const auto& world = registrations[p]->world_from_scan();
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
-    parallel_for(
-        product.image.count(),
-        [&](std::size_t i) {
-          if (!retained[i]) return;
-          if (!on_contour.empty() && on_contour[i]) return;
-          const bool planar = product.segmentation.sample_label[i] != 0;
-          const Vec3 point = product.image.point(i);
-          if (!planar && sight.is_seen_through(world * point, through_m, step_rad * point.norm(), scan))
-            return;
-          const bool on_face =
-              !to_face.empty() &&
-              std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
-          product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
-        },
-        1 << 14);
+    product.drawn_counts =
+        sum_blocks<DrawnCounts>(product.image.count(), [&](std::size_t begin, std::size_t end) {
+          DrawnCounts counts;
+          for (std::size_t i = begin; i < end; ++i) {
+            if (!retained[i]) continue;
+            counts.retained += 1;
+            if (!on_contour.empty() && on_contour[i]) {
+              counts.on_contours += 1;
+              continue;
+            }
+            const bool planar = product.segmentation.sample_label[i] != 0;
+            const Vec3 point = product.image.point(i);
+            if (!planar && sight.is_seen_through(world * point, through_m, step_rad * point.norm(), scan)) {
+              counts.in_the_air += 1;
+              continue;
+            }
+            const bool on_face =
+                !to_face.empty() &&
+                std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
+            counts.on_faces += on_face;
+            product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
+          }
+          return counts;
+        });
     ++scan;
   }
   return contours;

@@ -17,17 +17,18 @@ struct WorldContours {
   PolygonModel model;
   std::vector<std::uint32_t> scan;  // per face: index of its product
 };
-// `unseen_m` (RenderOptions) 0: all that no scan has seen is empty, and nothing closes it.
+// The contour polygons alone.
 WorldContours world_contours(const std::vector<ScanProduct>& products,
-                             const std::vector<std::optional<ScanRegistration>>& registrations,
-                             double unseen_m);
+                             const std::vector<std::optional<ScanRegistration>>& registrations);
 
-// Decides how the retained samples of every registered scan are drawn (METHOD 10); fills product.drawn.
+// Decides how the retained samples of every registered scan are drawn (METHOD 10); fills product.drawn and
+// its counts.
 // Not drawn: stray samples, those of no plane that another scan looks through (mixed pixels in the air, what
 // has moved away), and those that lie on a contour polygon. Drawn only without the proxy: those that
 // a proxy face stands for, as it stands for the discarded interior: planar ones within explain_m of a face,
 // others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on.
-// Returns the scene's contours.
+// Returns the scene's contours; with `unseen_m` (RenderOptions) 0 all that no scan has seen is empty, and
+// nothing closes it.
 WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                    const std::vector<std::optional<ScanRegistration>>& registrations,
                                    std::vector<ScanProduct>& products);

@@ -19,6 +19,22 @@
 
 namespace hybrid::batch {
 
+// What becomes of a registered scan's retained samples when it is drawn (choose_drawn_samples).
+struct DrawnCounts {
+  std::int64_t retained = 0;     // without strays and those of planes that were written as contours
+  std::int64_t on_contours = 0;  // of these not drawn: they lie on a contour polygon
+  std::int64_t in_the_air = 0;   // nor these: another scan looks through them
+  std::int64_t on_faces = 0;     // drawn only where the proxy is not
+
+  DrawnCounts& operator+=(const DrawnCounts& other) {
+    retained += other.retained;
+    on_contours += other.on_contours;
+    in_the_air += other.in_the_air;
+    on_faces += other.on_faces;
+    return *this;
+  }
+};
+
 // What the planes stages make of one scan, kept for registration and rendering.
 struct ScanProduct {
   std::string id;
@@ -32,6 +48,7 @@ struct ScanProduct {
   std::vector<std::uint8_t> stray;                // per node: stages::Stray
   stages::ContourFaces contour_faces;             // after registration: what no proxy face explains
   std::vector<std::uint8_t> drawn;                // per node: stages::Drawn; after registration
+  DrawnCounts drawn_counts{};                     // of them
   std::vector<std::uint8_t> clipped{};            // per node, 1: dropped by [edit] clip; or empty
   std::vector<std::uint8_t> extra_clipped{};      // the same per extra sample of the image
   double sigma_m = 0;                             // range noise used

@@ -47,6 +47,14 @@ Json scan_summary(const SceneRun& run, const io::SceneTruth* truths, std::size_t
     if (const auto nodes = residual_nodes(run.products[i], *found))
       json["registration"]["residuals"] = residual_figures(*nodes);
   }
+  if (const ScanProduct& product = run.products[i]; !product.drawn.empty()) {
+    const DrawnCounts& of = product.drawn_counts;
+    json["drawn"] = {{"retained", of.retained},
+                     {"on_contours", of.on_contours},
+                     {"in_the_air", of.in_the_air},
+                     {"on_faces", of.on_faces},
+                     {"drawn", of.retained - of.on_contours - of.in_the_air}};
+  }
   if (truths == nullptr) return json;
   for (const auto& truth : truths->scans)
     if (truth.id == run.products[i].id && is_of_this_file(run, truth, run.products[i])) {

@@ -76,7 +76,7 @@ using Registrations = std::vector<std::optional<batch::ScanRegistration>>;
 
 stages::RenderScene scene_of(const batch::SceneRun& run, const Registrations& registrations, int every) {
   return batch::build_render_scene(*run.model, run.products, registrations, {},
-                                   batch::world_contours(run.products, registrations, 0), 0, every);
+                                   batch::world_contours(run.products, registrations), 0, every);
 }
 
 Image8 draw(device::Queue& queue, stages::RenderScene scene, const Photograph& camera, float largest_m) {

@@ -44,6 +44,19 @@ TEST(Curtains, hide_things_in_views_and_exports_with_the_same_bytes_for_any_tile
   EXPECT_GT(with["left_out"]["psnr_db"], without["left_out"]["psnr_db"].get<double>() + 0.5);
   // 0.78501, 0.78534
   EXPECT_GT(closed["export"]["atlas"]["red_share"], open["export"]["atlas"]["red_share"]);
+  // Of every retained sample the summary says what became of it.
+  std::int64_t in_the_air = 0;
+  for (const auto& scan : closed["scans"]) {
+    const auto count = [&](const char* which) { return scan["drawn"][which].get<std::int64_t>(); };
+    EXPECT_GT(count("on_contours"), 0);
+    EXPECT_GT(count("on_faces"), 0);
+    EXPECT_LE(count("on_faces"), count("drawn"));
+    EXPECT_GT(count("drawn"), count("retained") / 2);
+    EXPECT_EQ(count("retained"), count("on_contours") + count("in_the_air") + count("drawn"));
+    in_the_air += count("in_the_air");
+  }
+  EXPECT_GT(in_the_air, 0);
+  EXPECT_LT(in_the_air, 1000);
   rendered(scratch / "tiled", "--set render.tile=64 --threads 1");
   EXPECT_EQ(content_list(scratch / "tiled/views"), content_list(scratch / "closed/views"));
   EXPECT_NE(content_list(scratch / "tiled/views"), content_list(scratch / "open/views"));
