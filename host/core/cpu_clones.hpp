@@ -10,3 +10,6 @@
 #else
 #define HYBRID_CPU_CLONES
 #endif
+
+// Before what such a function calls: it becomes part of each of the clones.
+#define HYBRID_INLINE [[gnu::always_inline]] inline

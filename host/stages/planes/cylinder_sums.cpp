@@ -5,14 +5,12 @@
 #include <limits>
 
 #include "core/cpu_clones.hpp"
+#include "core/lanes.hpp"
 
 // Sums over all points, as loops over lanes of fixed order (ray_equations.cpp says why; compiled with options
 // of its own, host/CMakeLists.txt).
 namespace hybrid::stages {
 namespace {
-
-constexpr std::size_t kAbreast = CylinderPoints::kLanes;
-using Values = std::array<double, kAbreast>;
 
 // With p, q the outward direction along `across`, negative, t the place along the axis from the middle and r
 // the distance: each times 1, t, t^2 or 1, t.
@@ -31,12 +29,6 @@ enum Term : std::size_t {
 constexpr std::size_t kSquares = 24, kWithin = 25;
 
 constexpr double kOnAxis_m = 1e-12;  // a point nearer to the axis is in no direction from it
-
-double sum(const Values& of) {
-  return ((of[0] + of[4]) + (of[1] + of[5])) + ((of[2] + of[6]) + (of[3] + of[7]));
-}
-
-#define HYBRID_INLINE [[gnu::always_inline]] inline  // into each of the clones
 
 // A cylinder in plain numbers.
 struct Axis {
@@ -72,7 +64,7 @@ struct Seen {
 }  // namespace
 
 CylinderPoints::CylinderPoints(const std::vector<Vec3>& points) {
-  const std::size_t whole = (points.size() + kLanes - 1) / kLanes * kLanes;
+  const std::size_t whole = (points.size() + kVectorLanes - 1) / kVectorLanes * kVectorLanes;
   for (auto* const values : {&x_, &y_, &z_, &counts_}) values->resize(whole);
   for (std::size_t k = 0; k < points.size(); ++k) {
     x_[k] = points[k].x();
@@ -89,10 +81,10 @@ CylinderPoints::Sums CylinderPoints::sums(const Cylinder& at, const std::array<V
   const double inverse_reach = 1 / reach_m;
   const double p0 = -across[0].x(), p1 = -across[0].y(), p2 = -across[0].z();
   const double q0 = -across[1].x(), q1 = -across[1].y(), q2 = -across[1].z();
-  alignas(64) std::array<Values, kSumsOfPoint> terms{};
-  for (std::size_t from = 0; from < x_.size(); from += kAbreast) {
-    alignas(64) Values ts, rs, ps, qs, ws, counts;
-    for (std::size_t k = 0; k < kAbreast; ++k) {
+  alignas(64) std::array<LaneValues, kSumsOfPoint> terms{};
+  for (std::size_t from = 0; from < x_.size(); from += kVectorLanes) {
+    alignas(64) LaneValues ts, rs, ps, qs, ws, counts;
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       const Seen seen(axis, x_[from + k], y_[from + k], z_[from + k]);
       const double r = seen.distance, u = r * inverse_reach, one = 1 - u * u;
       const double inverse = 1 / std::max(seen.radius, kOnAxis_m);
@@ -103,7 +95,7 @@ CylinderPoints::Sums CylinderPoints::sums(const Cylinder& at, const std::array<V
       counts[k] = one > 0 ? counts_[from + k] : 0.0;
       ws[k] = counts[k] * (one * one);
     }
-    for (std::size_t k = 0; k < kAbreast; ++k) {
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       const double t = ts[k], r = rs[k], p = ps[k], q = qs[k], w = ws[k];
       const double wt = w * t, wtt = wt * t, wr = w * r, wrt = wr * t;
       const double pp = p * p, pq = p * q, qq = q * q;
@@ -136,7 +128,7 @@ CylinderPoints::Sums CylinderPoints::sums(const Cylinder& at, const std::array<V
     }
   }
   std::array<double, kSumsOfPoint> s;
-  for (std::size_t t = 0; t < kSumsOfPoint; ++t) s[t] = sum(terms[t]);
+  for (std::size_t t = 0; t < kSumsOfPoint; ++t) s[t] = sum_of_lanes(terms[t]);
   Sums sums;
   sums.matrix << s[kPp], s[kPq], s[kPp + 1], s[kPq + 1], -s[kP], -s[kP + 1],   //
       s[kPq], s[kQq], s[kPq + 1], s[kQq + 1], -s[kQ], -s[kQ + 1],              //
@@ -155,11 +147,11 @@ HYBRID_CPU_CLONES
 std::pair<double, double> CylinderPoints::extent(const Cylinder& at, double reach_m) const {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   const Axis axis(at);
-  alignas(64) Values low, high;
+  alignas(64) LaneValues low, high;
   low.fill(kFar);
   high.fill(-kFar);
-  for (std::size_t from = 0; from < x_.size(); from += kAbreast)
-    for (std::size_t k = 0; k < kAbreast; ++k) {
+  for (std::size_t from = 0; from < x_.size(); from += kVectorLanes)
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       const Seen seen(axis, x_[from + k], y_[from + k], z_[from + k]);
       const double counts = std::abs(seen.distance) <= reach_m ? counts_[from + k] : 0.0;
       const double lower = counts > 0 ? seen.along : kFar, upper = counts > 0 ? seen.along : -kFar;

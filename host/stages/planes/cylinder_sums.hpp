@@ -11,8 +11,6 @@ namespace hybrid::stages {
 // Points to fit a cylinder to, by coordinate; filled up to whole vectors with points that count 0.
 class CylinderPoints {
  public:
-  static constexpr std::size_t kLanes = 8;
-
   explicit CylinderPoints(const std::vector<Vec3>& points);
 
   // Gauss-Newton's normal equations of the points' distances from `at`, weighted by Tukey's biweight of

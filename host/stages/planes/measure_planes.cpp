@@ -15,7 +15,7 @@ namespace {
 constexpr double kWeightCosine = 0.2;  // c of the weights: a weight of 25 at most, for beams are not lines
 constexpr int kStrideBeforeLast = 3;
 constexpr std::size_t kMany = 4'000'000;  // samples; of fewer all are seen
-constexpr std::size_t kGroup = RayEquations::kLanes;
+constexpr std::size_t kGroup = kVectorLanes;
 constexpr double kAreaCosine = 0.02;  // c of the area: grazing samples cover no infinite area
 
 using Labels = std::vector<std::uint32_t>;

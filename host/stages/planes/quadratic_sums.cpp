@@ -4,33 +4,27 @@
 #include <cmath>
 
 #include "core/cpu_clones.hpp"
+#include "core/lanes.hpp"
 
 // Sums over all heights of a region, as loops over lanes of fixed order (ray_equations.cpp says why; compiled
 // with options of its own, host/CMakeLists.txt).
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kLanes = 8;
-using Values = std::array<double, kLanes>;
-
 // Powers a^i b^j with i + j <= 4, in this order, and the height times those with i + j <= 2.
 constexpr std::size_t kPowers = 15, kTerms = kPowers + 6;
 enum Power : std::size_t { k00, k10, k01, k20, k11, k02, k30, k21, k12, k03, k40, k31, k22, k13, k04 };
 
-double sum(const Values& of) {
-  return ((of[0] + of[4]) + (of[1] + of[5])) + ((of[2] + of[6]) + (of[3] + of[7]));
-}
-
 // Heights side by side; the last are filled up with the last one, which counts 0 there.
 struct Lanes {
-  alignas(64) Values a, b, h, counts;
+  alignas(64) LaneValues a, b, h, counts;
 };
 
-[[gnu::always_inline]] inline void load(const std::vector<Vec3>& heights, std::size_t from, Lanes& lanes) {
-  const std::size_t count = std::min(heights.size() - from, kLanes);
+HYBRID_INLINE void load(const std::vector<Vec3>& heights, std::size_t from, Lanes& lanes) {
+  const std::size_t count = std::min(heights.size() - from, kVectorLanes);
   const Vec3* const first = heights.data() + from;
-  if (count == kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
+  if (count == kVectorLanes) {
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       lanes.a[k] = first[k].x();
       lanes.b[k] = first[k].y();
       lanes.h[k] = first[k].z();
@@ -38,7 +32,7 @@ struct Lanes {
     }
     return;
   }
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t k = 0; k < kVectorLanes; ++k) {
     const Vec3& one = first[std::min(k, count - 1)];
     lanes.a[k] = one.x();
     lanes.b[k] = one.y();
@@ -51,11 +45,11 @@ struct Lanes {
 
 HYBRID_CPU_CLONES
 HeightExtent extent_of(const std::vector<Vec3>& heights) {
-  alignas(64) std::array<Values, 5> sums{};
+  alignas(64) std::array<LaneValues, 5> sums{};
   Lanes lanes;
-  for (std::size_t from = 0; from < heights.size(); from += kLanes) {
+  for (std::size_t from = 0; from < heights.size(); from += kVectorLanes) {
     load(heights, from, lanes);
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       const double a = lanes.counts[k] * lanes.a[k], b = lanes.counts[k] * lanes.b[k];
       sums[0][k] += a;
       sums[1][k] += b;
@@ -66,8 +60,9 @@ HeightExtent extent_of(const std::vector<Vec3>& heights) {
   }
   const double count = static_cast<double>(heights.size());
   HeightExtent extent;
-  extent.mean = Vec2(sum(sums[0]), sum(sums[1])) / count;
-  extent.products << sum(sums[2]), sum(sums[3]), sum(sums[3]), sum(sums[4]);
+  extent.mean = Vec2(sum_of_lanes(sums[0]), sum_of_lanes(sums[1])) / count;
+  extent.products << sum_of_lanes(sums[2]), sum_of_lanes(sums[3]), sum_of_lanes(sums[3]),
+      sum_of_lanes(sums[4]);
   extent.products /= count;
   return extent;
 }
@@ -77,11 +72,11 @@ Vec2 reach_of(const std::vector<Vec3>& heights, const HeightAxes& axes) {
   const double ma = axes.mean.x(), mb = axes.mean.y();
   const double aa = axes.turn(0, 0) / axes.scale.x(), ab = axes.turn(0, 1) / axes.scale.x();
   const double ba = axes.turn(1, 0) / axes.scale.y(), bb = axes.turn(1, 1) / axes.scale.y();
-  alignas(64) Values largest_a{}, largest_b{};
+  alignas(64) LaneValues largest_a{}, largest_b{};
   Lanes lanes;
-  for (std::size_t from = 0; from < heights.size(); from += kLanes) {
+  for (std::size_t from = 0; from < heights.size(); from += kVectorLanes) {
     load(heights, from, lanes);
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       const double x = lanes.a[k] - ma, y = lanes.b[k] - mb;
       const double a = std::abs(aa * x + ab * y), b = std::abs(ba * x + bb * y);
       largest_a[k] = largest_a[k] < a ? a : largest_a[k];
@@ -97,12 +92,12 @@ QuadraticSums quadratic_sums(const std::vector<Vec3>& heights, const HeightAxes&
   const double ma = axes.mean.x(), mb = axes.mean.y();
   const double aa = axes.turn(0, 0) / axes.scale.x(), ab = axes.turn(0, 1) / axes.scale.x();
   const double ba = axes.turn(1, 0) / axes.scale.y(), bb = axes.turn(1, 1) / axes.scale.y();
-  alignas(64) std::array<Values, kTerms> terms{};
-  alignas(64) Values squares{};
+  alignas(64) std::array<LaneValues, kTerms> terms{};
+  alignas(64) LaneValues squares{};
   Lanes lanes;
-  for (std::size_t from = 0; from < heights.size(); from += kLanes) {
+  for (std::size_t from = 0; from < heights.size(); from += kVectorLanes) {
     load(heights, from, lanes);
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       const double one = lanes.counts[k], x = lanes.a[k] - ma, y = lanes.b[k] - mb, h = one * lanes.h[k];
       const double a = one * (aa * x + ab * y), b = one * (ba * x + bb * y);
       const double a2 = a * a, b2 = b * b, axb = a * b;
@@ -131,7 +126,7 @@ QuadraticSums quadratic_sums(const std::vector<Vec3>& heights, const HeightAxes&
     }
   }
   std::array<double, kTerms> s;
-  for (std::size_t t = 0; t < kTerms; ++t) s[t] = sum(terms[t]);
+  for (std::size_t t = 0; t < kTerms; ++t) s[t] = sum_of_lanes(terms[t]);
   QuadraticSums sums;
   sums.normal << s[k00], s[k10], s[k01], s[k20], s[k11], s[k02],  //
       s[k10], s[k20], s[k11], s[k30], s[k21], s[k12],             //
@@ -140,7 +135,7 @@ QuadraticSums quadratic_sums(const std::vector<Vec3>& heights, const HeightAxes&
       s[k11], s[k21], s[k12], s[k31], s[k22], s[k13],             //
       s[k02], s[k12], s[k03], s[k22], s[k13], s[k04];
   for (std::size_t t = 0; t < 6; ++t) sums.right[static_cast<Eigen::Index>(t)] = s[kPowers + t];
-  sums.squares = sum(squares);
+  sums.squares = sum_of_lanes(squares);
   return sums;
 }
 

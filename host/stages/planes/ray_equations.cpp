@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/cpu_clones.hpp"
+#include "core/lanes.hpp"
 
 // The sums of planes' last fits: the most arithmetic the host does of every sample. Plain loops over arrays
 // of fixed length, which the compiler turns into the widest vectors of the processor at hand; every processor
@@ -21,16 +22,13 @@ constexpr double kLongestStep = 2;
 constexpr double kBorder_m = 0.0075, kMostBorder = 2;
 constexpr double kMostTangent = RANGE_NOISE_MOST_TAN;
 
-constexpr std::size_t kLanes = RayEquations::kLanes, kTerms = RayEquations::kTerms;
-using Values = std::array<double, kLanes>;
-
-#define HYBRID_INLINE [[gnu::always_inline]] inline  // into each of the clones
+constexpr std::size_t kTerms = RayEquations::kTerms;
 
 // Samples side by side, a lane each; flags are 0 or 1. `near`, `far`: another surface begins 1 or 2 nodes
 // away.
 struct Samples {
-  alignas(64) Values x{}, y{}, z{};
-  alignas(64) Values measured{}, near{}, far{};
+  alignas(64) LaneValues x{}, y{}, z{};
+  alignas(64) LaneValues measured{}, near{}, far{};
 };
 
 // Where a group of lanes is.
@@ -43,17 +41,18 @@ struct Place {
 
   // Whether a whole vector from this node on lies within the arrays, of whatever rows.
   bool is_whole(std::ptrdiff_t first) const {
-    return first >= 0 && first + static_cast<std::ptrdiff_t>(kLanes) <= rows * cols;
+    return first >= 0 && first + static_cast<std::ptrdiff_t>(kVectorLanes) <= rows * cols;
   }
 };
 
 // Vectors of the compiler's, for what it makes no vectors of by itself: labels and masks differ in width.
 // They are handed on by reference alone: how a function returns one depends on the processor it is compiled
 // for.
-using Flags = std::uint32_t __attribute__((vector_size(kLanes * sizeof(std::uint32_t))));  // all bits or none
-using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
-using Longs = std::uint64_t __attribute__((vector_size(kLanes * sizeof(std::uint64_t))));
-using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
+using Flags =
+    std::uint32_t __attribute__((vector_size(kVectorLanes * sizeof(std::uint32_t))));  // all bits or none
+using Floats = float __attribute__((vector_size(kVectorLanes * sizeof(float))));
+using Longs = std::uint64_t __attribute__((vector_size(kVectorLanes * sizeof(std::uint64_t))));
+using Doubles = double __attribute__((vector_size(kVectorLanes * sizeof(double))));
 
 // Lanes beyond `count` hold whatever is there where the arrays go on, else 0: none of them counts.
 template <typename Value, typename Lanes>
@@ -68,13 +67,13 @@ HYBRID_INLINE void load_some(const Value* from, std::size_t count, bool whole, L
 
 HYBRID_INLINE void load_masks(const std::uint8_t* from, std::size_t count, bool whole, Flags& to) {
   std::uint64_t bytes = 0;
-  std::memcpy(&bytes, from, whole ? kLanes : count);
+  std::memcpy(&bytes, from, whole ? kVectorLanes : count);
   const Longs spread = (bytes >> Longs{0, 8, 16, 24, 32, 40, 48, 56}) & 255U;
   to = __builtin_convertvector(spread, Flags);
 }
 
 template <typename From>
-HYBRID_INLINE void widen(const From& from, Values& to) {
+HYBRID_INLINE void widen(const From& from, LaneValues& to) {
   const auto wide = __builtin_convertvector(from, Doubles);
   std::memcpy(&to, &wide, sizeof to);
 }
@@ -90,7 +89,7 @@ HYBRID_INLINE void mark_others(const Place& place, std::ptrdiff_t by, Flags& fla
   flags |= (label != place.own) & (mask != std::uint32_t{kEmpty});
 }
 
-HYBRID_INLINE void mark_border(const Place& place, std::ptrdiff_t reach, Values& border) {
+HYBRID_INLINE void mark_border(const Place& place, std::ptrdiff_t reach, LaneValues& border) {
   Flags flags{};
   if (place.row >= reach) mark_others(place, -reach * place.cols, flags);
   if (place.row + reach < place.rows) mark_others(place, reach * place.cols, flags);
@@ -109,7 +108,8 @@ HYBRID_INLINE void mark_border(const Place& place, std::ptrdiff_t reach, Values&
   widen(flags, border);
 }
 
-HYBRID_INLINE void load_own(const float* from, std::size_t count, bool whole, const Flags& own, Values& to) {
+HYBRID_INLINE void load_own(const float* from, std::size_t count, bool whole, const Flags& own,
+                            LaneValues& to) {
   Floats values;
   load_some(from, count, whole, values);
   Flags bits;
@@ -153,9 +153,9 @@ HYBRID_INLINE void add_samples(const Equation& equation, const Samples samples, 
   const Vec3 m = equation.m;
   const RangeNoise noise = equation.noise;
   const double border_nodes_m = equation.border_nodes_m;
-  alignas(64) std::array<Values, kTerms> terms;
-  alignas(64) Values inside, at_border, of_inside, of_border;
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  alignas(64) std::array<LaneValues, kTerms> terms;
+  alignas(64) LaneValues inside, at_border, of_inside, of_border;
+  for (std::size_t k = 0; k < kVectorLanes; ++k) {
     const double x = samples.x[k], y = samples.y[k], z = samples.z[k];
     const double range = std::sqrt(x * x + (y * y + z * z));
     const double along = axes(0, 0) * x + (axes(0, 1) * y + axes(0, 2) * z);
@@ -190,20 +190,16 @@ HYBRID_INLINE void add_samples(const Equation& equation, const Samples samples, 
     of_border[k] = at_border[k] > 0 ? weight : 0.0;
   }
   double any = 0;
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t k = 0; k < kVectorLanes; ++k) {
     inner.samples[k] += inside[k];
     any += at_border[k];
   }
   for (std::size_t t = 0; t < kTerms; ++t)
-    for (std::size_t k = 0; k < kLanes; ++k) inner.of[t][k] += of_inside[k] * terms[t][k];
+    for (std::size_t k = 0; k < kVectorLanes; ++k) inner.of[t][k] += of_inside[k] * terms[t][k];
   if (!(any > 0)) return;
-  for (std::size_t k = 0; k < kLanes; ++k) border.samples[k] += at_border[k];
+  for (std::size_t k = 0; k < kVectorLanes; ++k) border.samples[k] += at_border[k];
   for (std::size_t t = 0; t < kTerms; ++t)
-    for (std::size_t k = 0; k < kLanes; ++k) border.of[t][k] += of_border[k] * terms[t][k];
-}
-
-double sum(const Values& of) {
-  return ((of[0] + of[4]) + (of[1] + of[5])) + ((of[2] + of[6]) + (of[3] + of[7]));
+    for (std::size_t k = 0; k < kVectorLanes; ++k) border.of[t][k] += of_border[k] * terms[t][k];
 }
 
 }  // namespace
@@ -224,15 +220,15 @@ void RayEquations::add_nodes(const RangeImage& image, const std::vector<std::uin
               label};
   for (std::size_t done = 0; done < count; done += place.count) {
     place.col += static_cast<std::ptrdiff_t>(place.count);
-    place.count = std::min(count - done, kLanes);
+    place.count = std::min(count - done, kVectorLanes);
     add_samples(equation, load(image, place), inner, border);
   }
 }
 
 RayEquations::Sums RayEquations::Lanes::total() const {
   Sums sums;
-  for (std::size_t t = 0; t < kTerms; ++t) sums.of[t] = sum(of[t]);
-  sums.samples = std::llround(sum(samples));
+  for (std::size_t t = 0; t < kTerms; ++t) sums.of[t] = sum_of_lanes(of[t]);
+  sums.samples = std::llround(sum_of_lanes(samples));
   return sums;
 }
 
@@ -247,7 +243,7 @@ double RayEquations::Sums::step() const {
 
 void RayEquations::merge(const RayEquations& other) {
   for (const auto& [to, from] : {std::pair(&inner, &other.inner), std::pair(&border, &other.border)})
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < kVectorLanes; ++k) {
       for (std::size_t t = 0; t < kTerms; ++t) to->of[t][k] += from->of[t][k];
       to->samples[k] += from->samples[k];
     }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/lanes.hpp"
 #include "geometry/range_image.hpp"
 #include "stages/scan/noise_model.hpp"
 
@@ -29,10 +30,9 @@ struct RayEquations {
     double step() const;
   };
   // A sum for each lane of a vector.
-  static constexpr std::size_t kLanes = 8;
   struct Lanes {
-    alignas(64) std::array<std::array<double, kLanes>, kTerms> of{};
-    alignas(64) std::array<double, kLanes> samples{};
+    alignas(64) std::array<LaneValues, kTerms> of{};
+    alignas(64) LaneValues samples{};
 
     Sums total() const;
   };
