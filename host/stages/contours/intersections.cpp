@@ -24,11 +24,8 @@ std::vector<Pair> neighbouring_samples(const RangeImage& image, const std::vecto
   std::vector<std::vector<Pair>> of_row(static_cast<std::size_t>(image.rows));
   // 0 outside the image and where nothing was measured.
   const auto label_at = [&](int row, int col) -> std::uint32_t {
-    if (col < 0 || col >= image.cols) {
-      if (!image.wraps) return 0;
-      col = (col + image.cols) % image.cols;
-    }
-    if (row < 0 || row >= image.rows) return 0;
+    col = image.wrapped(col);
+    if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return 0;
     const std::size_t i = image.index(row, col);
     return image.mask[i] == kMeasured ? labels[i] : 0;
   };

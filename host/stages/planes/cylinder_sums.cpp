@@ -98,25 +98,17 @@ CylinderPoints::Sums CylinderPoints::sums(const Cylinder& at, const std::array<V
     for (std::size_t k = 0; k < kVectorLanes; ++k) {
       const double t = ts[k], r = rs[k], p = ps[k], q = qs[k], w = ws[k];
       const double wt = w * t, wtt = wt * t, wr = w * r, wrt = wr * t;
-      const double pp = p * p, pq = p * q, qq = q * q;
-      terms[kPp][k] += w * pp;
-      terms[kPp + 1][k] += wt * pp;
-      terms[kPp + 2][k] += wtt * pp;
-      terms[kPq][k] += w * pq;
-      terms[kPq + 1][k] += wt * pq;
-      terms[kPq + 2][k] += wtt * pq;
-      terms[kQq][k] += w * qq;
-      terms[kQq + 1][k] += wt * qq;
-      terms[kQq + 2][k] += wtt * qq;
-      terms[kP][k] += w * p;
-      terms[kP + 1][k] += wt * p;
-      terms[kP + 2][k] += wtt * p;
-      terms[kQ][k] += w * q;
-      terms[kQ + 1][k] += wt * q;
-      terms[kQ + 2][k] += wtt * q;
-      terms[kOne][k] += w;
-      terms[kOne + 1][k] += wt;
-      terms[kOne + 2][k] += wtt;
+      const auto add = [&](std::size_t term, double value) {
+        terms[term][k] += w * value;
+        terms[term + 1][k] += wt * value;
+        terms[term + 2][k] += wtt * value;
+      };
+      add(kPp, p * p);
+      add(kPq, p * q);
+      add(kQq, q * q);
+      add(kP, p);
+      add(kQ, q);
+      add(kOne, 1);
       terms[kRp][k] += wr * p;
       terms[kRp + 1][k] += wrt * p;
       terms[kRq][k] += wr * q;

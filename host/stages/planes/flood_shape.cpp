@@ -24,11 +24,8 @@ constexpr int kStripSides = 4;
 std::optional<std::uint32_t> beyond(const RangeImage& image, std::uint32_t i, int side, int steps) {
   const int row = static_cast<int>(i) / image.cols + steps * ((side == 1) - (side == 3));
   int col = static_cast<int>(i) % image.cols + steps * ((side == 0) - (side == 2));
-  if (row < 0 || row >= image.rows) return std::nullopt;
-  if (col < 0 || col >= image.cols) {
-    if (!image.wraps) return std::nullopt;
-    col = (col + image.cols) % image.cols;
-  }
+  col = image.wrapped(col);
+  if (row < 0 || row >= image.rows || col < 0 || col >= image.cols) return std::nullopt;
   return static_cast<std::uint32_t>(image.index(row, col));
 }
 
@@ -136,11 +133,8 @@ bool meets_curved_surface(const RangeImage& image, const std::vector<std::uint8_
   const int row = static_cast<int>(sample) / image.cols, col = static_cast<int>(sample) % image.cols;
   for (int r = std::max(row - kUseReach, 0); r <= std::min(row + kUseReach, image.rows - 1); ++r)
     for (int step = -kUseReach; step <= kUseReach; ++step) {
-      int c = col + step;
-      if (c < 0 || c >= image.cols) {
-        if (!image.wraps) continue;
-        c = (c + image.cols) % image.cols;
-      }
+      const int c = image.wrapped(col + step);
+      if (c < 0 || c >= image.cols) continue;
       const std::size_t other = image.index(r, c);
       if (use[other] == kBlocked &&
           std::abs(blocked_normal(static_cast<std::uint32_t>(other)).dot(plane.normal)) >

@@ -33,11 +33,8 @@ class WholeField {
     const int cols = image_.cols, row = static_cast<int>(i) / cols, col = static_cast<int>(i) % cols;
     for (int r = std::max(row - reach, 0); r <= std::min(row + reach, image_.rows - 1); ++r)
       for (int step = -reach; step <= reach; ++step) {
-        int c = col + step;
-        if (c < 0 || c >= cols) {
-          if (!image_.wraps) continue;
-          c = (c + cols) % cols;
-        }
+        const int c = image_.wrapped(col + step);
+        if (c < 0 || c >= cols) continue;
         const auto other = static_cast<std::uint32_t>(image_.index(r, c));
         if (use_[other] != kFree) continue;
         const std::uint32_t mark = marks().of(other);

@@ -50,9 +50,8 @@ SampleSurfaces::SampleSurfaces(const RangeImage& image, const PlaneSegmentation&
       across_rad_(image.azimuth_step_rad()) {}
 
 int SampleSurfaces::column(int col) const {
-  if (col >= 0 && col < image_.cols) return col;
-  if (!image_.wraps) return -1;
-  return (col + image_.cols) % image_.cols;
+  col = image_.wrapped(col);
+  return col >= 0 && col < image_.cols ? col : -1;
 }
 
 // Least squares plane through the neighbours that lie on the same surface: range noise turns the normal of
