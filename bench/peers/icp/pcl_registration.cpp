@@ -6,8 +6,8 @@
 namespace hybrid::peers {
 namespace {
 
-using Point = pcl::PointNormal;
-using Icp = pcl::IterativeClosestPoint<Point, Point>;
+using NormalPoint = pcl::PointNormal;
+using Icp = pcl::IterativeClosestPoint<NormalPoint, NormalPoint>;
 
 }  // namespace
 
@@ -15,7 +15,7 @@ NormalCloud::Ptr proxy_cloud(const ProxyMesh& mesh, std::size_t count) {
   const SampledProxy sampled = sample_proxy(mesh, count);
   const NormalCloud::Ptr cloud(new NormalCloud);
   for (std::size_t i = 0; i < sampled.points.size(); ++i) {
-    Point point;
+    NormalPoint point;
     point.getVector3fMap() = sampled.points[i];
     point.getNormalVector3fMap() = sampled.normals[i];
     cloud->push_back(point);
@@ -29,7 +29,7 @@ Eigen::Matrix4d register_by_pcl(const NormalCloud::Ptr& source, const NormalClou
   Icp icp;
   if (plane)
     icp.setTransformationEstimation(Icp::TransformationEstimationPtr(
-        new pcl::registration::TransformationEstimationPointToPlaneLLS<Point, Point>));
+        new pcl::registration::TransformationEstimationPointToPlaneLLS<NormalPoint, NormalPoint>));
   icp.setInputSource(source);
   icp.setInputTarget(target);
   icp.setMaximumIterations(50);

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
+#include "stages/planes/step_lines.hpp"
 #include "stages/planes/step_sharing.hpp"
 
 namespace hybrid::stages {
@@ -18,9 +20,10 @@ struct Window {
   int rows, cols;
 };
 constexpr Window kWindows[] = {{2, 2}, {1, 6}, {6, 1}};
-constexpr int kCellsPerSquare = 4;    // side by side; a cell has at least 2 x 2 samples
-constexpr int kFewestInWindow = 8;    // samples of one plane
-constexpr double kProposal = 3;       // standard deviations of a window's mean
+constexpr int kCellsPerSquare = 4;          // side by side; a cell has at least 2 x 2 samples
+constexpr int kFewestInWindow = 8;          // samples of one plane
+constexpr std::int64_t kFewestByLine = 48;  // samples of a part
+constexpr double kProposal = 3;             // standard deviations of a window's mean
 constexpr double kMostOfPlane = 0.6;  // of its samples are parts: more are bands, of quantised ranges say
 constexpr double kSameHeight = 0.35;  // of a step: parts of one plane no farther apart are one
 
@@ -174,7 +177,7 @@ std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t leas
   for (std::size_t start = 0; start < grid.cells.size(); ++start) {
     const int sign = grid.cells[start].sign;
     if (sign == 0 || seen[start]) continue;
-    StepProposal proposal{grid.cells[start].label, {}, grid.rows, grid.cols, 0, 0};
+    StepProposal proposal{grid.cells[start].label, {}, grid.rows, grid.cols, 0, 0, {}};
     group.assign(1, start);
     seen[start] = true;
     for (std::size_t next = 0; next < group.size(); ++next) {
@@ -202,6 +205,27 @@ std::vector<StepProposal> find_proposals(const CellGrid& grid, std::int64_t leas
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const StepProposal& a, const StepProposal& b) { return a.label < b.label; });
   return proposals;
+}
+
+std::vector<PlaneExtent> plane_extents(const CellGrid& grid) {
+  std::map<std::uint32_t, PlaneExtent> extents;
+  for (int row = 0; row < grid.rows; ++row)
+    for (int col = 0; col < grid.cols; ++col) {
+      const Cell& cell = grid.cells[grid.index(row, col)];
+      if (cell.label == 0) continue;
+      PlaneExtent& extent =
+          extents.try_emplace(cell.label, PlaneExtent{cell.label, 0, row, col, row, col}).first->second;
+      extent.samples += cell.count;
+      extent.left = std::min(extent.left, col);
+      extent.bottom = std::max(extent.bottom, row + 1);
+      extent.right = std::max(extent.right, col + 1);
+    }
+  std::vector<PlaneExtent> all;
+  for (auto& [label, extent] : extents) {
+    for (int* edge : {&extent.top, &extent.left, &extent.bottom, &extent.right}) *edge *= grid.side;
+    all.push_back(extent);
+  }
+  return all;
 }
 
 // What became of a proposal.
@@ -239,9 +263,19 @@ StepChanges split_steps(const RangeImage& image, const SquareGrid& grid, int squ
   CellGrid cells = mean_heights(image, noise, std::max(square / kCellsPerSquare, 2), labels, planes, regions);
   const double excess = excess_scatter(cells);
   mark_cells(cells, excess);
-  const auto proposals = find_proposals(cells, limits.least_samples);
-  const auto parts =
-      share_out(image, noise, labels, planes, regions, proposals, excess, limits.least_samples);
+  // What a line tells of a small plane is told of all of it; windows tell of the others.
+  const auto least = std::max(limits.least_samples, kFewestByLine);
+  auto proposals = propose_by_lines(image, noise, labels, planes, plane_extents(cells), excess, least);
+  auto parts = share_out(image, noise, labels, planes, regions, proposals, excess, least);
+  std::set<std::uint32_t> parted;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (parts[k].verdict == StepVerdict::step) parted.insert(proposals[k].label);
+  auto by_windows = find_proposals(cells, limits.least_samples);
+  std::erase_if(by_windows, [&](const StepProposal& proposal) { return parted.contains(proposal.label); });
+  for (Part& part :
+       share_out(image, noise, labels, planes, regions, by_windows, excess, limits.least_samples))
+    parts.push_back(std::move(part));
+  proposals.insert(proposals.end(), by_windows.begin(), by_windows.end());
 
   // Samples of each plane, and of its parts, which may overlap.
   std::map<std::uint32_t, std::int64_t> of_plane;

@@ -19,7 +19,8 @@ struct StepChanges {
 };
 
 // Splits planes where they step: a rail 2 mm proud of its panel is within the noise of each of its samples,
-// and far outside that of their mean. Windows whose mean leaves the plane propose a part; StepSharing decides
+// and far outside that of their mean. Windows whose mean leaves the plane propose a part, and of small
+// planes, which go through the middle of both, lines (step_lines.hpp) before windows do; StepSharing decides
 // what it is. Parts become regions (small, with a plane and the squares in which they lie) and take their
 // samples; those of one plane at one height are one region. Strips that are the beginning of a curved surface
 // lose their label. What windows of a whole scan commonly leave their planes by (correlated noise, waviness)

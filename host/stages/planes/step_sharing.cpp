@@ -23,6 +23,11 @@ constexpr double kMostOnwards = 0.5;                       // of those beside th
 constexpr double kSharp = 0.65;    // of the step lies within the few samples at the border
 constexpr double kLevel = 0.35;    // of the step: plane and part are level to that
 constexpr double kMostChi2 = 1.6;  // per sample
+// Of a part that a line proposes, per sample of it: before and beyond the line; what one apart from the rest
+// gains.
+constexpr double kMostBeyondLine = 0.2, kFewestBeforeLine = 0.8, kMostBeforeLine = 1.5;
+constexpr double kGainApart = 2;
+constexpr std::int64_t kLeastsOfPlane = 6;  // times the least part
 constexpr std::int64_t kFewestOfRim = 12;
 constexpr int kNear = 3;  // samples from the border
 constexpr std::int64_t kFewestNear = 8;
@@ -51,6 +56,7 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
                          const StepProposal& proposal, double excess)
     : image_(image),
       plane_(plane),
+      border_(proposal.border),
       top_(std::max(proposal.top - kMargin, 0)),
       left_(std::max(proposal.left - kMargin, 0)),
       width_(std::min(proposal.right + kMargin, image.cols) - left_ + 2),
@@ -85,6 +91,7 @@ StepSharing::StepSharing(const RangeImage& image, const RangeNoise& noise,
 }
 
 StepVerdict StepSharing::share(const std::function<bool(std::size_t)>& is_free, std::int64_t least) {
+  if (border_ && !start_by_border(*border_)) return StepVerdict::none;
   for (int round = 0; round < kRounds; ++round) {
     start_by_windows();
     for (int sweep = 0; sweep < kSweeps && settle(); ++sweep) {
@@ -103,6 +110,8 @@ StepVerdict StepSharing::share(const std::function<bool(std::size_t)>& is_free, 
                           evidence.gain >= kLeastGain + kGainEach * count + kGainBeside * beside;
   const bool broad =
       2 * proposed_ >= least && evidence.part.count >= least && count - beside >= kLeastInside * count;
+  if (border_)
+    return stands_out && along_border(*border_, evidence, least) ? StepVerdict::step : StepVerdict::none;
   if (!stands_out || !(broad || evidence.gain >= kGainOfRim * count)) return StepVerdict::none;
   if (static_cast<double>(smooth_rim(is_free)) > kMostOnwards * beside) return StepVerdict::curved;
   return broad && is_sharp(evidence) ? StepVerdict::step : StepVerdict::none;
@@ -129,6 +138,13 @@ void StepSharing::start_by_windows() {
     sides_[at] = sum > 0 ? kPart : kPlane;
     unsettled_[at] = 1;
   }
+}
+
+// What lies before the border is the part. False when no model comes of it.
+bool StepSharing::start_by_border(const Plane& border) {
+  for (const std::uint32_t at : own_)
+    sides_[at] = border.distance(image_.point(node_of(at))) > 0 ? kPart : kPlane;
+  return fit(kFewestOfRim);
 }
 
 // False when nothing changed sides.
@@ -247,6 +263,26 @@ bool StepSharing::is_sharp(const Evidence& evidence) const {
          std::abs(evidence.outside.value_m()) <= level &&
          (evidence.deep.count < std::max(kFewestNear, evidence.part.count / 8) ||
           std::abs(evidence.deep.value_m() - step_m()) <= level);
+}
+
+// What a line proposed has to prove more: noise makes parts, too, and of the thousands of lines across a
+// plane one is near them.
+bool StepSharing::along_border(const Plane& border, const Evidence& evidence, std::int64_t least) const {
+  std::int64_t before = 0, beyond = 0;  // samples before the border; of the part beyond it
+  for (const std::uint32_t at : own_) {
+    const bool is_before = border.distance(image_.point(node_of(at))) > 0;
+    before += is_before;
+    beyond += !is_before && sides_[at] == kPart;
+  }
+  const auto count = static_cast<double>(evidence.part.count), beside = static_cast<double>(evidence.beside);
+  const auto share = [&](std::int64_t some) { return static_cast<double>(some) / count; };
+  if (evidence.part.count < least || share(beyond) > kMostBeyondLine || share(before) < kFewestBeforeLine ||
+      share(before) > kMostBeforeLine || evidence.chi2 > kMostChi2 * count)
+    return false;
+  if (std::min(evidence.inside.count, evidence.outside.count) < kFewestNear)
+    return evidence.gain >= kGainApart * count;
+  return std::ssize(own_) >= kLeastsOfPlane * least && count - beside >= kLeastInside * count &&
+         is_sharp(evidence);
 }
 
 // Samples of the part from which it goes on so for two samples, the first of which may be a noisy step away.

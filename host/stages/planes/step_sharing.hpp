@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "geometry/plane.hpp"
@@ -52,6 +53,7 @@ struct StepProposal {
   std::uint32_t label = 0;  // of the plane
   MeanHeight mean;
   int top = 0, left = 0, bottom = 0, right = 0;  // samples of the image, the last two exclusive
+  std::optional<Plane> border;                   // across the plane, if known: the part is before it
 };
 
 enum class StepVerdict {
@@ -109,15 +111,18 @@ class StepSharing {
     return static_cast<std::uint32_t>(static_cast<std::int32_t>(at) + beside_[which]);
   }
   void start_by_windows();
+  bool start_by_border(const Plane& border);
   bool settle();
   bool fit(std::int64_t least);
   void measure_rings();
   Evidence weigh() const;
   bool is_sharp(const Evidence& evidence) const;
+  bool along_border(const Plane& border, const Evidence& evidence, std::int64_t least) const;
   std::int64_t smooth_rim(const std::function<bool(std::size_t)>& is_free) const;
 
   const RangeImage& image_;
   Plane plane_;
+  std::optional<Plane> border_;
   int top_, left_;         // of the samples shared out
   int width_;              // of samples_: one more on every side, strangers
   std::int64_t proposed_;  // samples
