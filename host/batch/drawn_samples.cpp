@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel_blocks.hpp"
 #include "stages/rendering/column_backs.hpp"
@@ -44,7 +45,8 @@ void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct
   for (const std::uint32_t product : all.scan) scan_of_face.push_back(scan_of[product]);
   const auto ends = stages::column_ends(sight, all.model);
   const auto shadows = stages::shadow_faces(sight, all.model, scan_of_face);
-  const std::size_t seen = all.model.faces.size();
+  std::vector<std::size_t> part_of(all.model.faces.size());
+  std::iota(part_of.begin(), part_of.end(), std::size_t{0});
   const auto add = [&](std::size_t scan, std::string name, const Face& face, const auto& vertices) {
     const auto shift = static_cast<std::uint32_t>(all.model.vertices.size());
     all.model.faces.push_back(shifted(face, shift));
@@ -60,9 +62,12 @@ void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct
     add(back.scan, column(back.scan, back.cylinder), quadrilateral, back.corners);
   for (const auto& [scan, cylinder, polygon] : ends)
     add(scan, column(scan, cylinder), polygon.faces[0], polygon.vertices);
-  for (const auto& [face, corners] : shadows)
-    add(scan_of_face[face], all.model.faces[face].name + "-shadow", quadrilateral, corners);
-  for (const auto& [face, corners] : stages::far_flanks(sight, all.model, seen))
+  part_of.resize(all.model.faces.size(), stages::kPartOfNone);
+  for (const auto& [face, polygon] : shadows) {
+    add(scan_of_face[face], all.model.faces[face].name + "-shadow", polygon.faces[0], polygon.vertices);
+    part_of.push_back(face);
+  }
+  for (const auto& [face, corners] : stages::far_flanks(sight, all.model, part_of))
     add(scan_of_face[face], all.model.faces[face].name + "-flank", quadrilateral, corners);
 }
 

@@ -12,13 +12,14 @@ namespace {
 
 constexpr double kSquare = 0.1;    // cosine between a front's normal and its flank's
 constexpr double kOpposite = 0.9;  // between its two flanks' normals, negative
-constexpr double kTouch_m = 0.04;  // between the borders of a front and its flank
+constexpr double kTouch_m = 0.08;  // between the borders of a front and its flank
 constexpr double kBefore_m = 0.03;
 constexpr double kRow_m = 0.02, kMostRows = 512;
 constexpr double kMostBeyond_m = 0.16;  // a border, what is seen to be empty
 constexpr double kWithin_m = 0.03;      // of a border, where is asked what is behind it
 constexpr double kBehind_m = 0.04;      // from where on
 constexpr double kLeast_m = 0.06;       // of depth, width and height
+constexpr double kDeepest = 2;          // times the front's width: a bench's back is no flank of its end
 constexpr double kStraight_m = 0.04, kSameDepth_m = 0.1;
 constexpr double kMostEmptyBehind = 0.1, kLeastUnknownBehind = 0.5;  // of the places behind a border
 
@@ -31,20 +32,60 @@ struct Row {
   double x_m, y_m, beyond_m, depth_m;
 };
 
+// A polygon and what goes on with it, in the polygon's coordinates.
+class Surface {
+ public:
+  Surface(const SpacePolygon& polygon, const std::vector<const SpacePolygon*>& more, const Vec3& second)
+      : own_(polygon, second), low_(own_.low()), high_(own_.high()) {
+    parts_.push_back({own_, Vec2::Zero()});
+    for (const SpacePolygon* part : more) {
+      const FlatPolygon flat(*part, second);
+      const Vec2 shift = own_.flat(part->outer[0]) - flat.flat(part->outer[0]);
+      low_ = low_.cwiseMin(flat.low() + shift);
+      high_ = high_.cwiseMax(flat.high() + shift);
+      parts_.push_back({flat, shift});
+    }
+  }
+
+  Vec2 flat(const Vec3& point) const { return own_.flat(point); }
+  Vec3 lifted(const Vec2& at) const { return own_.lifted(at); }
+  const Vec2& low() const { return low_; }
+  const Vec2& high() const { return high_; }
+
+  // Where a line of constant second coordinate enters it first and leaves it last.
+  std::optional<std::pair<double, double>> extent(double y) const {
+    std::optional<std::pair<double, double>> all;
+    for (const auto& [polygon, shift] : parts_)
+      for (const auto& [from, to] : polygon.spans(y - shift.y())) {
+        if (!all) all = {from + shift.x(), to + shift.x()};
+        all = {std::min(all->first, from + shift.x()), std::max(all->second, to + shift.x())};
+      }
+    return all;
+  }
+
+ private:
+  struct Part {
+    FlatPolygon polygon;
+    Vec2 shift;  // to the first one's coordinates
+  };
+  FlatPolygon own_;
+  std::vector<Part> parts_;
+  Vec2 low_, high_;
+};
+
 class Front {
  public:
-  // `beside`: the faces that may be where the flank would be.
-  Front(const ScanSight& sight, const SpacePolygon& front, const Vec3& normal, const SpacePolygon& flank,
-        const Vec3& flank_normal, const std::vector<const FlatPolygon*>& beside)
+  // `front`, `flank`: with second coordinates along the edge they share. `beside`: the faces that may be
+  // where the flank would be.
+  Front(const ScanSight& sight, const Vec3& normal, const Vec3& up, Surface front, Surface flank,
+        const std::vector<const FlatPolygon*>& beside)
       : sight_(sight),
         beside_(beside),
         normal_(normal),
-        up_(normal.cross(flank_normal).normalized()),
-        front_(front, up_),
-        flank_(flank, up_) {
-    flank_up_m_ = up_.dot(flank.outer[0] - front.outer[0]);
-    surface_m_ = flank_.flat(front.outer[0]).x();
-  }
+        front_(std::move(front)),
+        flank_(std::move(flank)),
+        flank_up_m_(up.dot(flank_.lifted(Vec2::Zero()) - front_.lifted(Vec2::Zero()))),
+        surface_m_(flank_.flat(front_.lifted(Vec2::Zero())).x()) {}
 
   std::vector<std::array<Vec3, 4>> quadrilaterals() const {
     const double low = std::max(front_.low().y(), flank_.low().y() + flank_up_m_),
@@ -67,11 +108,11 @@ class Front {
 
  private:
   std::optional<Row> row_at(double y) const {
-    const auto across = front_.spans(y);
-    const auto back = flank_.spans(y - flank_up_m_);
-    if (across.empty() || back.empty()) return {};
-    Row row{across.front().first, y, kRow_m, back.back().second - surface_m_};
-    if (across.back().second - row.x_m < kLeast_m || row.depth_m < kLeast_m) return {};
+    const auto across = front_.extent(y), back = flank_.extent(y - flank_up_m_);
+    if (!across || !back) return {};
+    Row row{across->first, y, kRow_m, back->second - surface_m_};
+    const double width = across->second - row.x_m;
+    if (width < kLeast_m || row.depth_m < kLeast_m || row.depth_m > kDeepest * width) return {};
     for (; row.beyond_m <= kMostBeyond_m; row.beyond_m += kRow_m)
       if (sight_.is_empty(at(row.x_m - row.beyond_m, y, 0))) return row;
     row.beyond_m = kHidden;
@@ -132,24 +173,10 @@ class Front {
 
   const ScanSight& sight_;
   const std::vector<const FlatPolygon*>& beside_;
-  Vec3 normal_, up_;
-  FlatPolygon front_, flank_;  // second coordinates along the edge they share
-  double flank_up_m_ = 0;      // of the flank's origin over the front's, along that edge
-  double surface_m_ = 0;       // of the front, along the flank
-};
-
-struct Box {
-  Vec3 low, high;
-  explicit Box(const SpacePolygon& polygon) : low(polygon.outer[0]), high(low) {
-    for (const Vec3& point : polygon.outer) {
-      low = low.cwiseMin(point);
-      high = high.cwiseMax(point);
-    }
-  }
-  bool is_near(const Box& other) const {
-    return (low.array() <= other.high.array() + kTouch_m).all() &&
-           (other.low.array() <= high.array() + kTouch_m).all();
-  }
+  Vec3 normal_;
+  Surface front_, flank_;
+  double flank_up_m_;  // of the flank's origin over the front's, along the edge they share
+  double surface_m_;   // of the front, along the flank
 };
 
 // Whether all of a polygon is behind a plane, and some of it near.
@@ -161,30 +188,39 @@ bool begins_at(const SpacePolygon& polygon, const Vec3& point, const Vec3& norma
 
 }  // namespace
 
-std::vector<FarFlank> far_flanks(const ScanSight& sight, const PolygonModel& contours, std::size_t seen) {
+std::vector<FarFlank> far_flanks(const ScanSight& sight, const PolygonModel& contours,
+                                 const std::vector<std::size_t>& part_of) {
+  const std::size_t count = contours.faces.size();
   std::vector<SpacePolygon> polygons;
   std::vector<FlatPolygon> flat;
-  std::vector<Box> boxes;
+  std::vector<PolygonBox> boxes;
   for (const Face& face : contours.faces) {
     polygons.push_back(polygon_of(contours, face));
     flat.emplace_back(polygons.back());
     boxes.emplace_back(polygons.back());
   }
-  std::vector<std::vector<FarFlank>> of_face(seen);
-  parallel_for(seen, [&](std::size_t front) {
+  std::vector<std::vector<const SpacePolygon*>> more(count);
+  for (std::size_t face = 0; face < count; ++face)
+    if (part_of[face] != face && part_of[face] != kPartOfNone) more[part_of[face]].push_back(&polygons[face]);
+  std::vector<std::vector<FarFlank>> of_face(count);
+  parallel_for(count, [&](std::size_t front) {
+    if (part_of[front] != front) return;
     const Vec3& normal = flat[front].normal();
     std::vector<std::size_t> near;
-    for (std::size_t face = 0; face < polygons.size(); ++face)
-      if (boxes[front].is_near(boxes[face]) && std::abs(normal.dot(flat[face].normal())) <= kSquare)
+    for (std::size_t face = 0; face < count; ++face)
+      if (boxes[front].is_near(boxes[face], kTouch_m) && std::abs(normal.dot(flat[face].normal())) <= kSquare)
         near.push_back(face);
     for (const std::size_t flank : near) {
-      if (flank >= seen || !begins_at(polygons[front], polygons[flank].outer[0], flat[flank].normal()) ||
+      const Vec3& beside_normal = flat[flank].normal();
+      if (part_of[flank] != flank || !begins_at(polygons[front], polygons[flank].outer[0], beside_normal) ||
           !begins_at(polygons[flank], polygons[front].outer[0], normal))
         continue;
       std::vector<const FlatPolygon*> beside;
       for (const std::size_t face : near)
-        if (flat[face].normal().dot(flat[flank].normal()) < -kOpposite) beside.push_back(&flat[face]);
-      const Front both(sight, polygons[front], normal, polygons[flank], flat[flank].normal(), beside);
+        if (flat[face].normal().dot(beside_normal) < -kOpposite) beside.push_back(&flat[face]);
+      const Vec3 up = normal.cross(beside_normal).normalized();
+      const Front both(sight, normal, up, Surface(polygons[front], more[front], up),
+                       Surface(polygons[flank], more[flank], up), beside);
       for (const auto& corners : both.quadrilaterals()) of_face[front].push_back({front, corners});
     }
   });

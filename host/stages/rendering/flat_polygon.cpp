@@ -36,6 +36,18 @@ PolygonModel model_of(const SpacePolygon& polygon) {
   return model;
 }
 
+PolygonBox::PolygonBox(const SpacePolygon& polygon) : low(polygon.outer[0]), high(low) {
+  for (const Vec3& point : polygon.outer) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+}
+
+bool PolygonBox::is_near(const PolygonBox& other, double distance_m) const {
+  return (low.array() <= other.high.array() + distance_m).all() &&
+         (other.low.array() <= high.array() + distance_m).all();
+}
+
 FlatPolygon::FlatPolygon(const SpacePolygon& polygon) : origin_(polygon.outer[0]) {
   find_axes(polygon.outer);
   flatten(polygon);

@@ -16,6 +16,13 @@ struct SpacePolygon {
 SpacePolygon polygon_of(const PolygonModel& model, const Face& face);
 PolygonModel model_of(const SpacePolygon& polygon);  // of one face without a name
 
+// What a polygon lies in.
+struct PolygonBox {
+  Vec3 low, high;
+  explicit PolygonBox(const SpacePolygon& polygon);
+  bool is_near(const PolygonBox& other, double distance_m) const;
+};
+
 // A polygon on its plane, in coordinates of which the second goes up as steeply as it can there; on a level
 // plane they follow the outer ring's longest edge.
 class FlatPolygon {

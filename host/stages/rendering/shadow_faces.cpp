@@ -1,11 +1,14 @@
 #include "stages/rendering/shadow_faces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 #include "core/parallel.hpp"
+#include "stages/rendering/cell_outlines.hpp"
 #include "stages/rendering/flat_polygon.hpp"
 
 namespace hybrid::stages {
@@ -17,6 +20,9 @@ constexpr double kMostSeenThrough = 0.2;  // of a part's border
 constexpr double kLeastHidden = 0.5;      // of a part: of the rest no scan says anything
 constexpr int kLeastCells = 4;            // of a part
 constexpr double kSmallHole_m2 = 0.02;    // in which nothing was measured
+constexpr double kStairs = 0.75;          // of a cell: what is left of stairs is straight
+constexpr double kSquareCorner = 0.1;     // cosine between the normals of polygons that meet at a corner
+constexpr double kCorner_m = 0.1;         // between them
 constexpr std::array<std::pair<int, int>, 4> kFourBeside = {{{0, 1}, {0, -1}, {1, 0}, {-1, 0}}};
 
 // What the scans say of a cell of a polygon's plane.
@@ -24,8 +30,10 @@ enum class Cell : std::uint8_t { kUnsure, kSeen, kHidden, kEmpty };
 
 class Shadow {
  public:
-  Shadow(const ScanSight& sight, const FlatPolygon& polygon, std::size_t scan) : polygon_(polygon) {
-    const Vec2 size = polygon.high() - polygon.low();
+  // `foot_m`: how far below the polygon it may go on.
+  Shadow(const ScanSight& sight, const FlatPolygon& polygon, double foot_m, std::size_t scan)
+      : polygon_(polygon), low_(polygon.low() - Vec2(0, foot_m)) {
+    const Vec2 size = polygon.high() - low_;
     step_ = std::max(kCell_m, size.maxCoeff() / kMostCells);
     cols_ = std::max(1, static_cast<int>(std::ceil(size.x() / step_)));
     rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / step_)));
@@ -33,51 +41,41 @@ class Shadow {
     for (int row = 0; row < rows_; ++row) look(sight, scan, row);
   }
 
-  // Corners of rectangles.
-  std::vector<std::array<Vec3, 4>> rectangles() const {
+  std::vector<PolygonModel> polygons() const {
     auto filled = between();
     keep_shadows(filled);
     overlap(filled);
-    std::vector<std::array<Vec3, 4>> found;
-    std::vector<Run> open;
-    for (int row = 0; row <= rows_; ++row) {
-      std::vector<Run> next = row < rows_ ? runs(filled, row) : std::vector<Run>{};
-      for (const Run& run : open) {
-        const auto same = std::find_if(next.begin(), next.end(), [&](const Run& other) {
-          return other.begin == run.begin && other.end == run.end;
-        });
-        if (same != next.end())
-          same->row = run.row;
-        else
-          found.push_back(rectangle(run, row));
+    std::vector<PolygonModel> found;
+    for (const CellOutline& outline : cell_outlines(filled, cols_)) {
+      // Where straight lines instead of stairs will not do, as drawn; where holes touch, without them.
+      for (const auto& tried : {straightened(outline), outline, CellOutline{outline.outer, {}}}) {
+        PolygonModel model = model_of(on_plane(tried));
+        if (!can_be_triangulated(model)) continue;
+        found.push_back(std::move(model));
+        break;
       }
-      open = std::move(next);
     }
     return found;
   }
 
  private:
-  struct Run {
-    int row, begin, end;  // the first row, columns
-  };
-
   std::size_t at(int row, int col) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(cols_) + static_cast<std::size_t>(col);
   }
   bool is_in(int row, int col) const { return row >= 0 && col >= 0 && row < rows_ && col < cols_; }
 
   void look(const ScanSight& sight, std::size_t scan, int row) {
-    const double y = polygon_.low().y() + (row + 0.5) * step_;
+    const double y = low_.y() + (row + 0.5) * step_;
     for (const auto& [from, to] : polygon_.spans(y)) {
-      const int first = static_cast<int>(std::ceil((from - polygon_.low().x()) / step_ - 0.5));
-      const int last = static_cast<int>(std::floor((to - polygon_.low().x()) / step_ - 0.5));
+      const int first = static_cast<int>(std::ceil((from - low_.x()) / step_ - 0.5));
+      const int last = static_cast<int>(std::floor((to - low_.x()) / step_ - 0.5));
       for (int col = std::max(first, 0); col <= std::min(last, cols_ - 1); ++col)
         cells_[at(row, col)] = Cell::kSeen;
     }
     for (int col = 0; col < cols_; ++col) {
       Cell& cell = cells_[at(row, col)];
       if (cell == Cell::kSeen) continue;
-      const Vec3 place = polygon_.lifted({polygon_.low().x() + (col + 0.5) * step_, y});
+      const Vec3 place = polygon_.lifted({low_.x() + (col + 0.5) * step_, y});
       if (sight.is_hidden(place, scan)) cell = Cell::kHidden;
       if (sight.is_empty(place)) cell = Cell::kEmpty;
     }
@@ -148,26 +146,26 @@ class Shadow {
       }
   }
 
-  std::vector<Run> runs(const std::vector<std::uint8_t>& filled, int row) const {
-    std::vector<Run> found;
-    for (int col = 0; col < cols_; ++col) {
-      if (!filled[at(row, col)]) continue;
-      const int begin = col;
-      while (col < cols_ && filled[at(row, col)]) ++col;
-      found.push_back({row, begin, col});
-    }
-    return found;
+  static CellOutline straightened(const CellOutline& outline) {
+    CellOutline straight{simplified(outline.outer, kStairs), {}};
+    for (const Ring2& hole : outline.holes)
+      if (Ring2 ring = simplified(hole, kStairs); ring.size() >= 3) straight.holes.push_back(std::move(ring));
+    return straight.outer.size() >= 3 ? straight : outline;
   }
 
-  std::array<Vec3, 4> rectangle(const Run& run, int end) const {
-    const auto corner = [&](int col, int row) {
-      return polygon_.lifted(polygon_.low() + step_ * Vec2(col, row));
+  SpacePolygon on_plane(const CellOutline& outline) const {
+    const auto ring = [&](const Ring2& cells) {
+      std::vector<Vec3> points;
+      for (const Vec2& corner : cells) points.push_back(polygon_.lifted(low_ + step_ * corner));
+      return points;
     };
-    return {corner(run.begin, run.row), corner(run.end, run.row), corner(run.end, end),
-            corner(run.begin, end)};
+    SpacePolygon polygon{ring(outline.outer), {}};
+    for (const Ring2& hole : outline.holes) polygon.holes.push_back(ring(hole));
+    return polygon;
   }
 
   const FlatPolygon& polygon_;
+  Vec2 low_;
   double step_ = kCell_m;
   int rows_ = 0, cols_ = 0;
   std::vector<Cell> cells_;  // the lowest row first
@@ -177,14 +175,34 @@ class Shadow {
 
 std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel& contours,
                                      const std::vector<std::size_t>& scan_of_face) {
+  std::vector<FlatPolygon> polygons;
+  std::vector<PolygonBox> boxes;
+  for (const Face& face : contours.faces) {
+    const SpacePolygon polygon = polygon_of(contours, face);
+    polygons.emplace_back(polygon);
+    boxes.emplace_back(polygon);
+  }
+  // How far below an upright polygon the foot of one is that it meets at a corner.
+  const auto foot_m = [&](std::size_t face) {
+    const FlatPolygon& own = polygons[face];
+    double foot = boxes[face].low.z();
+    if (own.is_level()) return 0.0;
+    for (std::size_t other = 0; other < polygons.size(); ++other)
+      if (!polygons[other].is_level() &&
+          std::abs(own.normal().dot(polygons[other].normal())) <= kSquareCorner &&
+          boxes[face].is_near(boxes[other], kCorner_m))
+        foot = std::min(foot, boxes[other].low.z());
+    const double steep = own.lifted({0, 1}).z() - own.lifted({0, 0}).z();
+    return (boxes[face].low.z() - foot) / steep;
+  };
   std::vector<std::vector<ShadowFace>> of_face(contours.faces.size());
   parallel_for(of_face.size(), [&](std::size_t face) {
-    const FlatPolygon polygon(polygon_of(contours, contours.faces[face]));
-    for (const auto& corners : Shadow(sight, polygon, scan_of_face[face]).rectangles())
-      of_face[face].push_back({face, corners});
+    for (auto& polygon : Shadow(sight, polygons[face], foot_m(face), scan_of_face[face]).polygons())
+      of_face[face].push_back({face, std::move(polygon)});
   });
   std::vector<ShadowFace> all;
-  for (const auto& some : of_face) all.insert(all.end(), some.begin(), some.end());
+  for (auto& some : of_face)
+    all.insert(all.end(), std::make_move_iterator(some.begin()), std::make_move_iterator(some.end()));
   return all;
 }
 

@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <vector>
 
 #include "geometry/polygon_model.hpp"
@@ -7,19 +6,19 @@
 
 namespace hybrid::stages {
 
-// A rectangle of a contour polygon's plane.
+// A part of a contour polygon's plane.
 struct ShadowFace {
-  std::size_t face = 0;         // of the contours
-  std::array<Vec3, 4> corners;  // in order, front side the face's
+  std::size_t face = 0;  // of the contours
+  PolygonModel polygon;  // one face, front side that face's
 };
 
 // What stands before a plane that no proxy face explains hides a part of it from the scan that shows it: a
 // passer-by before a buttress, a column before a gallery's front. The plane goes on there where the hidden
 // part lies between two seen ones, level or upright, or below a seen one down to the lowest place of an
-// upright polygon, for what is built stands on the ground; no scan looks through it there, and hardly any of
-// its border is seen through. A small hole in which no scan measured anything (dark paint) is closed, too.
-// `contours`: world frame; `scan_of_face`: index into sight's scans. In the order of faces: same result for
-// any number of threads.
+// upright polygon, or of an upright one that it meets at a corner, for what is built stands on the ground; no
+// scan looks through it there, and hardly any of its border is seen through. A small hole in which no scan
+// measured anything (dark paint) is closed, too. `contours`: world frame; `scan_of_face`: index into sight's
+// scans. In the order of faces: same result for any number of threads.
 std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel& contours,
                                      const std::vector<std::size_t>& scan_of_face);
 

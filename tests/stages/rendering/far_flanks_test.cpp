@@ -43,7 +43,11 @@ PolygonModel contours(double right, double gap = 0) {
 std::vector<FarFlank> flanks(const std::vector<RangeImage>& images, const PolygonModel& model) {
   const std::vector<SightScan> scans = bare_scans(images);
   const ScanSight sight(scans, 0.02);
-  return far_flanks(sight, model, std::min<std::size_t>(model.faces.size(), 2));
+  // Front and flank were seen; a third face goes on with the flank where it has its name.
+  std::vector<std::size_t> part_of;
+  for (std::size_t face = 0; face < model.faces.size(); ++face)
+    part_of.push_back(face < 2 ? face : model.faces[face].name == "flank" ? 1 : kPartOfNone);
+  return far_flanks(sight, model, part_of);
 }
 
 void expect_whole(const std::vector<FarFlank>& found) {
@@ -80,6 +84,24 @@ TEST(FarFlanks, WhatHidesAPartOfTheBorderDoesNotMatter) {
   };
   expect_whole(flanks({post(0.3)}, contours(kFar_m)));
   EXPECT_TRUE(flanks({post(-2)}, contours(kFar_m)).empty());
+}
+
+TEST(FarFlanks, WhatGoesOnWithASeenOneCounts) {
+  const auto image = scan_of(buttress);
+  PolygonModel half = contours(kFar_m);
+  half.vertices[4].z() = half.vertices[5].z() = 0;
+  const auto found = flanks({image}, half);
+  ASSERT_EQ(found.size(), 1u);
+  for (const Vec3& corner : found[0].corners) EXPECT_GE(corner.z(), -1e-9);
+  for (const double z : {-kHigh_m, 0.02})
+    for (const double y : {kWall_m, kFront_m}) half.vertices.emplace_back(kNear_m, y, z);
+  half.faces.push_back({"flank", {8, 9, 11, 10}, {}});
+  expect_whole(flanks({image}, half));
+}
+
+// At a grazing angle a flank's samples begin some way behind the front.
+TEST(FarFlanks, ASeenOneMayBeginALittleBehindTheFront) {
+  expect_whole(flanks({scan_of(buttress)}, contours(kFar_m, 0.06)));
 }
 
 TEST(FarFlanks, NoneWithoutASeenOneNorWhereItIsSeenToBeEmpty) {
