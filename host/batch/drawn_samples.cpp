@@ -16,6 +16,7 @@ namespace {
 constexpr double kOnPolygonDeg = 30;  // normals of a sample's plane and of a polygon it lies on
 constexpr double kNoiseSigmas = 3;    // of the difference of two scans
 constexpr double kSightTolerance_m = 0.02;
+constexpr double kFiner = 2;  // times closer together are the samples of another scan that stand for one
 constexpr double kSeenThrough_m = 0.1;  // by which another scan sees past a sample that is in the air
 
 double largest_sigma(const std::vector<ScanProduct>& products) {
@@ -148,6 +149,10 @@ WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& opt
             const Vec3 point = product.image.point(i);
             if (!planar && sight.is_seen_through(world * point, through_m, step_rad * point.norm(), scan)) {
               counts.in_the_air += 1;
+              continue;
+            }
+            if (!planar && sight.is_seen_finer(world * point, scan, kFiner)) {
+              counts.seen_finer += 1;
               continue;
             }
             const bool on_face =

@@ -24,12 +24,14 @@ struct DrawnCounts {
   std::int64_t retained = 0;     // without strays and those of planes that were written as contours
   std::int64_t on_contours = 0;  // of these not drawn: they lie on a contour polygon
   std::int64_t in_the_air = 0;   // nor these: another scan looks through them
+  std::int64_t seen_finer = 0;   // nor these: another scan has closer samples of the surface
   std::int64_t on_faces = 0;     // drawn only where the proxy is not
 
   DrawnCounts& operator+=(const DrawnCounts& other) {
     retained += other.retained;
     on_contours += other.on_contours;
     in_the_air += other.in_the_air;
+    seen_finer += other.seen_finer;
     on_faces += other.on_faces;
     return *this;
   }

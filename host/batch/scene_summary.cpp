@@ -52,8 +52,9 @@ Json scan_summary(const SceneRun& run, const io::SceneTruth* truths, std::size_t
     json["drawn"] = {{"retained", of.retained},
                      {"on_contours", of.on_contours},
                      {"in_the_air", of.in_the_air},
+                     {"seen_finer", of.seen_finer},
                      {"on_faces", of.on_faces},
-                     {"drawn", of.retained - of.on_contours - of.in_the_air}};
+                     {"drawn", of.retained - of.on_contours - of.in_the_air - of.seen_finer}};
   }
   if (truths == nullptr) return json;
   for (const auto& truth : truths->scans)

@@ -53,6 +53,25 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spaci
   return false;
 }
 
+bool ScanSight::is_seen_finer(const Vec3& place, std::size_t scan, double times) const {
+  const Vec3 own = scan_from_world_[scan] * place;
+  const auto own_node = lookups_[scan].towards(own);
+  const double own_spacing_m =
+      spacing_m(scan, own_node.row, own_node.col).value_or(own.norm() * scans_[scan].image->step_rad());
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    if (s == scan || scans_[s].image->count() == 0) continue;
+    const Vec3 point = scan_from_world_[s] * place;
+    if (times * point.norm() * scans_[s].image->step_rad() > own_spacing_m) continue;
+    const auto node = lookups_[s].towards(point);
+    if (!node.within) continue;
+    const auto range = range_m(s, node.row, node.col);
+    if (!range || std::abs(*range - point.norm()) > tolerance_m_) continue;
+    if (const auto spacing = spacing_m(s, node.row, node.col); spacing && times * *spacing <= own_spacing_m)
+      return true;
+  }
+  return false;
+}
+
 bool ScanSight::is_hidden(const Vec3& place, std::size_t scan) const {
   if (scans_[scan].image->count() == 0) return false;
   const Vec3 point = scan_from_world_[scan] * place;
@@ -130,6 +149,19 @@ bool ScanSight::reaches(std::size_t scan, const Vec3& point) const {
         range && std::abs(*range - point.norm()) <= kBeside * tolerance_m_)
       return true;
   return false;
+}
+
+// Of a sample and its four neighbours, the larger of both directions; nothing where one of them is missing.
+std::optional<double> ScanSight::spacing_m(std::size_t scan, int row, int col) const {
+  const RangeImage& image = *scans_[scan].image;
+  double spacing = 0;
+  for (const auto& [down, across] : {std::pair{1, 0}, {0, 1}}) {
+    if (!range_m(scan, row - down, col - across) || !range_m(scan, row + down, col + across)) return {};
+    const Vec3 before = image.point(image.index(row - down, image.wrapped(col - across)));
+    const Vec3 after = image.point(image.index(row + down, image.wrapped(col + across)));
+    spacing = std::max(spacing, (after - before).norm() / 2);
+  }
+  return spacing;
 }
 
 std::optional<double> ScanSight::range_m(std::size_t scan, int row, int col) const {

@@ -41,6 +41,10 @@ class ScanSight {
   // more; one that has a sample at least every `spacing_m` there, for others miss what is thin.
   bool is_seen_through(const Vec3& place, double margin_m, double spacing_m, std::size_t but) const;
 
+  // Whether a scan other than `scan` shows the surface at a place that this one has a sample of, and its
+  // samples there lie at least `times` closer together.
+  bool is_seen_finer(const Vec3& place, std::size_t scan, double times) const;
+
   // Whether this scan sees something before the place.
   bool is_hidden(const Vec3& place, std::size_t scan) const;
 
@@ -60,6 +64,7 @@ class ScanSight {
 
  private:
   bool reaches(std::size_t scan, const Vec3& point) const;
+  std::optional<double> spacing_m(std::size_t scan, int row, int col) const;
   std::optional<double> range_m(std::size_t scan, int row, int col) const;
   std::vector<Vec3> samples_near(std::size_t scan, const Vec3& point, double radius_m, double many) const;
 

@@ -22,7 +22,7 @@ constexpr int kLeastCells = 4;            // of a part
 constexpr double kSmallHole_m2 = 0.02;    // in which nothing was measured
 constexpr double kStairs = 0.75;          // of a cell: what is left of stairs is straight
 constexpr double kSquareCorner = 0.1;     // cosine between the normals of polygons that meet at a corner
-constexpr double kCorner_m = 0.1;         // between them
+constexpr double kCorner_m = 0.1;         // between them, and of their borders
 constexpr std::array<std::pair<int, int>, 4> kFourBeside = {{{0, 1}, {0, -1}, {1, 0}, {-1, 0}}};
 
 // What the scans say of a cell of a polygon's plane.
@@ -171,6 +171,24 @@ class Shadow {
   std::vector<Cell> cells_;  // the lowest row first
 };
 
+// How far below an upright polygon an upright one goes that it meets at a corner, border at border, in the
+// first one's coordinates; 0 where it meets none there.
+double goes_down_m(const FlatPolygon& own, const FlatPolygon& other) {
+  if (own.is_level() || other.is_level() || std::abs(own.normal().dot(other.normal())) > kSquareCorner)
+    return 0;
+  for (const double x : {own.low().x(), own.high().x()}) {
+    const Vec3 corner = own.lifted(Vec2(x, own.low().y()));
+    const Vec2 at = other.flat(corner);
+    const double within = std::min(at.x() - other.low().x(), other.high().x() - at.x());
+    if (std::abs(within) > kCorner_m || at.y() < other.low().y() || at.y() > other.high().y() + kCorner_m ||
+        (other.lifted(at) - corner).norm() > kCorner_m)
+      continue;
+    const double steep = own.lifted(Vec2(0, 1)).z() - own.lifted(Vec2(0, 0)).z();
+    return (corner.z() - other.lifted(Vec2(0, other.low().y())).z()) / steep;
+  }
+  return 0;
+}
+
 }  // namespace
 
 std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel& contours,
@@ -182,18 +200,12 @@ std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel&
     polygons.emplace_back(polygon);
     boxes.emplace_back(polygon);
   }
-  // How far below an upright polygon the foot of one is that it meets at a corner.
   const auto foot_m = [&](std::size_t face) {
-    const FlatPolygon& own = polygons[face];
-    double foot = boxes[face].low.z();
-    if (own.is_level()) return 0.0;
+    double most = 0;
     for (std::size_t other = 0; other < polygons.size(); ++other)
-      if (!polygons[other].is_level() &&
-          std::abs(own.normal().dot(polygons[other].normal())) <= kSquareCorner &&
-          boxes[face].is_near(boxes[other], kCorner_m))
-        foot = std::min(foot, boxes[other].low.z());
-    const double steep = own.lifted({0, 1}).z() - own.lifted({0, 0}).z();
-    return (boxes[face].low.z() - foot) / steep;
+      if (boxes[face].is_near(boxes[other], kCorner_m))
+        most = std::max(most, goes_down_m(polygons[face], polygons[other]));
+    return most;
   };
   std::vector<std::vector<ShadowFace>> of_face(contours.faces.size());
   parallel_for(of_face.size(), [&](std::size_t face) {

@@ -104,6 +104,33 @@ TEST(ScanSight, seen_through_by_another_scan_all_around_the_place) {
   EXPECT_FALSE(sight.is_hidden({0, 5, 0}, 1));
 }
 
+// A wall 4 m ahead; the second scanner stands 3 m nearer to it.
+TEST(ScanSight, what_another_scan_shows_with_closer_samples) {
+  const std::vector<RangeImage> images = {scan_of(wall_alone),
+                                          scan_of([](const Vec3& ray) { return 1 / ray.y(); })};
+  auto scans = bare_scans(images);
+  scans[1].world_from_scan.translation = {0, 3, 0};
+  const ScanSight sight(scans, 0.02);
+  const Vec3 place(0.1, 4, 0.1);
+  EXPECT_TRUE(sight.is_seen_finer(place, 0, 2));
+  EXPECT_FALSE(sight.is_seen_finer(place, 0, 5));            // it is four times as near
+  EXPECT_FALSE(sight.is_seen_finer(place, 1, 2));            // the other one is coarser
+  EXPECT_FALSE(sight.is_seen_finer({0.1, 3.9, 0.1}, 0, 2));  // before the wall
+  EXPECT_FALSE(sight.is_seen_finer({1.5, 4, 0}, 0, 2));      // beside what the second one sees
+}
+
+TEST(ScanSight, at_an_edge_the_coarse_sample_stays) {
+  const auto edge = [](double ahead) {
+    return [ahead](const Vec3& ray) { return (ahead / ray.y() * ray.x() < 0.2 ? ahead : 9) / ray.y(); };
+  };
+  const std::vector<RangeImage> images = {scan_of(edge(4)), scan_of(edge(1))};
+  auto scans = bare_scans(images);
+  scans[1].world_from_scan.translation = {0, 3, 0};
+  const ScanSight sight(scans, 0.02);
+  EXPECT_TRUE(sight.is_seen_finer({0.1, 4, 0}, 0, 2));
+  EXPECT_FALSE(sight.is_seen_finer({0.197, 4, 0}, 0, 2));
+}
+
 TEST_F(ColumnBehindAWall, columns_stand_in_the_world) {
   columns.push_back(column);
   columns[1].inside = true;
