@@ -13,6 +13,7 @@ namespace hybrid::stages {
 namespace {
 
 constexpr std::int64_t kMostForLines = 8000;  // of a larger plane windows tell
+constexpr std::int64_t kSparsest = 100;  // samples of the image to one of the plane: across the seam, say
 constexpr int kDirections = 60;
 constexpr std::size_t kBins = 128;     // across a plane
 constexpr double kLeastLineGain = 16;  // nats: thousands of lines are tried
@@ -172,7 +173,8 @@ std::vector<StepProposal> propose_by_lines(const RangeImage& image, const RangeN
   std::vector<std::optional<StepProposal>> of_plane(extents.size());
   parallel_for(extents.size(), [&](std::size_t k) {
     const PlaneExtent& extent = extents[k];
-    if (extent.samples < least || extent.samples > kMostForLines) return;
+    const auto box = std::int64_t{extent.bottom - extent.top} * (extent.right - extent.left);
+    if (extent.samples < least || extent.samples > kMostForLines || box > kSparsest * extent.samples) return;
     of_plane[k] =
         LineSearch(image, noise, labels, plane_of_label[extent.label - 1], extent, excess).propose(least);
   });

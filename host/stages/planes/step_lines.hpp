@@ -15,7 +15,7 @@ struct PlaneExtent {
 // across such a plane the one is taken along which level, slopes and a step explain the heights best (least
 // squares; the likelihood ratio against level and slopes alone); the part is the side with fewer samples. At
 // most one proposal a plane, in their order; `excess`: as StepSharing's. None where a bend explains them
-// better. `least`: samples of the smallest part.
+// better, nor of a plane scattered over much of the image. `least`: samples of the smallest part.
 std::vector<StepProposal> propose_by_lines(const RangeImage& image, const RangeNoise& noise,
                                            const std::vector<std::uint32_t>& labels,
                                            const std::vector<Plane>& plane_of_label,
