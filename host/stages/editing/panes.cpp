@@ -17,7 +17,9 @@ constexpr double kStep_m = 0.02;     // between depths that are tried
 constexpr double kDeepest_m = 1.0;   // farther behind a wall than its glass is
 constexpr double kRaysPerCell = 16;  // of the cells in which returns and passing beams are to be side by side
 constexpr double kMixedShare = 0.5;  // of the cells in which beams pass
-constexpr double kSamePane_m = 0.10;  // apart, of one pane seen from both sides of its wall
+constexpr double kLeastPassing = 0.25;  // of the cells in which they pass the face: where they pass the pane
+constexpr double kSamePane_m = 0.10;    // apart, of one pane seen from both sides of its wall
+constexpr double kLeastApart_m = 0.01;  // from there on its two sides are faces of their own
 
 // Cells of an opening where some beams return from within kThick_m of a depth, some pass it, or both.
 struct Mixture {
@@ -53,6 +55,14 @@ struct PaneShape {
   Ring2 ring;
 };
 
+// Whether a pane whose front looks along `normal` is a known one: seen from the same side of the wall, or
+// from the other where both agree on its place.
+bool is_known(const PaneShape& known, const Vec3& centre, const Vec3& normal) {
+  const double before = known.frame.plane.distance(centre);
+  const bool is_its_back = known.frame.plane.normal.dot(normal) < 0 && before <= -kLeastApart_m;
+  return std::abs(before) < kSamePane_m && !is_its_back && inside(known.ring, known.frame.flat(centre));
+}
+
 std::vector<PaneShape> shapes_of(const PolygonModel& model, const std::vector<std::size_t>& faces) {
   std::vector<PaneShape> shapes;
   for (const std::size_t f : faces) {
@@ -76,11 +86,15 @@ std::optional<double> pane_depth(const std::vector<PassedRay>& rays, double area
   const double cell_m = std::sqrt(kRaysPerCell * area_m2 / static_cast<double>(rays.size()));
   double depth_m = 0;
   Mixture best;
+  int most_passing = 0;
   for (int step = 1; step * kStep_m <= kDeepest_m; ++step) {
     const Mixture mixture = mixture_at(rays, cell_m, step * kStep_m);
-    if (mixture.both > best.both) best = mixture, depth_m = step * kStep_m;
+    most_passing = std::max(most_passing, mixture.passing);
+    if (mixture.both > best.both && mixture.both >= kMixedShare * mixture.passing &&
+        mixture.passing >= kLeastPassing * most_passing)
+      best = mixture, depth_m = step * kStep_m;
   }
-  if (best.both == 0 || best.both < kMixedShare * best.passing) return std::nullopt;
+  if (best.both == 0) return std::nullopt;
   return median_near(rays, depth_m);
 }
 
@@ -101,10 +115,8 @@ std::vector<std::size_t> add_panes(const Openings& openings, PolygonModel& model
       ring.push_back(frame.world(p, -*opening->pane_m));
       centre += ring.back() / static_cast<double>(opening->ring.size());
     }
-    if (std::any_of(shapes.begin(), shapes.end(), [&](const PaneShape& known) {
-          return std::abs(known.frame.plane.distance(centre)) < kSamePane_m &&
-                 inside(known.ring, known.frame.flat(centre));
-        }))
+    if (std::any_of(shapes.begin(), shapes.end(),
+                    [&](const PaneShape& known) { return is_known(known, centre, frame.plane.normal); }))
       continue;
     Face face;
     face.name = fmt::format("{}-pane-{}", model.faces[opening->face].name, ++of_face[opening->face]);
