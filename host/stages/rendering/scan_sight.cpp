@@ -54,19 +54,21 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spaci
 }
 
 bool ScanSight::is_seen_finer(const Vec3& place, std::size_t scan, double times) const {
-  const Vec3 own = scan_from_world_[scan] * place;
-  const auto own_node = lookups_[scan].towards(own);
-  const double own_spacing_m =
-      spacing_m(scan, own_node.row, own_node.col).value_or(own.norm() * scans_[scan].image->step_rad());
+  std::optional<double> own_m;  // asked for only where another scan shows the place
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (s == scan || scans_[s].image->count() == 0) continue;
     const Vec3 point = scan_from_world_[s] * place;
-    if (times * point.norm() * scans_[s].image->step_rad() > own_spacing_m) continue;
     const auto node = lookups_[s].towards(point);
     if (!node.within) continue;
     const auto range = range_m(s, node.row, node.col);
     if (!range || std::abs(*range - point.norm()) > tolerance_m_) continue;
-    if (const auto spacing = spacing_m(s, node.row, node.col); spacing && times * *spacing <= own_spacing_m)
+    if (!own_m) {
+      const Vec3 own = scan_from_world_[scan] * place;
+      const auto at = lookups_[scan].towards(own);
+      own_m = spacing_m(scan, at.row, at.col).value_or(own.norm() * scans_[scan].image->step_rad());
+    }
+    if (times * point.norm() * scans_[s].image->step_rad() > *own_m) continue;
+    if (const auto spacing = spacing_m(s, node.row, node.col); spacing && times * *spacing <= *own_m)
       return true;
   }
   return false;
