@@ -19,6 +19,8 @@ constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0
 // A pose that planes alone do not tell from rivals is told from them where it has so much at most, and each
 // rival so many times more.
 constexpr double kMostOfBest = 0.02, kTimesBest = 4;
+// So many times as much as that an eighth of the samples tells, too.
+constexpr double kFewTell = 2;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
 constexpr double kFarthestMoved_m = 2, kFarthestDeg = 40, kNearer = 0.3;
 // Where the end of ICP is not plain, with nearly all that lies on others within kTight times overlap_m of
@@ -27,6 +29,9 @@ constexpr double kFarthestMoved_m = 2, kFarthestDeg = 40, kNearer = 0.3;
 // wall 0.90 at most or 0.02 seen through.
 constexpr double kTight = 0.2, kPlainShare = 0.95, kPlainThrough = 0.005, kClearly = 0.02;
 constexpr int kRounds = 3;
+// An eighth of the samples says first whether that is worth it, with so much less that is clear; and of a
+// place with so much seen through, far from right ones, whether ICP is to go on there.
+constexpr double kFewClearly = 0.01, kHopelessThrough = 0.2;
 // Where little holds the scan ICP must come back from so far beside what it found, in overlap_m and turned
 // about each axis; to within so much.
 constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
@@ -55,6 +60,10 @@ double largest_overlap(const stages::ScanIcp& found) {
 
 bool is_weak(const stages::ScanIcp& found) {
   return largest_overlap(found) < kFirmOverlap;
+}
+
+bool is_hopeless(const stages::ScanIcp& found) {
+  return found.seen_through > kHopelessThrough;
 }
 
 std::string contradiction_of(const stages::ScanIcp& found, const Pose& start) {
@@ -148,22 +157,28 @@ stages::ScanIcp ScanToScan::best_from(std::size_t i, const Others& others, const
       return close >= kPlainShare * found.icp.overlap && found.seen_through <= kPlainThrough;
     }
   };
-  const auto end_of = [&](const Pose& from) {
-    End end{stages::register_to_scans(queue_, scan(i), others.scans, from, icp_)};
-    for (int more = 0; more < kRounds && !end.found.icp.converged; ++more)
+  stages::ScanIcpOptions few = icp_;
+  few.few = true;
+  const auto end_of = [&](const Pose& from, const stages::ScanIcpOptions& how) {
+    End end{stages::register_to_scans(queue_, scan(i), others.scans, from, how)};
+    for (int more = 0; more < kRounds && !end.found.icp.converged && !is_hopeless(end.found); ++more)
       end.found =
-          stages::register_to_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, icp_);
+          stages::register_to_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, how);
+    tight.few = how.few;
     end.close = stages::assess_on_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, tight)
                     .icp.overlap;
     return end;
   };
-  End best = end_of(start);
+  End best = end_of(start, icp_);
   for (int round = 0; round < kRounds && !best.is_plain(); ++round) {
     const double before = best.score();
+    // Where little holds the scan all samples count.
+    const bool by_few = !is_weak(best.found) || is_hopeless(best.found);
     for (const Pose& from :
          beside(best.found.icp.world_from_scan, scan(i).centre, kBeside * icp_.overlap_m)) {
       if (best.is_plain()) break;
-      if (End other = end_of(from); other.score() >= best.score() + kClearly) best = std::move(other);
+      if (by_few && end_of(from, few).score() < best.score() + kFewClearly) continue;
+      if (End other = end_of(from, icp_); other.score() >= best.score() + kClearly) best = std::move(other);
     }
     if (!(best.score() > before)) break;
   }
@@ -287,9 +302,15 @@ void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignm
   for (std::ptrdiff_t k = 0; k < found.close_rivals; ++k) {
     // At its best, as the search may have left it decimetres off.
     stages::RivalPose& rival = found.rivals[static_cast<std::size_t>(k)];
-    const auto at = stages::register_to_scans(queue_, scan(i), placed, rival.world_from_scan, icp_);
-    rival.seen_through = at.seen_through;
-    if (at.seen_through <= std::max(kMostSeenThrough, kTimesBest * best.seen_through)) return;
+    const double least = std::max(kMostSeenThrough, kTimesBest * best.seen_through);
+    stages::ScanIcpOptions few = icp_;
+    few.few = true;
+    const auto seen_from = [&](const stages::ScanIcpOptions& how) {
+      return stages::register_to_scans(queue_, scan(i), placed, rival.world_from_scan, how).seen_through;
+    };
+    rival.seen_through = seen_from(few);
+    if (rival.seen_through <= kFewTell * least) rival.seen_through = seen_from(icp_);
+    if (rival.seen_through <= least) return;
   }
   found.accepted = true;
   found.reason.clear();

@@ -20,19 +20,25 @@ constexpr double kFreePerObservation = 100;
 // alone tell what is seen through.
 constexpr double kPlanesTell = 0.2;
 
-IcpScan::Samples upload(device::Queue& queue, const PlanarSamples& from) {
+constexpr std::size_t kFew = 8;
+
+// Every `step`-th of the samples.
+IcpScan::Samples upload(device::Queue& queue, const PlanarSamples& from, std::size_t step) {
   IcpScan::Samples samples;
-  samples.queries = {from.points.size(),
-                     column(queue, from.points, 0),
-                     column(queue, from.points, 1),
-                     column(queue, from.points, 2),
-                     column(queue, from.normals, 0),
-                     column(queue, from.normals, 1),
-                     column(queue, from.normals, 2)};
-  samples.points = from.points;
-  for (const auto& p : from.points) samples.area_m2.push_back(p[3]);
+  for (std::size_t k = 0; k < from.points.size(); k += step) {
+    samples.points.push_back(from.points[k]);
+    samples.normals.push_back(from.normals[k]);
+    samples.area_m2.push_back(from.points[k][3] * static_cast<float>(step));
+    samples.points.back()[3] = samples.area_m2.back();
+  }
+  samples.queries = {samples.points.size(),
+                     column(queue, samples.points, 0),
+                     column(queue, samples.points, 1),
+                     column(queue, samples.points, 2),
+                     column(queue, samples.normals, 0),
+                     column(queue, samples.normals, 1),
+                     column(queue, samples.normals, 2)};
   samples.area = queue.array(samples.area_m2);
-  samples.normals = from.normals;
   return samples;
 }
 
@@ -196,10 +202,10 @@ class ScanProblem {
         if (placed[other].scan->surface.known())
           pairs_.push_back(
               {other, kind,
-               Pairs(queue, scan.samples[kind], placed[other].scan->surface, own_spacing(scan, kind), true)});
+               Pairs(queue, of(scan)[kind], placed[other].scan->surface, own_spacing(scan, kind), true)});
         if (scan.surface.known())
           pairs_.push_back({other, kind,
-                            Pairs(queue, placed[other].scan->samples[kind], scan.surface,
+                            Pairs(queue, of(*placed[other].scan)[kind], scan.surface,
                                   own_spacing(*placed[other].scan, kind), false)});
       }
   }
@@ -258,6 +264,9 @@ class ScanProblem {
     std::size_t other, kind;
     Pairs pairs;
   };
+  const std::array<IcpScan::Samples, 2>& of(const IcpScan& scan) const {
+    return options_.few ? scan.few : scan.samples;
+  }
   static double own_spacing(const IcpScan& scan, std::size_t kind) {
     return kind == 1 && scan.surface.known() ? scan.surface.spacing() : 0;
   }
@@ -281,13 +290,13 @@ void ScanProblem::overlaps(ScanIcp& result) {
     double all() const { return on + through; }
   };
   std::array<Seen, 2> seen;  // by kind
-  std::vector<Compared> of(placed_.size());
+  std::vector<Compared> compared(placed_.size());
   std::array<std::vector<char>, 2> on_any;  // per own sample
-  for (std::size_t kind = 0; kind < 2; ++kind) on_any[kind].assign(scan_.samples[kind].area_m2.size(), 0);
+  for (std::size_t kind = 0; kind < 2; ++kind) on_any[kind].assign(of(scan_)[kind].area_m2.size(), 0);
   for (const auto& [other, kind, pairs] : pairs_) {
     const auto heights = pairs.heights(), clearances = pairs.clearances();
     const auto& area = pairs.samples().area_m2;
-    Compared& sums = of[other];
+    Compared& sums = compared[other];
     for (std::size_t i = 0; i < area.size(); ++i) {
       const double height = heights[i], a = area[i];
       if (std::abs(height) < options_.overlap_m) {
@@ -301,13 +310,14 @@ void ScanProblem::overlaps(ScanIcp& result) {
       }
     }
   }
-  for (std::size_t k = 0; k < of.size(); ++k) {
+  for (std::size_t k = 0; k < compared.size(); ++k) {
+    const Compared& sums = compared[k];
     ScanOverlap one;
-    one.on_m2 = of[k].forward + of[k].backward;
-    one.through_m2 = of[k].through;
-    one.overlap = std::max(scan_.area_m2 > 0 ? of[k].forward / scan_.area_m2 : 0,
-                           placed_[k].scan->area_m2 > 0 ? of[k].backward / placed_[k].scan->area_m2 : 0);
-    if (one.on_m2 > 0) one.rms_m = std::sqrt(of[k].square / one.on_m2);
+    one.on_m2 = sums.forward + sums.backward;
+    one.through_m2 = sums.through;
+    one.overlap = std::max(scan_.area_m2 > 0 ? sums.forward / scan_.area_m2 : 0,
+                           placed_[k].scan->area_m2 > 0 ? sums.backward / placed_[k].scan->area_m2 : 0);
+    if (one.on_m2 > 0) one.rms_m = std::sqrt(sums.square / one.on_m2);
     result.others.push_back(one);
   }
   const bool by_planes = seen[0].all() > kPlanesTell * (seen[0].all() + seen[1].all());
@@ -317,7 +327,7 @@ void ScanProblem::overlaps(ScanIcp& result) {
   double own = 0;
   for (std::size_t kind = 0; kind < 2; ++kind)
     for (std::size_t i = 0; i < on_any[kind].size(); ++i)
-      if (on_any[kind][i]) own += scan_.samples[kind].area_m2[i];
+      if (on_any[kind][i]) own += of(scan_)[kind].area_m2[i];
   result.icp.overlap = scan_.area_m2 > 0 ? own / scan_.area_m2 : 0;
 }
 
@@ -379,7 +389,8 @@ ScanSamples choose_scan_samples(const RangeImage& image, const PlaneSegmentation
 
 IcpScan::IcpScan(device::Queue& queue, const ScanSamples& chosen, const RangeImage& image,
                  const PlaneSegmentation& segmentation, const std::vector<std::uint8_t>& stray)
-    : samples{upload(queue, chosen.planar), upload(queue, chosen.free)},
+    : samples{upload(queue, chosen.planar, 1), upload(queue, chosen.free, 1)},
+      few{upload(queue, chosen.planar, kFew), upload(queue, chosen.free, kFew)},
       surface(queue, image, segmentation, stray) {
   const auto each = [&](const auto& body) {
     for (const auto* list : {&chosen.planar.points, &chosen.free.points})

@@ -27,7 +27,8 @@ class IcpScan {
     std::vector<float> area_m2;
     std::vector<std::array<float, 4>> normals;
   };
-  std::array<Samples, 2> samples;
+  std::array<Samples, 2> samples,
+      few;  // all that were chosen; every eighth of them, with eight times its area
   ScanSurface surface;
   Vec3 centre = Vec3::Zero();  // of the samples, by area
   double radius_m = 0;         // their rms distance from it
@@ -42,6 +43,7 @@ struct ScanIcpOptions {
   double scale_floor_m = 0.0005;  // least scale of the robust weights
   double overlap_m = 0.05;        // a sample this near a surface of the other lies on it
   double clear_m = 0.15;          // a line of sight that goes on so far behind a sample contradicts it
+  bool few = false;               // an eighth of the samples: enough to tell a pose that is far from right
 };
 
 // A scan whose pose stays.

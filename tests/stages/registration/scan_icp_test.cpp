@@ -162,6 +162,33 @@ TEST(ScanIcp, scans_of_other_rooms_see_through_each_other) {
   }
 }
 
+TEST(ScanIcp, an_eighth_of_the_samples_tells_what_all_of_them_do_where_that_is_clear) {
+  const std::vector<const char*> kinds = {"box", "niche", "hall", "ell", "oblique", "alcoves"};
+  stages::ScanIcpOptions few;
+  few.few = true;
+  int right = 0;
+  for (int k = 0; k < trial_count(); ++k) {
+    const auto seed = static_cast<std::uint32_t>(9300 + k);
+    const char* kind = kinds[static_cast<std::size_t>(k) % kinds.size()];
+    const bool planes = k / 6 % 2 == 0;
+    const auto room = testing::make_trial_room(kind, seed);
+    const Seen a = see(room, seed, 1, planes), b = see(room, seed + 700, k % 2 ? 0.7 : 1, planes),
+               other = see(testing::make_trial_room(kind, seed + 500), seed + 700, 1, planes);
+    const std::vector<stages::PlacedScan> placed = {{a.icp.get(), a.scan.world_from_scan}};
+    const Pose truth = b.scan.world_from_scan;
+    const auto found = stages::register_to_scans(queue(), *b.icp, placed,
+                                                 testing::moved_at_random(truth, 0.3, 10, seed), few);
+    const auto off = difference(truth, found.icp.world_from_scan);
+    right += off.distance_m < 0.02 && found.seen_through < 0.02;
+    EXPECT_GT(
+        stages::register_to_scans(queue(), *other.icp, placed, other.scan.world_from_scan, few).seen_through,
+        0.05)
+        << kind << " " << seed;
+  }
+  if (std::getenv("TRIALS")) printf("few: %d of %d\n", right, trial_count());
+  EXPECT_GE(right, trial_count() * 0.9);
+}
+
 TEST(ScanIcp, a_start_far_off_ends_elsewhere_and_is_seen_through) {
   for (int k = 0; k < trial_count(); ++k) {
     const auto seed = static_cast<std::uint32_t>(9500 + k);
