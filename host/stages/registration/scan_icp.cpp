@@ -20,7 +20,7 @@ constexpr double kFreePerObservation = 100;
 // alone tell what is seen through.
 constexpr double kPlanesTell = 0.2;
 
-constexpr std::size_t kFew = 8;
+constexpr std::size_t kStepOfFew = 8;
 
 // Every `step`-th of the samples.
 IcpScan::Samples upload(device::Queue& queue, const PlanarSamples& from, std::size_t step) {
@@ -390,7 +390,7 @@ ScanSamples choose_scan_samples(const RangeImage& image, const PlaneSegmentation
 IcpScan::IcpScan(device::Queue& queue, const ScanSamples& chosen, const RangeImage& image,
                  const PlaneSegmentation& segmentation, const std::vector<std::uint8_t>& stray)
     : samples{upload(queue, chosen.planar, 1), upload(queue, chosen.free, 1)},
-      few{upload(queue, chosen.planar, kFew), upload(queue, chosen.free, kFew)},
+      few{upload(queue, chosen.planar, kStepOfFew), upload(queue, chosen.free, kStepOfFew)},
       surface(queue, image, segmentation, stray) {
   const auto each = [&](const auto& body) {
     for (const auto* list : {&chosen.planar.points, &chosen.free.points})
