@@ -19,10 +19,9 @@ constexpr double kFreePerObservation = 100;
 // Leaves and railings are seen through from elsewhere: where planes are so much of what can be compared, they
 // alone tell what is seen through.
 constexpr double kPlanesTell = 0.2;
-
 constexpr std::size_t kStepOfFew = 8;
 
-// Every `step`-th of the samples.
+// Every `step`-th of the samples, for as many times its area.
 IcpScan::Samples upload(device::Queue& queue, const PlanarSamples& from, std::size_t step) {
   IcpScan::Samples samples;
   for (std::size_t k = 0; k < from.points.size(); k += step) {

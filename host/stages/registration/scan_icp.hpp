@@ -27,8 +27,8 @@ class IcpScan {
     std::vector<float> area_m2;
     std::vector<std::array<float, 4>> normals;
   };
-  std::array<Samples, 2> samples,
-      few;  // all that were chosen; every eighth of them, with eight times its area
+  std::array<Samples, 2> samples;
+  std::array<Samples, 2> few;  // every eighth of them, for eight times its area
   ScanSurface surface;
   Vec3 centre = Vec3::Zero();  // of the samples, by area
   double radius_m = 0;         // their rms distance from it
