@@ -2,10 +2,10 @@
 // weights of Facade: Debevec, Taylor, Malik 1996; two frequency bands, the paper's reference 13; more of
 // them: Burt and Adelson 1983, whose transitions are as wide as the band is coarse: here by a power of the
 // weights). A photograph sees point X when X projects inside it, the surface faces it by more than
-// least_facing and the ray from its centre to X meets nothing before X (lib/photo_packet.h). Its weight is
-// feather / (angle + one pixel), the angle between the rays from X to the eye and to the photograph's centre.
-// The host launches this once per photograph, in index order, so their number has no limit; resolve_blend
-// makes the colours.
+// least_facing (samples: least_facing_sample) and the ray from its centre to X meets nothing before X
+// (lib/photo_packet.h). Its weight is feather / (angle + one pixel), the angle between the rays from X to the
+// eye and to the photograph's centre. The host launches this once per photograph, in index order, so their
+// number has no limit; resolve_blend makes the colours.
 //
 // Mapping: one work-item per packet of VW points, as in ray_cast.cl.
 //
@@ -41,7 +41,7 @@ kernel void blend_photos(const BlendPhotosParams params, global const BvhNode* r
   intv asked = packet_project(&params.camera, points.x, points.y, points.z, &column, &row);
   const float3 centre = vload3(0, params.camera.centre);
   const PacketSight sight = packet_sight(&points, centre);
-  asked &= MASK(sight.facing > params.least_facing);
+  asked &= packet_faces(&points, &sight, params.least_facing, params.least_facing_sample);
   if (!ANY(asked)) return;
 
   Bilinear around;

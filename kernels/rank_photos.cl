@@ -8,8 +8,9 @@
 //   view, less one, not below 0 (a pixel covers distance * its angle / cosine; cosines count from 0.05 up)
 // + field_of_view_cost * how near X lies to the photograph's border: 0 farther than feather_px, 1 on it.
 //
-// A photograph sees point X when X projects inside it, the surface faces it by more than least_facing and the
-// ray from its centre to X meets nothing before X (lib/photo_packet.h).
+// A photograph sees point X when X projects inside it, the surface faces it by more than least_facing
+// (samples: least_facing_sample) and the ray from its centre to X meets nothing before X
+// (lib/photo_packet.h).
 //
 // Mapping: one work-item per packet of VW points, as in ray_cast.cl.
 //
@@ -70,7 +71,7 @@ kernel void rank_photos(const RankPhotosParams params, global const BvhNode* res
   intv asked = packet_project(&params.camera, points.x, points.y, points.z, &column, &row);
   const float3 centre = vload3(0, params.camera.centre);
   const PacketSight sight = packet_sight(&points, centre);
-  asked &= MASK(sight.facing > params.least_facing);
+  asked &= packet_faces(&points, &sight, params.least_facing, params.least_facing_sample);
   if (!ANY(asked)) return;
 
   const ShadowTolerance tolerance = {params.tolerance_m, params.face_tolerance_m};

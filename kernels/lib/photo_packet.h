@@ -46,6 +46,14 @@ static inline PacketSight packet_sight(const PacketSurface* points, float3 from)
   return sight;
 }
 
+// Which points something at that sight faces by more than the least cosine: `least_of_samples` where they are
+// samples. These have normals that are estimates, and what looks along a round surface sees past their discs.
+static inline intv packet_faces(const PacketSurface* points, const PacketSight* sight, float least,
+                                float least_of_samples) {
+  const intv samples = MASK(points->radius > SURFACE_POLYGON_RADIUS);
+  return MASK(sight->facing > PICK(samples, (floatv)(least_of_samples), (floatv)(least)));
+}
+
 // How near to the surface a shadow ray may hit something that does not count.
 typedef struct ShadowTolerance {
   float sample_m, face_m;

@@ -37,7 +37,8 @@ typedef struct TriangleRecord {
   float a[3];
   HYBRID_UINT id;  // what a hit reports: 1 + face index
   float b[3];
-  float radius;  // what a hit reports: 0 = a face of the model, exact; else within a scan's noise
+  float radius;  // what a hit reports: 0 = a face of the model, exact; else within a scan's noise, and no
+                 // more than SURFACE_POLYGON_RADIUS
   float c[3];
   float pad;
 } TriangleRecord;
@@ -65,5 +66,7 @@ LAYOUT_CHECK(SphereSurface, 16);
 #define SURFACE_NORMAL_Z 5
 #define SURFACE_RADIUS 6
 #define SURFACE_PLANES 7
+// Larger radii are samples', whose normals are estimates.
+#define SURFACE_POLYGON_RADIUS 1e-6f
 
 #endif

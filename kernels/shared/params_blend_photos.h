@@ -42,8 +42,10 @@ typedef struct BlendPhotosParams {
   float face_tolerance_m;  // the same among faces, which are exact: rounding only
   HYBRID_UINT root;        // child code of the tree's root
   float least_facing;      // at the cosine (between sight and normal) of no more than this it sees nothing
+  float least_facing_sample;  // the same of samples
+  float pad[3];
 } BlendPhotosParams;
-LAYOUT_CHECK(BlendPhotosParams, sizeof(CameraRecord) + 80);
+LAYOUT_CHECK(BlendPhotosParams, sizeof(CameraRecord) + 96);
 
 typedef struct ResolveBlendParams {
   HYBRID_UINT count;

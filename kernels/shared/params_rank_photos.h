@@ -17,7 +17,7 @@ typedef struct RankPhotosParams {
   float resolution_cost;     // rad, per time that its pixel covers more surface than the view's
   float field_of_view_cost;  // rad, at its border
   float least_facing;        // as in BlendPhotosParams
-  float pad;
+  float least_facing_sample;
 } RankPhotosParams;
 LAYOUT_CHECK(RankPhotosParams, sizeof(CameraRecord) + 64);
 

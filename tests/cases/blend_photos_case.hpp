@@ -51,7 +51,7 @@ struct BlendPhotosCase {
     BlendMode mix{BLEND_BANDS, 2, {8, 4, 2}};
     float pixel_rad = 0.001f;
     float feather_px = 8, tolerance_m = 0.02f, face_tolerance_m = 0.001f;
-    float least_facing = 0.1f;
+    float least_facing = 0.1f, least_facing_sample = 0.2f;
     int vector_width = 0;  // 0 = the device's
     std::size_t count() const { return std::size_t{cols} * rows; }
     std::size_t planes() const { return stages::blend_planes(mix); }
@@ -88,6 +88,7 @@ struct BlendPhotosCase {
       params.face_tolerance_m = input.face_tolerance_m;
       params.root = bvh.root;
       params.least_facing = input.least_facing;
+      params.least_facing_sample = input.least_facing_sample;
       queue.launch(kName, queue.kernel(kName, {{"VW", width}}),
                    stages::packet_grid(width, input.cols, input.rows), params, bvh.nodes, bvh.triangles,
                    bvh.spheres, surface, pixels, low, linear, sums, seen, best);

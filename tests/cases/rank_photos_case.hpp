@@ -45,6 +45,7 @@ struct RankPhotosCase {
       params.face_tolerance_m = blend.face_tolerance_m;
       params.root = bvh.root;
       params.least_facing = blend.least_facing;
+      params.least_facing_sample = blend.least_facing_sample;
       params.resolution_cost = input.resolution_cost;
       params.field_of_view_cost = input.field_of_view_cost;
       queue.launch(kName, queue.kernel(kName, {{"VW", width}}),

@@ -63,7 +63,8 @@ std::optional<PhotoSight> photo_sight(const BlendPhotosCase::Input& input, std::
   sight.angle = std::atan2(to_eye.cross(-direction).norm(), to_eye.dot(-direction));
   const double border = border_distance(camera, *pixel);
   sight.feather = input.feather_px > 0 ? std::clamp(border / input.feather_px, 1e-6, 1.0) : 1;
-  if (sight.facing <= input.least_facing) return {};
+  const bool is_sample = radius > double{SURFACE_POLYGON_RADIUS};
+  if (sight.facing <= (is_sample ? input.least_facing_sample : input.least_facing)) return {};
   // A position is the photograph's when no pixel with a share in it is masked.
   const BlendPhotosCase::Photo& photo_input = input.photos[photo];
   if (photo_input.masked) {

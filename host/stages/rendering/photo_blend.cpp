@@ -85,6 +85,7 @@ void PhotoBlend::add(std::size_t index, const PhotographStore::Entry& photograph
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.occluder_root;
   params.least_facing = least_facing(options_);
+  params.least_facing_sample = least_facing_sample(options_);
   launch("blend_photos", tile, params, occluders.nodes, occluders.triangles, occluders.spheres, tile.surface,
          photograph.pixels, photograph.low, light, sums_, seen_, best_);
 }
@@ -104,6 +105,7 @@ void PhotoBlend::rank(PhotographStore& store, std::size_t index, const DeviceBvh
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.occluder_root;
   params.least_facing = least_facing(options_);
+  params.least_facing_sample = least_facing_sample(options_);
   params.resolution_cost = static_cast<float>(options_.ulr_resolution);
   params.field_of_view_cost = static_cast<float>(options_.ulr_field_of_view);
   // Only a mask makes the pixels matter here.

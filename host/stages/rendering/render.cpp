@@ -311,6 +311,15 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        60,
        "a photograph that meets a surface at no more than this angle does not see it",
        {}},
+      {"grazing_sample_deg",
+       "deg",
+       &O::grazing_sample_deg,
+       0,
+       60,
+       "the same of samples, where it is more: their normals are estimates, and what looks along a column "
+       "sees "
+       "past it",
+       {}},
       {"unseen_m",
        "m",
        &O::unseen_m,
@@ -364,6 +373,11 @@ void set_sigma(RenderOptions& options, const OptionValue& value) {
 
 float least_facing(const RenderOptions& options) {
   return static_cast<float>(std::sin(options.grazing_deg * M_PI / 180));
+}
+
+float least_facing_sample(const RenderOptions& options) {
+  const double degrees = std::max(options.grazing_deg, options.grazing_sample_deg);
+  return static_cast<float>(std::sin(degrees * M_PI / 180));
 }
 
 RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o)

@@ -35,12 +35,13 @@ struct RenderOptions {
   double surface_tolerance_m = 0.02;  // within this of a proxy face the sample wins; between samples and
                                       // faces, and between samples, shadow rays ignore hits this near (times
                                       // up to 5 at grazing angles); faces shadow each other exactly
-  double grazing_deg = 2;  // a photograph that meets a surface at no more than this does not see it
-  double unseen_m = 0.1;   // so far behind its outline what is scanned hides what photographs and textured
-                           // views see, where no scan has seen the place empty (curtains.hpp); 0: all that is
-                           // unseen is empty
-  bool equalise = true;    // gains per photograph and channel that make the photographs' overlaps agree; a
-                           // view comes at the exposure of those it shows, all else at one of them all
+  double grazing_deg = 2;         // a photograph that meets a surface at no more than this does not see it
+  double grazing_sample_deg = 6;  // the same of samples, whose normals are estimates, where it is more
+  double unseen_m = 0.1;  // so far behind its outline what is scanned hides what photographs and textured
+                          // views see, where no scan has seen the place empty (curtains.hpp); 0: all that is
+                          // unseen is empty
+  bool equalise = true;   // gains per photograph and channel that make the photographs' overlaps agree; a
+                          // view comes at the exposure of those it shows, all else at one of them all
   std::string tone = "auto";  // "linear": what is lighter than white is cut off; "shoulder": it is brought
                               // back (geometry/shoulder.hpp); "auto": the latter, but for views, whose own
                               // exposure is the photographs'
@@ -54,6 +55,8 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table();
 void set_sigma(RenderOptions& options, const OptionValue& value);
 // The cosine between sight and normal that goes with grazing_deg.
 float least_facing(const RenderOptions& options);
+// The same of samples: of the larger of grazing_deg and grazing_sample_deg.
+float least_facing_sample(const RenderOptions& options);
 
 // A retained sample as a tiny sphere (paper 2.4), world frame.
 struct Splat {

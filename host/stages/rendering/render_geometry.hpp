@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kContourId = 0x20000000u;
 
 // What ray_cast reports as the radius of a contour polygon: too small for any distance, but not the 0 of a
 // proxy face. Two scans' contours of one surface lie within their noise, so they must not shadow each other.
-inline constexpr float kContourRadius_m = 1e-6f;
+inline constexpr float kContourRadius_m = SURFACE_POLYGON_RADIUS;
 
 // Bounding box of faces, contours and splats; empty for an empty scene. Its centre is the local origin on the
 // device.

@@ -38,7 +38,7 @@ void add_seen(RenderState& s, const CameraRecord& camera, int index,
   params.tolerance_m = static_cast<float>(s.options.surface_tolerance_m);
   params.face_tolerance_m = kFaceTolerance_m;
   params.root = occluders.occluder_root;
-  params.least_facing = least_facing(s.options);
+  params.least_facing = params.least_facing_sample = least_facing(s.options);
   const int width = s.queue.vector_width();
   s.queue.launch("rank_photos", s.queue.kernel("rank_photos", {{"VW", width}}), packet_grid(width, count, 1),
                  params, occluders.nodes, occluders.triangles, occluders.spheres, surface, pixels,

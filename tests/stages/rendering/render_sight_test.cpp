@@ -44,6 +44,30 @@ TEST(RenderSight, a_photograph_that_only_grazes_a_surface_does_not_see_it) {
   }
 }
 
+TEST(RenderSight, of_samples_a_photograph_sees_nothing_at_angles_at_which_it_sees_faces) {
+  RenderScene scene;
+  scene.splats = {{{0, 0, 0}, 0.3f, {0, -1, 0}, 0}};
+  for (const double degrees : {4.0, 8.0, 40.0}) {
+    const double angle = degrees * M_PI / 180;
+    Photograph photograph =
+        look_at(20 * Vec3(std::cos(angle), -std::sin(angle), 0), {0, 0, 0}, Vec3::UnitZ(), 60, 64, 48);
+    photograph.name = std::to_string(degrees);
+    scene.photographs.push_back(photograph);
+    scene.photograph_pixels.emplace_back(64, 48, 3, std::uint8_t{128});
+  }
+  for (const auto& [least_deg, sample_deg, seen] :
+       {std::tuple{2.0, 0.0, 3u}, {2.0, 6.0, 2u}, {2.0, 10.0, 1u}, {10.0, 6.0, 1u}}) {
+    RenderOptions options;
+    options.grazing_deg = least_deg;
+    options.grazing_sample_deg = sample_deg;
+    for (const char* weights : {"angle", "ulr"}) {  // kernels of their own
+      options.weights = weights;
+      const auto image = render(scene, view({0, -3, 0}, {0, 0, 0}, 9, 9), options);
+      EXPECT_EQ(image.coverage[40], seen) << least_deg << " " << sample_deg << weights;
+    }
+  }
+}
+
 TEST(RenderSight, camera_markers_hide_little_of_what_a_view_shows) {
   RenderScene scene = RoomScene::make(0, 64, 48).scene;
   scene.photographs = {look_at({3, 1.2, 1.5}, {3, 5, 1.5}, Vec3::UnitZ(), 65, 64, 48)};
