@@ -17,7 +17,6 @@ constexpr double kStep_m = 0.02;     // between depths that are tried
 constexpr double kDeepest_m = 1.0;   // farther behind a wall than its glass is
 constexpr double kRaysPerCell = 16;  // of the cells in which returns and passing beams are to be side by side
 constexpr double kMixedShare = 0.5;  // of the cells in which beams pass
-constexpr double kLeastPassing = 0.25;  // of the cells in which they pass the face: where they pass the pane
 constexpr double kSamePane_m = 0.10;    // apart, of one pane seen from both sides of its wall
 constexpr double kLeastApart_m = 0.01;  // from there on its two sides are faces of their own
 
@@ -86,15 +85,11 @@ std::optional<double> pane_depth(const std::vector<PassedRay>& rays, double area
   const double cell_m = std::sqrt(kRaysPerCell * area_m2 / static_cast<double>(rays.size()));
   double depth_m = 0;
   Mixture best;
-  int most_passing = 0;
   for (int step = 1; step * kStep_m <= kDeepest_m; ++step) {
     const Mixture mixture = mixture_at(rays, cell_m, step * kStep_m);
-    most_passing = std::max(most_passing, mixture.passing);
-    if (mixture.both > best.both && mixture.both >= kMixedShare * mixture.passing &&
-        mixture.passing >= kLeastPassing * most_passing)
-      best = mixture, depth_m = step * kStep_m;
+    if (mixture.both > best.both) best = mixture, depth_m = step * kStep_m;
   }
-  if (best.both == 0) return std::nullopt;
+  if (best.both == 0 || best.both < kMixedShare * best.passing) return std::nullopt;
   return median_near(rays, depth_m);
 }
 

@@ -18,9 +18,8 @@ struct PassedRay {
 };
 
 // How far behind the face a pane of glass closes an opening of `area_m2`: a plane across it from which some
-// beams return while others beside them go through, on at least half of where any goes through; of several
-// (tracery before glass) the one that does so on most of the opening. Nothing where beams return in one part
-// and pass in another: a door ajar.
+// beams return while others beside them go through, on most of the opening. Nothing where beams return in one
+// part and pass in another: a door ajar.
 std::optional<double> pane_depth(const std::vector<PassedRay>& rays, double area_m2);
 
 // Puts the panes of openings that were cut into the model, as faces of the opening's outline named

@@ -60,23 +60,6 @@ TEST(Panes, a_door_ajar_and_an_open_window_have_none) {
   EXPECT_FALSE(stages::pane_depth({}, 2).has_value());
 }
 
-TEST(Panes, what_closes_a_part_of_the_opening_before_its_glass_does_not_hide_it) {
-  std::vector<PassedRay> rays;  // 10 x 5 cells of 16 beams
-  for (int row = 0; row < 40; ++row)
-    for (int col = 0; col < 20; ++col) {
-      const bool every_third = (row * 20 + col) % 3 == 0;
-      double depth_m = 4.0;
-      if (row < 16)  // two fifths: a grille before a board
-        depth_m = every_third ? 0.1 : 0.2;
-      else if (row < 32 && every_third)
-        depth_m = 0.3;
-      rays.push_back({{0.05 * col, 0.05 * row}, depth_m});
-    }
-  const auto pane = stages::pane_depth(rays, 2);
-  ASSERT_TRUE(pane.has_value());
-  EXPECT_NEAR(*pane, 0.3, 1e-9);
-}
-
 TEST(Panes, glass_that_is_thicker_than_a_centimetre_has_a_face_on_either_side) {
   PolygonModel model = two_sided_wall();
   Openings openings;
