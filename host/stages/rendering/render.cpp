@@ -316,9 +316,7 @@ const std::vector<OptionRow<RenderOptions>>& render_option_table() {
        &O::grazing_sample_deg,
        0,
        60,
-       "the same of samples, where it is more: their normals are estimates, and what looks along a column "
-       "sees "
-       "past it",
+       "the same of samples, where it is more: their normals are estimates",
        {}},
       {"unseen_m",
        "m",

@@ -16,13 +16,9 @@ using stages::RenderOptions;
 using stages::RenderScene;
 using stages::ViewRequest;
 
-}  // namespace
-
-TEST(RenderSight, a_photograph_that_only_grazes_a_surface_does_not_see_it) {
-  RenderScene scene;
-  scene.proxy.vertices = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}};
-  scene.proxy.faces = {{"wall", {0, 1, 2, 3}, {}}};
-  for (const double degrees : {3.0, 8.0}) {
+// That meet the plane y = 0 in the origin at these angles.
+void add_photographs(std::initializer_list<double> angles_deg, RenderScene& scene) {
+  for (const double degrees : angles_deg) {
     const double angle = degrees * M_PI / 180;
     Photograph photograph =
         look_at(20 * Vec3(std::cos(angle), -std::sin(angle), 0), {0, 0, 0}, Vec3::UnitZ(), 60, 64, 48);
@@ -30,6 +26,15 @@ TEST(RenderSight, a_photograph_that_only_grazes_a_surface_does_not_see_it) {
     scene.photographs.push_back(photograph);
     scene.photograph_pixels.emplace_back(64, 48, 3, std::uint8_t{128});
   }
+}
+
+}  // namespace
+
+TEST(RenderSight, a_photograph_that_only_grazes_a_surface_does_not_see_it) {
+  RenderScene scene;
+  scene.proxy.vertices = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}};
+  scene.proxy.faces = {{"wall", {0, 1, 2, 3}, {}}};
+  add_photographs({3, 8}, scene);
   for (const auto& [least_deg, seen] : {std::pair{0.0, 2u}, {5.0, 1u}, {10.0, 0u}}) {
     RenderOptions options;
     options.grazing_deg = least_deg;
@@ -47,14 +52,7 @@ TEST(RenderSight, a_photograph_that_only_grazes_a_surface_does_not_see_it) {
 TEST(RenderSight, of_samples_a_photograph_sees_nothing_at_angles_at_which_it_sees_faces) {
   RenderScene scene;
   scene.splats = {{{0, 0, 0}, 0.3f, {0, -1, 0}, 0}};
-  for (const double degrees : {4.0, 8.0, 40.0}) {
-    const double angle = degrees * M_PI / 180;
-    Photograph photograph =
-        look_at(20 * Vec3(std::cos(angle), -std::sin(angle), 0), {0, 0, 0}, Vec3::UnitZ(), 60, 64, 48);
-    photograph.name = std::to_string(degrees);
-    scene.photographs.push_back(photograph);
-    scene.photograph_pixels.emplace_back(64, 48, 3, std::uint8_t{128});
-  }
+  add_photographs({4, 8, 40}, scene);
   for (const auto& [least_deg, sample_deg, seen] :
        {std::tuple{2.0, 0.0, 3u}, {2.0, 6.0, 2u}, {2.0, 10.0, 1u}, {10.0, 6.0, 1u}}) {
     RenderOptions options;
