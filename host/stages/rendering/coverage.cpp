@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <tuple>
 
+#include "core/parallel.hpp"
 #include "geometry/face_frame.hpp"
 #include "stages/rendering/free_space.hpp"
 
@@ -16,6 +18,7 @@ namespace {
 constexpr double kClearance_m = 0.3;  // around a suggested camera
 
 constexpr double kMostTexels = 1e6, kFinest_m = 0.02;
+constexpr std::size_t kTexelsAtATime = 1 << 18;
 constexpr std::size_t kMostTargets = 8192;  // unseen texels that candidates are asked of
 constexpr std::size_t kMostPlaces = 48;     // groups of unseen texels that candidates stand before
 constexpr double kSlantedCosine = 0.26;     // 75 degrees
@@ -32,22 +35,76 @@ struct Texel {
   double area_m2;
 };
 
-std::vector<Texel> sample_faces(const PolygonModel& model, double texel_m) {
-  std::vector<Texel> texels;
-  for (std::size_t f = 0; f < model.faces.size(); ++f) {
-    const FaceFrame frame = face_frame(model, model.faces[f]);
-    const auto rings = flat_rings(frame, model, model.faces[f]);
-    const std::size_t first = texels.size();
-    for (double v = texel_m / 2; v < frame.size.y(); v += texel_m)
-      for (double u = texel_m / 2; u < frame.size.x(); u += texel_m)
-        if (on_face(rings, {u, v})) texels.push_back({{frame.world({u, v}), frame.plane.normal}, f, 0});
-    if (texels.size() == first)  // smaller than a texel
-      texels.push_back({{frame.world(0.5 * frame.size), frame.plane.normal}, f, 0});
-    const double area = face_area_m2(model, model.faces[f]) / static_cast<double>(texels.size() - first);
-    for (std::size_t i = first; i < texels.size(); ++i) texels[i].area_m2 = area;
+// The faces' fronts in a grid, face by face, row by row.
+class FaceTexels {
+ public:
+  FaceTexels(const PolygonModel& model, double texel_m) : texel_m_(texel_m) {
+    std::vector<Row> rows;
+    for (std::size_t f = 0; f < model.faces.size(); ++f) {
+      frames_.push_back(face_frame(model, model.faces[f]));
+      rings_.push_back(flat_rings(frames_[f], model, model.faces[f]));
+      for (std::size_t k = 0; k < along(frames_[f].size.y()); ++k) rows.push_back({f, middle(k), {}});
+    }
+    parallel_for(rows.size(), [&](std::size_t r) {
+      Row& row = rows[r];
+      for (std::size_t k = 0; k < along(frames_[row.face].size.x()); ++k)
+        if (on_face(rings_[row.face], {middle(k), row.v})) row.u.push_back(middle(k));
+    });
+    for (std::size_t f = 0, r = 0; f < model.faces.size(); ++f) {
+      const std::size_t before = count();
+      for (; r < rows.size() && rows[r].face == f; ++r) add(std::move(rows[r]));
+      if (count() == before)  // smaller than a texel
+        add({f, 0.5 * frames_[f].size.y(), {0.5 * frames_[f].size.x()}});
+      area_m2_.push_back(face_area_m2(model, model.faces[f]) / static_cast<double>(count() - before));
+    }
   }
-  return texels;
-}
+
+  std::size_t rows() const { return rows_.size(); }
+  std::size_t count_in(std::size_t row) const { return rows_[row].u.size(); }
+  std::size_t face(std::size_t row) const { return rows_[row].face; }
+  double area_m2(std::size_t face) const { return area_m2_[face]; }  // of one of its texels
+
+  struct Index {
+    std::uint32_t row, place;  // in it
+  };
+  Texel at(const Index& i) const { return {point(i.row, i.place), face(i.row), area_m2_[face(i.row)]}; }
+  std::vector<SurfacePoint> points(std::size_t first_row, std::size_t last_row) const {
+    std::vector<SurfacePoint> points(first_[last_row] - first_[first_row]);
+    parallel_for(last_row - first_row, [&](std::size_t k) {
+      const std::size_t row = first_row + k;
+      for (std::size_t i = 0; i < rows_[row].u.size(); ++i)
+        points[first_[row] - first_[first_row] + i] = point(row, i);
+    });
+    return points;
+  }
+
+ private:
+  struct Row {
+    std::size_t face;
+    double v;
+    std::vector<double> u;  // on the face
+  };
+  std::size_t count() const { return first_.back(); }
+  std::size_t along(double length_m) const {  // texels whose middles lie on it
+    return static_cast<std::size_t>(std::max(0.0, std::ceil(length_m / texel_m_ - 0.5)));
+  }
+  double middle(std::size_t k) const { return (static_cast<double>(k) + 0.5) * texel_m_; }
+  void add(Row row) {
+    first_.push_back(count() + row.u.size());
+    rows_.push_back(std::move(row));
+  }
+  SurfacePoint point(std::size_t row, std::size_t i) const {
+    const FaceFrame& frame = frames_[face(row)];
+    return {frame.world({rows_[row].u[i], rows_[row].v}), frame.plane.normal};
+  }
+
+  double texel_m_;
+  std::vector<FaceFrame> frames_;
+  std::vector<std::vector<Ring2>> rings_;
+  std::vector<double> area_m2_;
+  std::vector<Row> rows_;
+  std::vector<std::size_t> first_ = {0};
+};
 
 std::vector<SurfacePoint> points_of(const std::vector<Texel>& texels) {
   std::vector<SurfacePoint> points;
@@ -55,14 +112,14 @@ std::vector<SurfacePoint> points_of(const std::vector<Texel>& texels) {
   return points;
 }
 
-// At most kMostTargets of them, evenly, each standing for the area of those left out.
-std::vector<Texel> thinned(const std::vector<Texel>& unseen) {
+// At most kMostTargets of these, evenly, each standing for the area of those left out.
+std::vector<Texel> thinned(const FaceTexels& texels, const std::vector<FaceTexels::Index>& unseen) {
   const std::size_t step = (unseen.size() + kMostTargets - 1) / kMostTargets;
   std::vector<Texel> targets;
   for (std::size_t i = 0; i < unseen.size(); i += std::max<std::size_t>(1, step)) {
-    targets.push_back(unseen[i]);
+    targets.push_back(texels.at(unseen[i]));
     for (std::size_t k = i + 1; k < std::min(unseen.size(), i + step); ++k)
-      targets.back().area_m2 += unseen[k].area_m2;
+      targets.back().area_m2 += texels.area_m2(texels.face(unseen[k].row));
   }
   return targets;
 }
@@ -273,11 +330,10 @@ std::vector<std::pair<std::size_t, double>> choose(const std::vector<std::size_t
   return chosen;
 }
 
-void suggest_cameras(Renderer& renderer, const RenderScene& scene, const std::vector<Texel>& unseen,
+void suggest_cameras(Renderer& renderer, const RenderScene& scene, const std::vector<Texel>& targets,
                      const CoverageOptions& options, Coverage& coverage) {
   const Photograph& like = typical_photograph(scene.photographs);
   coverage.next_camera = like.name;
-  const auto targets = thinned(unseen);
   Eigen::AlignedBox3d box;
   for (const Vec3& vertex : scene.proxy.vertices) box.extend(vertex);
   const double cell_m = std::max(0.5, box.diagonal().norm() / 16);
@@ -321,24 +377,27 @@ Coverage measure_coverage(Renderer& renderer, const RenderScene& scene, const Co
   coverage.texel_m = options.coverage_texel_m > 0
                          ? std::max(options.coverage_texel_m, std::sqrt(area / (16 * kMostTexels)))
                          : std::max(kFinest_m, std::sqrt(area / kMostTexels));
-  const auto texels = sample_faces(scene.proxy, coverage.texel_m);
-  const auto seen = renderer.count_seen(points_of(texels));
-  coverage.faces.resize(scene.proxy.faces.size());
-  std::vector<Texel> unseen;
-  for (std::size_t i = 0; i < texels.size(); ++i) {
-    FaceCoverage& face = coverage.faces[texels[i].face];
-    face.face = texels[i].face;
-    face.area_m2 += texels[i].area_m2;
-    if (seen[i] > 0) continue;
-    face.unseen_m2 += texels[i].area_m2;
-    unseen.push_back(texels[i]);
+  const FaceTexels texels(scene.proxy, coverage.texel_m);
+  for (std::size_t f = 0; f < scene.proxy.faces.size(); ++f)
+    coverage.faces.push_back({f, face_area_m2(scene.proxy, scene.proxy.faces[f]), 0});
+  std::vector<FaceTexels::Index> unseen;
+  for (std::size_t row = 0, from = 0; row < texels.rows(); from = row) {
+    for (std::size_t count = 0; row < texels.rows() && count < kTexelsAtATime; ++row)
+      count += texels.count_in(row);
+    const auto seen = renderer.count_seen(texels.points(from, row));
+    for (std::size_t r = from, i = 0; r < row; ++r)
+      for (std::uint32_t place = 0; place < texels.count_in(r); ++place, ++i) {
+        if (seen[i] > 0) continue;
+        coverage.faces[texels.face(r)].unseen_m2 += texels.area_m2(texels.face(r));
+        unseen.push_back({static_cast<std::uint32_t>(r), place});
+      }
   }
   for (const FaceCoverage& face : coverage.faces) {
     coverage.area_m2 += face.area_m2;
     coverage.unseen_m2 += face.unseen_m2;
   }
   if (options.next_cameras > 0 && !unseen.empty() && !scene.photographs.empty())
-    suggest_cameras(renderer, scene, unseen, options, coverage);
+    suggest_cameras(renderer, scene, thinned(texels, unseen), options, coverage);
   return coverage;
 }
 

@@ -2,6 +2,7 @@
 // (kernels/rank_photos.cl) on points that no view hits.
 #include <algorithm>
 
+#include "core/parallel.hpp"
 #include "shared/params_rank_photos.h"
 #include "stages/rendering/photo_blend.hpp"
 #include "stages/rendering/render_state.hpp"
@@ -14,12 +15,16 @@ device::Array<float> upload(device::Queue& queue, const std::vector<SurfacePoint
                             const Vec3& origin) {
   const std::size_t count = points.size();
   std::vector<float> planes(SURFACE_PLANES * count, 0.0f);
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto axis = static_cast<int>(k);
-      planes[(SURFACE_X + k) * count + i] = static_cast<float>(points[i].position[axis] - origin[axis]);
-      planes[(SURFACE_NORMAL_X + k) * count + i] = static_cast<float>(points[i].normal[axis]);
-    }
+  parallel_for(
+      count,
+      [&](std::size_t i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const auto axis = static_cast<int>(k);
+          planes[(SURFACE_X + k) * count + i] = static_cast<float>(points[i].position[axis] - origin[axis]);
+          planes[(SURFACE_NORMAL_X + k) * count + i] = static_cast<float>(points[i].normal[axis]);
+        }
+      },
+      1 << 13);
   return queue.array(planes);
 }
 
@@ -72,12 +77,15 @@ std::vector<std::vector<std::uint32_t>> Renderer::seen_from(const std::vector<Ph
   RenderState& s = *state_;
   const auto surface = upload(s.queue, points, s.origin);
   const auto no_pixels = s.queue.array<std::uint8_t>(0);
+  // Counted on from camera to camera, which spares an array each.
+  auto seen = zeros(s.queue, points.size());
+  std::vector<std::uint32_t> before(points.size(), 0), now(points.size());
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    auto seen = zeros(s.queue, points.size());
     add_seen(s, camera_record(cameras[c], s.origin), 0, no_pixels, surface, points.size(), seen);
-    const auto flags = s.queue.read(seen);
-    for (std::uint32_t i = 0; i < flags.size(); ++i)
-      if (flags[i]) lists[c].push_back(i);
+    s.queue.read(seen, std::span<std::uint32_t>(now));
+    for (std::uint32_t i = 0; i < now.size(); ++i)
+      if (now[i] > before[i]) lists[c].push_back(i);
+    before.swap(now);
   }
   return lists;
 }

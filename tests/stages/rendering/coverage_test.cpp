@@ -60,4 +60,29 @@ TEST(Coverage, next_cameras_stand_where_a_person_reaches_and_spread_over_what_is
     EXPECT_LE(camera.position.z(), 1.5 + 1e-6);
 }
 
+// Of a fine grid, of which not all is asked at once, as of a coarse one.
+TEST(Coverage, areas_are_the_same_for_any_texel) {
+  const auto scene = house();
+  stages::RenderOptions render;
+  render.equalise = false;
+  stages::Renderer renderer(queue(), scene, render);
+  stages::CoverageOptions options;
+  options.next_cameras = 0;
+  options.coverage_texel_m = 0.1;
+  const auto fine = stages::measure_coverage(renderer, scene, options);
+  options.coverage_texel_m = 0.25;
+  const auto coarse = stages::measure_coverage(renderer, scene, options);
+  EXPECT_GT(fine.area_m2, (1 << 18) * 0.1 * 0.1);  // more texels than are asked at a time
+  ASSERT_EQ(fine.faces.size(), scene.proxy.faces.size());
+  double area_m2 = 0, unseen_m2 = 0;
+  for (std::size_t f = 0; f < fine.faces.size(); ++f) {
+    EXPECT_EQ(fine.faces[f].area_m2, face_area_m2(scene.proxy, scene.proxy.faces[f]));
+    EXPECT_NEAR(fine.faces[f].unseen_m2, coarse.faces[f].unseen_m2, 0.02 * fine.faces[f].area_m2 + 0.3) << f;
+    area_m2 += fine.faces[f].area_m2, unseen_m2 += fine.faces[f].unseen_m2;
+  }
+  EXPECT_DOUBLE_EQ(fine.area_m2, area_m2);
+  EXPECT_DOUBLE_EQ(fine.unseen_m2, unseen_m2);
+  EXPECT_LT(fine.unseen_m2, fine.area_m2 - 5);  // the wall before the photograph
+}
+
 }  // namespace hybrid::testing
