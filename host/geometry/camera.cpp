@@ -1,6 +1,7 @@
 #include "geometry/camera.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -91,6 +92,20 @@ double fisheye_angle(const Camera& c, double radius, double largest) {
 
 constexpr double kRightAngle = std::numbers::pi / 2;
 
+// Camera::max_radius2() of one with distortion.
+double growth_radius2(const Camera& c) {
+  if (c.lens == Lens::fisheye) {
+    const double angle = std::sqrt(first_sign_change({1, 3 * c.k1, 5 * c.k2, 7 * c.k3, 9 * c.k4}));
+    return angle < kRightAngle ? std::tan(angle) * std::tan(angle) : std::numeric_limits<double>::infinity();
+  }
+  // The numerator of d/dr of r N(s) / D(s), s = r^2: (N + 2 s N') D - 2 s N D'; and the poles of D.
+  const double n[4] = {1, c.k1, c.k2, c.k3}, d[4] = {1, c.k4, c.k5, c.k6};
+  Polynomial slope(7, 0.0);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) slope[static_cast<std::size_t>(i + j)] += (1 + 2 * i - 2 * j) * n[i] * d[j];
+  return std::min(first_sign_change(slope), first_sign_change({d[0], d[1], d[2], d[3]}));
+}
+
 // A panorama's pixel before it is held against the image's borders; NaN on the camera's centre, and on the
 // axis of a cylinder.
 Vec2 panorama_pixel(const Camera& c, const Vec3& p) {
@@ -129,20 +144,18 @@ bool Camera::reaches_nadir() const {
 }
 
 double Camera::max_radius2() const {
-  const double infinite = std::numeric_limits<double>::infinity();
-  if (k1 == 0 && k2 == 0 && k3 == 0 && k4 == 0 && k5 == 0 && k6 == 0) return infinite;
-  if (lens == Lens::fisheye) {
-    const double angle = std::sqrt(first_sign_change({1, 3 * k1, 5 * k2, 7 * k3, 9 * k4}));
-    return angle < kRightAngle ? std::tan(angle) * std::tan(angle) : infinite;
-  }
-  // The numerator of d/dr of r N(s) / D(s), s = r^2: (N + 2 s N') D - 2 s N D'; and the poles of D.
-  const double n[4] = {1, k1, k2, k3}, d[4] = {1, k4, k5, k6};
-  Polynomial slope(7, 0.0);
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) slope[static_cast<std::size_t>(i + j)] += (1 + 2 * i - 2 * j) * n[i] * d[j];
-  return std::min(first_sign_change(slope), first_sign_change({d[0], d[1], d[2], d[3]}));
+  const std::array<double, 6> radial = {k1, k2, k3, k4, k5, k6};
+  if (radial == std::array<double, 6>{}) return std::numeric_limits<double>::infinity();
+  // Pixel after pixel asks for the same lens: a thread keeps its last answer.
+  struct Answer {
+    Lens lens = Lens::brown;
+    std::array<double, 6> radial{};
+    double radius2 = 0;
+  };
+  thread_local Answer last;
+  if (last.lens != lens || last.radial != radial) last = {lens, radial, growth_radius2(*this)};
+  return last.radius2;
 }
-
 std::optional<Vec2> Camera::project(const Vec3& point_in_cam) const {
   Vec2 pixel;
   if (panorama()) {
