@@ -49,20 +49,38 @@ TilePixels read_tile(device::Queue& queue, const SurfaceTile& tile) {
   return pixels;
 }
 
-std::array<double, 3> plain_srgb(std::uint32_t id, const RenderScene& scene) {
-  if (id & kSplatId) return pastel_srgb(scene.splats[id & ~kSplatId].scan);
-  if (id & kMarkerId) return {1.0, 0.55, 0.1};
-  if (id & kContourId) return pastel_srgb(scene.contour_scan[id & ~kContourId]);
-  return {0.85, 0.85, 0.85};
+// Linear light of pastel_srgb: of most scans from a table, as every pixel asks.
+std::array<double, 3> pastel_light(std::uint32_t scan) {
+  const auto light = [](std::uint32_t index) {
+    std::array<double, 3> rgb = pastel_srgb(index);
+    for (double& value : rgb) value = linear_from_srgb(value);
+    return rgb;
+  };
+  static const auto table = [&] {
+    std::array<std::array<double, 3>, 256> first{};
+    for (std::uint32_t index = 0; index < first.size(); ++index) first[index] = light(index);
+    return first;
+  }();
+  return scan < table.size() ? table[scan] : light(scan);
+}
+
+std::array<double, 3> plain_light(std::uint32_t id, const RenderScene& scene) {
+  if (id & kSplatId) return pastel_light(scene.splats[id & ~kSplatId].scan);
+  if (id & kContourId) return pastel_light(scene.contour_scan[id & ~kContourId]);
+  static const std::array<double, 3> marker = {linear_from_srgb(1), linear_from_srgb(0.55),
+                                               linear_from_srgb(0.1)},
+                                     face = {linear_from_srgb(0.85), linear_from_srgb(0.85),
+                                             linear_from_srgb(0.85)};
+  return id & kMarkerId ? marker : face;
 }
 
 // Lit by a headlight, so that shape shows without any light in the scene.
 void shade_plain(TilePixels& pixels, std::size_t i, const Vec3f& eye, const RenderScene& scene) {
   const Vec3f to_eye = (eye - pixels.plane_vector(SURFACE_X, i)).normalized();
   const double facing = std::abs(pixels.plane_vector(SURFACE_NORMAL_X, i).dot(to_eye));
-  const std::array<double, 3> srgb = plain_srgb(pixels.id[i], scene);
+  const std::array<double, 3> light = plain_light(pixels.id[i], scene);
   for (std::size_t k = 0; k < 3; ++k)
-    pixels.colour[3 * i + k] = static_cast<float>(linear_from_srgb(srgb[k]) * (0.2 + 0.8 * facing));
+    pixels.colour[3 * i + k] = static_cast<float>(light[k] * (0.2 + 0.8 * facing));
 }
 
 // Markers hide what lies behind them.
