@@ -1,9 +1,14 @@
 #include "batch/kept_photographs.hpp"
 
+#include <exception>
+
+#include "core/parallel.hpp"
 #include "io/picture.hpp"
 
 namespace hybrid::batch {
 namespace {
+
+constexpr std::uint64_t kSideBySide_bytes = std::uint64_t{512} << 20;  // decoded, beside what is kept
 
 Image8 without_pixels(const Image8& image) {
   Image8 size;
@@ -17,14 +22,41 @@ std::span<const char> bytes_of(const Image8& image) {
   return {reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size()};
 }
 
+std::uint64_t decoded_bytes(const KeptPhotographs::File& file) {
+  return 3 * static_cast<std::uint64_t>(file.width) * static_cast<std::uint64_t>(file.height);
+}
+
 }  // namespace
 
 KeptPhotographs::KeptPhotographs(std::size_t budget_bytes, std::uint64_t all_bytes)
     : budget_bytes_(budget_bytes),
       scratch_(all_bytes > budget_bytes ? ScratchFile::make(all_bytes) : nullptr) {}
 
-void KeptPhotographs::add(const std::filesystem::path& file, int width, int height) {
-  auto image = std::make_shared<Image8>(io::read_photograph(file, width, height));
+void KeptPhotographs::add(const std::vector<File>& files) {
+  for (std::size_t first = 0, last = 0; first < files.size(); first = last) {
+    for (std::uint64_t bytes = 0; last < files.size(); ++last) {
+      bytes += decoded_bytes(files[last]);
+      if (last > first && bytes > kSideBySide_bytes) break;
+    }
+    std::vector<Image8> images(last - first);
+    std::vector<std::exception_ptr> errors(last - first);
+    parallel_for(last - first, [&](std::size_t i) {
+      const File& file = files[first + i];
+      try {
+        images[i] = io::read_photograph(file.path, file.width, file.height);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+    });
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      if (errors[i]) std::rethrow_exception(errors[i]);
+      keep(files[first + i].path, std::move(images[i]));
+    }
+  }
+}
+
+void KeptPhotographs::keep(const std::filesystem::path& file, Image8 pixels) {
+  auto image = std::make_shared<Image8>(std::move(pixels));
   Kept kept{file, without_pixels(*image), {}, {}};
   if (kept_bytes_ + image->pixels.size() <= budget_bytes_) {
     kept_bytes_ += image->pixels.size();

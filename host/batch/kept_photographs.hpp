@@ -19,8 +19,12 @@ class KeptPhotographs {
  public:
   // `all_bytes`: what all of them will take, decoded.
   explicit KeptPhotographs(std::size_t budget_bytes = std::size_t{1} << 30, std::uint64_t all_bytes = 0);
-  // Throws as io::read_photograph does.
-  void add(const std::filesystem::path& file, int width, int height);
+  struct File {
+    std::filesystem::path path;
+    int width, height;  // as the camera model says
+  };
+  // Side by side where memory allows. Throws as io::read_photograph does, for the first of them that fails.
+  void add(const std::vector<File>& files);
   // Pixels that no file gives again stay, whatever the budget.
   void add(Image8 image);
 
@@ -36,6 +40,8 @@ class KeptPhotographs {
     std::shared_ptr<const Image8> pixels;  // null: elsewhere
     std::optional<std::uint64_t> on_disk;  // where in the scratch file; none: decoded when asked for
   };
+  void keep(const std::filesystem::path& file, Image8 image);
+
   std::size_t budget_bytes_, kept_bytes_ = 0;
   std::unique_ptr<ScratchFile> scratch_;
   std::uint64_t scratch_bytes_ = 0;

@@ -172,11 +172,13 @@ PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool s
   set.pixels = std::make_shared<KeptPhotographs>(decoded_bytes, all_bytes);
   const Pose world_from_photographs =
       section.world_from_photographs ? pose_from_row_major(*section.world_from_photographs) : Pose();
+  std::vector<KeptPhotographs::File> files;
   for (std::size_t i = 0; i < set.cameras.size(); ++i) {
     Photograph& photograph = set.cameras[i];
     photograph.cam_from_world = camera_in_world(photograph.cam_from_world, world_from_photographs);
-    set.pixels->add(set.files[i], photograph.camera.width, photograph.camera.height);
+    files.push_back({set.files[i], photograph.camera.width, photograph.camera.height});
   }
+  set.pixels->add(files);
   return set;
 }
 
