@@ -120,6 +120,8 @@ ScanToScan::ScanToScan(device::Queue& queue, const StageOptions& options,
   icp_.clear_m = options.alignment.clear_m;
   icp_.gate_m = 20 * icp_.overlap_m;
   icp_.least_gate_m = 0.4 * icp_.overlap_m;
+  few_ = icp_;
+  few_.few = true;
 }
 
 const stages::IcpScan& ScanToScan::scan(std::size_t i) {
@@ -157,8 +159,6 @@ stages::ScanIcp ScanToScan::best_from(std::size_t i, const Others& others, const
       return close >= kPlainShare * found.icp.overlap && found.seen_through <= kPlainThrough;
     }
   };
-  stages::ScanIcpOptions few = icp_;
-  few.few = true;
   const auto end_of = [&](const Pose& from, const stages::ScanIcpOptions& how) {
     End end{stages::register_to_scans(queue_, scan(i), others.scans, from, how)};
     for (int more = 0; more < kRounds && !end.found.icp.converged && !is_hopeless(end.found); ++more)
@@ -177,7 +177,7 @@ stages::ScanIcp ScanToScan::best_from(std::size_t i, const Others& others, const
     for (const Pose& from :
          beside(best.found.icp.world_from_scan, scan(i).centre, kBeside * icp_.overlap_m)) {
       if (best.is_plain()) break;
-      if (by_few && end_of(from, few).score() < best.score() + kFewClearly) continue;
+      if (by_few && end_of(from, few_).score() < best.score() + kFewClearly) continue;
       if (End other = end_of(from, icp_); other.score() >= best.score() + kClearly) best = std::move(other);
     }
     if (!(best.score() > before)) break;
@@ -303,12 +303,10 @@ void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignm
     // At its best, as the search may have left it decimetres off.
     stages::RivalPose& rival = found.rivals[static_cast<std::size_t>(k)];
     const double least = std::max(kMostSeenThrough, kTimesBest * best.seen_through);
-    stages::ScanIcpOptions few = icp_;
-    few.few = true;
     const auto seen_from = [&](const stages::ScanIcpOptions& how) {
       return stages::register_to_scans(queue_, scan(i), placed, rival.world_from_scan, how).seen_through;
     };
-    rival.seen_through = seen_from(few);
+    rival.seen_through = seen_from(few_);
     if (rival.seen_through <= kFewTell * least) rival.seen_through = seen_from(icp_);
     if (rival.seen_through <= least) return;
   }

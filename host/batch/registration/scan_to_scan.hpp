@@ -70,7 +70,7 @@ class ScanToScan {
 
   device::Queue& queue_;
   const StageOptions& options_;
-  stages::ScanIcpOptions icp_;
+  stages::ScanIcpOptions icp_, few_;  // with all samples, with an eighth
   const std::vector<ScanProduct>& products_;
   std::vector<std::unique_ptr<stages::IcpScan>> scans_;
 };
