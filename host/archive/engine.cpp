@@ -65,6 +65,7 @@ class Engine {
     // A unit whose memory is kept near all that there is may be over it for a moment.
     unit_memory_ = options_.unit_memory_bytes ? options_.unit_memory_bytes : memory_ + memory_ / 8;
     jobs_ = options_.jobs > 0 ? options_.jobs : cores_;
+    keep_ = std::min(kFatWorker_bytes / 2, memory_ / 16 / static_cast<unsigned>(jobs_));
   }
 
   // What the store lacks of what was asked for. A unit that needs one of these is looked at again when they
@@ -123,8 +124,7 @@ class Engine {
   // --- starting -----------------------------------------------------------------------------------------
 
   std::size_t running() const {
-    return static_cast<std::size_t>(
-        std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.unit.has_value(); }));
+    return static_cast<std::size_t>(std::ranges::count_if(slots_, [](const Slot& s) { return !!s.unit; }));
   }
   std::uint64_t memory_in_use() const {
     std::uint64_t bytes = 0;
@@ -213,8 +213,8 @@ class Engine {
 
   void send(Slot& slot) {
     slot.timer = Timer();
-    Json job = {
-        {"unit", manifest_.units[*slot.unit].number}, {"key", slot.key}, {"work", slot.work.string()}};
+    Json job = {{"unit", manifest_.units[*slot.unit].number}, {"key", slot.key}, {"keep", keep_}};
+    job["work"] = slot.work.string();
     if (slot.budget) job["memory"] = std::min(memory_, unit_memory_);
     slot.worker->send(job);
     fail_point("unit-sent");
@@ -475,7 +475,7 @@ class Engine {
   Timer timer_, pause_;
   double pause_s_ = 0;
   int cores_ = 1, jobs_ = 1;
-  std::uint64_t memory_ = 0, unit_memory_ = 0;
+  std::uint64_t memory_ = 0, unit_memory_ = 0, keep_ = 0;  // keep_: a process between units
   std::vector<bool> wanted_;
   std::set<std::size_t> pending_;                // not settled; some of them in flight
   std::set<std::size_t> alone_;                  // run with no other beside them

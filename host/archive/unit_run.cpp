@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <optional>
 
 #include "archive/store_lock.hpp"
 #include "core/error.hpp"
 #include "core/fail_point.hpp"
 #include "core/json_text.hpp"
+#include "core/memory_budget.hpp"
 #include "core/parallel.hpp"
 #include "core/timer.hpp"
 #include "io/output.hpp"
@@ -74,12 +76,15 @@ UnitResult run_kind(device::Queue& queue, const Store& store, const Manifest& ma
 }  // namespace
 
 void run_unit(device::Queue& queue, const Store& store, const Manifest& manifest, const Unit& unit,
-              Outcomes& outcomes, const std::string& key, const std::filesystem::path& work) {
+              Outcomes& outcomes, const std::string& key, const std::filesystem::path& work,
+              std::uint64_t keep_bytes) {
   for (const Input& input : unit.inputs) check_unchanged(input);
   forget_peak();
+  const std::uint64_t kept_before = resident_memory().bytes;
   const Timer timer;
   const double cpu_before = cpu_seconds();
   const device::Profile profile_before = queue.profile();
+  std::optional<io::BroughtTogether> together(work);
   const UnitResult result = run_kind(queue, store, manifest, unit, outcomes, work);
   for (const Input& input : unit.inputs) check_unchanged(input);
   leave_other_units_out(work / "timing.json", profile_before);
@@ -95,10 +100,13 @@ void run_unit(device::Queue& queue, const Store& store, const Manifest& manifest
                        {"seconds", timer.seconds()},
                        {"cpu_s", cpu_seconds() - cpu_before},
                        {"memory_bytes", peak_bytes()},
+                       {"kept_bytes", kept_before},
                        {"estimate", {{"cpu_s", unit.estimate_s}, {"memory_bytes", unit.estimate_bytes}}},
                        {"threads", thread_count()}};
+  together.reset();
   store.commit_object(work, key, object, record);
-  malloc_trim(0);
+  // Pages that go to the system and come back with the next unit are cleared each time.
+  if (resident_memory().bytes > keep_bytes) malloc_trim(0);
 }
 
 }  // namespace hybrid::archive

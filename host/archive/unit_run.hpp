@@ -24,9 +24,10 @@ UnitResult run_report_unit(const Store& store, const Manifest& manifest, const U
                            const std::filesystem::path& work);
 
 // Runs the unit in `work`, a folder of Store::begin_object, and commits its object under `key`. Its inputs
-// are checked before and after to be those of the plan. Throws Error; then the folder is the caller's to
-// remove.
+// are checked before and after to be those of the plan. A process that holds more than `keep_bytes` in the
+// end gives back to the system what it has freed. Throws Error; then the folder is the caller's to remove.
 void run_unit(device::Queue& queue, const Store& store, const Manifest& manifest, const Unit& unit,
-              Outcomes& outcomes, const std::string& key, const std::filesystem::path& work);
+              Outcomes& outcomes, const std::string& key, const std::filesystem::path& work,
+              std::uint64_t keep_bytes);
 
 }  // namespace hybrid::archive

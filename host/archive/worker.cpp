@@ -1,6 +1,8 @@
 #include "archive/worker.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <iostream>
@@ -83,7 +85,8 @@ class Worker {
       try {
         with_context(unit.id, [&] {
           try {
-            run_unit(queue_, store_, manifest, unit, outcomes, job.at("key"), work);
+            run_unit(queue_, store_, manifest, unit, outcomes, job.at("key"), work,
+                     job.at("keep").get<std::uint64_t>());
           } catch (const Error& error) {
             result = failure_of(error);  // without the context: a scene's scan fails in the run's own words
             throw;
@@ -106,6 +109,13 @@ class Worker {
   device::Queue queue_;
 };
 
+// What a unit has freed stays for the next one only where that comes at once.
+void give_back_when_idle() {
+  constexpr int kAtOnce_ms = 100;
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  if (poll(&input, 1, kAtOnce_ms) == 0) malloc_trim(0);
+}
+
 }  // namespace
 
 int run_worker(const fs::path& store, const std::string& device) {
@@ -127,6 +137,7 @@ int run_worker(const fs::path& store, const std::string& device) {
     answer(result);
     if (result.value("error_kind", "") == name_of(ErrorKind::interrupted))
       return exit_code(ErrorKind::interrupted);
+    give_back_when_idle();
   }
   return 0;
 }

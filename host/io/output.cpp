@@ -66,8 +66,22 @@ void remove_left_parts(const fs::path& folder) {
   }
 }
 
+// The folder of BroughtTogether, with a separator at its end; empty without one.
+std::mutex brought_together_mutex;
+std::string brought_together;
+
+std::string absolute_folder(const fs::path& folder) {
+  return (fs::absolute(folder) / "").lexically_normal().string();
+}
+
+bool is_brought_together(const fs::path& folder) {
+  const std::lock_guard lock(brought_together_mutex);
+  return !brought_together.empty() && absolute_folder(folder).starts_with(brought_together);
+}
+
 // A file that a library may have written and closed.
 void bring_to_disk(const fs::path& temporary, const fs::path& file) {
+  if (is_brought_together(file.parent_path())) return;
   const int descriptor = open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) fail_output(file, errno);
   const int reason = fsync(descriptor) == 0 ? 0 : errno;
@@ -77,6 +91,7 @@ void bring_to_disk(const fs::path& temporary, const fs::path& file) {
 
 // The new name. Folders that cannot be read or synchronised (some network file systems) are left alone.
 void bring_names_to_disk(const fs::path& folder) {
+  if (is_brought_together(folder)) return;
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;
   const int reason = fsync(descriptor) == 0 ? 0 : errno;
@@ -104,6 +119,15 @@ const char* kind_of(const fs::file_status& status) {
 }
 
 }  // namespace
+
+BroughtTogether::BroughtTogether(const fs::path& folder) {
+  const std::lock_guard lock(brought_together_mutex);
+  brought_together = absolute_folder(folder);
+}
+BroughtTogether::~BroughtTogether() {
+  const std::lock_guard lock(brought_together_mutex);
+  brought_together.clear();
+}
 
 void create_output_folder(const fs::path& folder) {
   std::error_code code;

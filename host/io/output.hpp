@@ -17,6 +17,17 @@ void create_output_folder(const std::filesystem::path& folder);
 void write_atomically(const std::filesystem::path& file,
                       const std::function<void(const std::filesystem::path&)>& write);
 
+// While it lives, what the functions above make below `folder` is not brought to the disk file by file:
+// whoever made it brings there all of it at the end (archive::Store::commit_object), which a disk does much
+// faster. One at a time.
+class BroughtTogether {
+ public:
+  explicit BroughtTogether(const std::filesystem::path& folder);
+  ~BroughtTogether();
+  BroughtTogether(const BroughtTogether&) = delete;
+  BroughtTogether& operator=(const BroughtTogether&) = delete;
+};
+
 void write_text(const std::filesystem::path& file, const std::string& text);
 
 // The whole file. Throws ErrorKind::input: missing, a folder, a pipe or device, unreadable.

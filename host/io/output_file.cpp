@@ -90,7 +90,6 @@ void OutputFile::seek(std::uint64_t position) {
 void OutputFile::close() {
   if (failure_ != 0) fail(failure_);
   flush();
-  if (fsync(descriptor_) != 0) fail(errno);
   const int descriptor = std::exchange(descriptor_, -1);
   if (::close(descriptor) != 0) fail(errno);
 }

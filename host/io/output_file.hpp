@@ -22,8 +22,8 @@ class OutputFile {
   // The next byte goes to `position`, from the start.
   void seek(std::uint64_t position);
   std::uint64_t position() const { return flushed_ + buffer_.size(); }
-  // Flushes and brings the content to the disk. Throws also what an earlier write() threw, so that an error
-  // which a library's destructor caught is not lost.
+  // Flushes; write_atomically() brings the content to the disk. Throws also what an earlier write() threw, so
+  // that an error which a library's destructor caught is not lost.
   void close();
 
  private:
