@@ -84,7 +84,9 @@ class Nights:
         for kind in ("planes", "scene", "report"):
             some = [record for record in records if record["unit"].split()[0] == kind]
             for what in ("cpu_s", "memory_bytes"):
-                ratios = [r[what] / r["estimate"][what] for r in some if r["estimate"][what] > 0]
+                # A process keeps memory between units: only one that grew tells what its unit took.
+                tell = [r for r in some if what == "cpu_s" or r["memory_bytes"] > 1.1 * r["kept_bytes"]]
+                ratios = [r[what] / r["estimate"][what] for r in tell if r["estimate"][what] > 0]
                 if ratios:
                     print(f"| {kind}: {what}, measured / estimated, median (min-max) of {len(ratios)} | "
                           f"{statistics.median(ratios):.2f} ({min(ratios):.2f}-{max(ratios):.2f}) |")

@@ -12,11 +12,11 @@ constexpr std::uint64_t kPictures_bytes = 200'000'000;
 
 // Measured with bench/scaling/model.py on 20 scans of 0.04 to 5 million samples and 7 scenes of 0.2 to 2.8,
 // and on scans of 20 and 100 million (bench/RESULTS.md), whose share of temporary arrays is less: within a
-// factor of 2.
+// factor of 2. kScene_s is of 27 November (bench/scaling/nights.py, 100 scenes).
 constexpr double kPlanes_s = 0.05, kPlanesPerSample_s = 1.5e-6;
 constexpr std::uint64_t kPlanesPerSample_bytes = 130, kPlanesPerFurtherSample_bytes = 65;
 constexpr std::uint64_t kFewSamples = 4'000'000;
-constexpr double kScene_s = 2, kScenePerSample_s = 2e-6, kScenePerPixel_s = 1.7e-6,
+constexpr double kScene_s = 0.8, kScenePerSample_s = 2e-6, kScenePerPixel_s = 1.7e-6,
                  kPerPhotographPixel_s = 1e-7, kPerPairOfScans_s = 0.5;
 constexpr std::uint64_t kScenePerSample_bytes = 130, kScenePerPixel_bytes = 40, kPerPhotographPixel_bytes = 8;
 constexpr std::uint64_t kPixelsPerByte = 3;  // of a JPEG file

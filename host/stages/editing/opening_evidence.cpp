@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/parallel.hpp"
 
@@ -31,25 +32,39 @@ void append_scan(const OpeningScan& scan, std::uint16_t index, EvidenceCloud& cl
   cloud.step_rad.push_back(step * stride);
   cloud.scanners.push_back(scan.world_from_scan.translation);
   const double cell_sr = image.elevation_step_rad() * image.azimuth_step_rad() * stride * stride;
-  for (int row = 0; row < image.rows; row += stride)
+  const auto is_taken = [&](std::size_t i) {
+    return image.mask[i] == kMeasured && !(scan.ignored && (*scan.ignored)[i]);
+  };
+  const auto rows = static_cast<std::size_t>((image.rows + stride - 1) / stride);
+  std::vector<std::size_t> first(rows + 1, 0);  // of a row's points
+  parallel_for(rows, [&](std::size_t r) {
+    for (int col = 0; col < image.cols; col += stride)
+      first[r + 1] += is_taken(image.index(static_cast<int>(r) * stride, col));
+  });
+  first[0] = cloud.points.size();
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  cloud.points.resize(first[rows]);
+  parallel_for(rows, [&](std::size_t r) {
+    const int row = static_cast<int>(r) * stride;
+    const double row_sr = cell_sr * std::cos(image.elevation_rad[static_cast<std::size_t>(row)]);
+    EvidencePoint* next = cloud.points.data() + first[r];
     for (int col = 0; col < image.cols; col += stride) {
       const std::size_t i = image.index(row, col);
-      if (image.mask[i] != kMeasured || (scan.ignored && (*scan.ignored)[i])) continue;
-      EvidencePoint point{};
+      if (!is_taken(i)) continue;
+      EvidencePoint& point = *next++;
       const Vec3 own = image.point(i);
       point.point = (scan.world_from_scan * own - cloud.origin).cast<float>();
       point.scan = index;
-      const std::uint32_t label = scan.segmentation->sample_label[i];
       point.normal.setZero();
-      if (label != 0) {
-        const Vec3& normal = scan.segmentation->superclusters[label - 1].plane.normal;
-        const double range = own.norm(), cosine = std::max(0.05, std::abs(normal.dot(own)) / range);
-        point.normal = scan.world_from_scan.rotate(normal).cast<float>();
-        point.area_m2 = static_cast<float>(
-            cell_sr * std::cos(image.elevation_rad[static_cast<std::size_t>(row)]) * range * range / cosine);
-      }
-      cloud.points.push_back(point);
+      point.area_m2 = 0;
+      const std::uint32_t label = scan.segmentation->sample_label[i];
+      if (label == 0) continue;
+      const Vec3& normal = scan.segmentation->superclusters[label - 1].plane.normal;
+      const double range = own.norm(), cosine = std::max(0.05, std::abs(normal.dot(own)) / range);
+      point.normal = scan.world_from_scan.rotate(normal).cast<float>();
+      point.area_m2 = static_cast<float>(row_sr * range * range / cosine);
     }
+  });
 }
 
 double median_of(std::vector<std::pair<double, double>>& weighted) {
