@@ -29,6 +29,13 @@ stages::RenderScene house() {
   return scene;
 }
 
+stages::Coverage covered(const stages::RenderScene& scene, const stages::CoverageOptions& options) {
+  stages::RenderOptions render;
+  render.equalise = false;
+  stages::Renderer renderer(queue(), scene, render);
+  return stages::measure_coverage(renderer, scene, options);
+}
+
 bool is_inside(const Vec3& point) {
   return point.x() > 0 && point.x() < 6 && point.y() > 0 && point.y() < 5 && point.z() > 0 && point.z() < 3;
 }
@@ -37,12 +44,9 @@ bool is_inside(const Vec3& point) {
 
 TEST(Coverage, next_cameras_stand_where_a_person_reaches_and_spread_over_what_is_red) {
   const auto scene = house();
-  stages::RenderOptions render;
-  render.equalise = false;
-  stages::Renderer renderer(queue(), scene, render);
   stages::CoverageOptions options;
   options.coverage_texel_m = 0.25;
-  const auto coverage = stages::measure_coverage(renderer, scene, options);
+  const auto coverage = covered(scene, options);
   ASSERT_EQ(coverage.next.size(), 6u);
   int inside = 0;
   double before = 1e9;
@@ -56,22 +60,18 @@ TEST(Coverage, next_cameras_stand_where_a_person_reaches_and_spread_over_what_is
   EXPECT_GE(inside, 1);
   EXPECT_LE(inside, 5);
   options.next_camera_height_m = 1.5;
-  for (const auto& camera : stages::measure_coverage(renderer, scene, options).next)
-    EXPECT_LE(camera.position.z(), 1.5 + 1e-6);
+  for (const auto& camera : covered(scene, options).next) EXPECT_LE(camera.position.z(), 1.5 + 1e-6);
 }
 
 // Of a fine grid, of which not all is asked at once, as of a coarse one.
 TEST(Coverage, areas_are_the_same_for_any_texel) {
   const auto scene = house();
-  stages::RenderOptions render;
-  render.equalise = false;
-  stages::Renderer renderer(queue(), scene, render);
   stages::CoverageOptions options;
   options.next_cameras = 0;
   options.coverage_texel_m = 0.1;
-  const auto fine = stages::measure_coverage(renderer, scene, options);
+  const auto fine = covered(scene, options);
   options.coverage_texel_m = 0.25;
-  const auto coarse = stages::measure_coverage(renderer, scene, options);
+  const auto coarse = covered(scene, options);
   EXPECT_GT(fine.area_m2, (1 << 18) * 0.1 * 0.1);  // more texels than are asked at a time
   ASSERT_EQ(fine.faces.size(), scene.proxy.faces.size());
   double area_m2 = 0, unseen_m2 = 0;
