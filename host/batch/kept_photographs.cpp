@@ -8,8 +8,6 @@
 namespace hybrid::batch {
 namespace {
 
-constexpr std::uint64_t kSideBySide_bytes = std::uint64_t{512} << 20;  // decoded, beside what is kept
-
 Image8 without_pixels(const Image8& image) {
   Image8 size;
   size.width = image.width;
@@ -36,7 +34,7 @@ void KeptPhotographs::add(const std::vector<File>& files) {
   for (std::size_t first = 0, last = 0; first < files.size(); first = last) {
     for (std::uint64_t bytes = 0; last < files.size(); ++last) {
       bytes += decoded_bytes(files[last]);
-      if (last > first && bytes > kSideBySide_bytes) break;
+      if (last > first && bytes > budget_bytes_ / 2) break;
     }
     std::vector<Image8> images(last - first);
     std::vector<std::exception_ptr> errors(last - first);

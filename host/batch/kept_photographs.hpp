@@ -23,7 +23,8 @@ class KeptPhotographs {
     std::filesystem::path path;
     int width, height;  // as the camera model says
   };
-  // Side by side where memory allows. Throws as io::read_photograph does, for the first of them that fails.
+  // Decoded side by side as far as half the budget holds them. Throws as io::read_photograph does, for the
+  // first of them that fails.
   void add(const std::vector<File>& files);
   // Pixels that no file gives again stay, whatever the budget.
   void add(Image8 image);
