@@ -65,7 +65,7 @@ class Engine {
     // A unit whose memory is kept near all that there is may be over it for a moment.
     unit_memory_ = options_.unit_memory_bytes ? options_.unit_memory_bytes : memory_ + memory_ / 8;
     jobs_ = options_.jobs > 0 ? options_.jobs : cores_;
-    keep_ = std::min(kFatWorker_bytes / 2, memory_ / 16 / static_cast<unsigned>(jobs_));
+    keep_ = std::min(kFatWorker_bytes / 2, memory_ / 8 / static_cast<unsigned>(jobs_));
   }
 
   // What the store lacks of what was asked for. A unit that needs one of these is looked at again when they
