@@ -25,9 +25,9 @@ namespace hybrid::archive {
 //                              and xxh3 of every file below, by path. Same bytes on every run; units of one
 //                              key share it
 //       record.json              sealed. unit (the first that made it), host, finished (UTC), seconds, cpu_s,
-//                              memory_bytes (peak of its process), kept_bytes (what
-//                              that held before, of earlier units), threads, and files as above for those
-//                              that differ from run to run: timing.json, report/timing.js, log.txt
+//                              memory_bytes (peak of its process), kept_bytes (what that held before, of
+//                              earlier units), threads, and files as above for those that differ from run
+//                              to run: timing.json, report/timing.js, log.txt
 //       log.txt                  what the unit said
 //       scene:                   what `hybrid run` writes: summary.json, scans/, views/, report/ ...
 //       planes of a loose scan:  what `hybrid planes` writes
