@@ -36,7 +36,9 @@ void describe_depths(const std::vector<EvidenceMark>& marks, Opening& opening) {
       ++opening.against;
   opening.rays = static_cast<std::int64_t>(depths.size());
   if (depths.empty()) return;
-  opening.pane_m = pane_depth(passed, opening.area_m2);
+  const PaneDepths panes = pane_depths(passed, opening.area_m2);
+  opening.pane_m = panes.sure;
+  opening.likely_pane_m = panes.likely;
   std::sort(depths.begin(), depths.end());
   opening.depth_m = depths[depths.size() / 2];
   std::size_t first = 0, most = 0;

@@ -89,7 +89,8 @@ std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& fra
     opening.area_m2 = signed_area(opening.ring);
     open_m2 += opening.area_m2;
     describe_depths(near, opening);
-    if (opening.pane_m) *opening.pane_m -= face.offset_m;  // from the surface's distance to the face's
+    for (std::optional<double>* pane : {&opening.pane_m, &opening.likely_pane_m})
+      if (*pane) **pane -= face.offset_m;  // from the surface's distance to the face's
     if (opening.area_m2 < options.opening_area_m2 || opening.rays < options.opening_rays) continue;
     measure_border(face, to_closed, rings[0], opening);
     if (opening.border_seen < kLeastBorder) continue;

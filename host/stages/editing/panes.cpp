@@ -17,12 +17,14 @@ constexpr double kStep_m = 0.02;     // between depths that are tried
 constexpr double kDeepest_m = 1.0;   // farther behind a wall than its glass is
 constexpr double kRaysPerCell = 16;  // of the cells in which returns and passing beams are to be side by side
 constexpr double kMixedShare = 0.5;  // of the cells in which beams pass
+constexpr double kLikelyShare = 0.25, kLikelyCount = 0.5;  // of these; of the most cells of any depth
 constexpr double kSamePane_m = 0.10;    // apart, of one pane seen from both sides of its wall
 constexpr double kLeastApart_m = 0.01;  // from there on its two sides are faces of their own
 
 // Cells of an opening where some beams return from within kThick_m of a depth, some pass it, or both.
 struct Mixture {
   int passing = 0, both = 0;
+  double share() const { return passing > 0 ? static_cast<double>(both) / passing : 0; }
 };
 
 Mixture mixture_at(const std::vector<PassedRay>& rays, double cell_m, double depth_m) {
@@ -54,6 +56,24 @@ struct PaneShape {
   Ring2 ring;
 };
 
+bool has_pane(const Opening& opening) {
+  return opening.cut && opening.pane_m && !opening.carried_from;
+}
+
+// The face's frame, moved to where glass closes the opening.
+FaceFrame pane_frame(const PolygonModel& model, const Opening& opening, double pane_m) {
+  FaceFrame frame = face_frame(model, model.faces[opening.face]);
+  frame.origin -= pane_m * frame.plane.normal;
+  frame.plane.offset_m -= pane_m;
+  return frame;
+}
+
+Vec2 mean(const Ring2& ring) {
+  Vec2 sum = Vec2::Zero();
+  for (const Vec2& point : ring) sum += point;
+  return sum / static_cast<double>(ring.size());
+}
+
 // Whether a pane whose front looks along `normal` is a known one: seen from the same side of the wall, or
 // from the other where both agree on its place.
 bool is_known(const PaneShape& known, const Vec3& centre, const Vec3& normal) {
@@ -80,44 +100,68 @@ bool behind(const PaneShape& pane, const Vec3& eye, const Vec3& point) {
 
 }  // namespace
 
-std::optional<double> pane_depth(const std::vector<PassedRay>& rays, double area_m2) {
-  if (rays.empty()) return std::nullopt;
+PaneDepths pane_depths(const std::vector<PassedRay>& rays, double area_m2) {
+  if (rays.empty()) return {};
   const double cell_m = std::sqrt(kRaysPerCell * area_m2 / static_cast<double>(rays.size()));
-  double depth_m = 0;
-  Mixture best;
-  for (int step = 1; step * kStep_m <= kDeepest_m; ++step) {
-    const Mixture mixture = mixture_at(rays, cell_m, step * kStep_m);
-    if (mixture.both > best.both) best = mixture, depth_m = step * kStep_m;
+  const auto depth_of = [](int step) { return (step + 1) * kStep_m; };
+  std::vector<Mixture> mixtures;
+  for (int step = 0; depth_of(step) <= kDeepest_m; ++step)
+    mixtures.push_back(mixture_at(rays, cell_m, depth_of(step)));
+  const int most = std::max_element(mixtures.begin(), mixtures.end(), [](const Mixture& a, const Mixture& b) {
+                     return a.both < b.both;
+                   })->both;
+  if (most == 0) return {};
+  PaneDepths depths;
+  double likely = kLikelyShare;
+  for (int step = 0; step < static_cast<int>(mixtures.size()); ++step) {
+    const Mixture& mixture = mixtures[static_cast<std::size_t>(step)];
+    if (mixture.both == most && !depths.sure && mixture.share() >= kMixedShare)
+      depths.sure = median_near(rays, depth_of(step));
+    if (mixture.both >= kLikelyCount * most && mixture.share() > likely) {
+      likely = mixture.share();
+      depths.likely = median_near(rays, depth_of(step));
+    }
   }
-  if (best.both == 0 || best.both < kMixedShare * best.passing) return std::nullopt;
-  return median_near(rays, depth_m);
+  return depths;
+}
+
+void confirm_panes(const PolygonModel& model, Openings& openings) {
+  std::vector<PaneShape> sure;
+  for (const Opening& opening : openings.openings)
+    if (has_pane(opening)) sure.push_back({pane_frame(model, opening, *opening.pane_m), opening.ring});
+  for (Opening& opening : openings.openings) {
+    if (!opening.cut || opening.carried_from || opening.pane_m || !opening.likely_pane_m) continue;
+    const FaceFrame frame = pane_frame(model, opening, *opening.likely_pane_m);
+    const Vec3 centre = frame.world(mean(opening.ring));
+    if (std::any_of(sure.begin(), sure.end(), [&](const PaneShape& pane) {
+          return pane.frame.plane.normal.dot(frame.plane.normal) < 0 &&
+                 std::abs(pane.frame.plane.distance(centre)) < kSamePane_m &&
+                 inside(pane.ring, pane.frame.flat(centre));
+        }))
+      opening.pane_m = opening.likely_pane_m;
+  }
 }
 
 std::vector<std::size_t> add_panes(const Openings& openings, PolygonModel& model) {
   std::vector<const Opening*> order;
   for (const Opening& opening : openings.openings)
-    if (opening.cut && opening.pane_m && !opening.carried_from) order.push_back(&opening);
+    if (has_pane(opening)) order.push_back(&opening);
   std::stable_sort(order.begin(), order.end(),
                    [](const Opening* a, const Opening* b) { return a->rays > b->rays; });
   std::vector<std::size_t> added;
   std::vector<PaneShape> shapes;
   std::map<std::size_t, int> of_face;  // panes
   for (const Opening* opening : order) {
-    const FaceFrame frame = face_frame(model, model.faces[opening->face]);
-    std::vector<Vec3> ring;
-    Vec3 centre = Vec3::Zero();
-    for (const Vec2& p : opening->ring) {
-      ring.push_back(frame.world(p, -*opening->pane_m));
-      centre += ring.back() / static_cast<double>(opening->ring.size());
-    }
+    const FaceFrame frame = pane_frame(model, *opening, *opening->pane_m);
+    const Vec3 centre = frame.world(mean(opening->ring));
     if (std::any_of(shapes.begin(), shapes.end(),
                     [&](const PaneShape& known) { return is_known(known, centre, frame.plane.normal); }))
       continue;
     Face face;
     face.name = fmt::format("{}-pane-{}", model.faces[opening->face].name, ++of_face[opening->face]);
-    for (const Vec3& point : ring) {
+    for (const Vec2& point : opening->ring) {
       face.outer.push_back(static_cast<std::uint32_t>(model.vertices.size()));
-      model.vertices.push_back(point);
+      model.vertices.push_back(frame.world(point));
     }
     model.faces.push_back(std::move(face));
     added.push_back(model.faces.size() - 1);

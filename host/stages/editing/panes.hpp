@@ -17,10 +17,17 @@ struct PassedRay {
   double depth_m;
 };
 
-// How far behind the face a pane of glass closes an opening of `area_m2`: a plane across it from which some
-// beams return while others beside them go through, on most of the opening. Nothing where beams return in one
-// part and pass in another: a door ajar.
-std::optional<double> pane_depth(const std::vector<PassedRay>& rays, double area_m2);
+// How far behind the face a pane of glass closes an opening: a plane across it from which some beams return
+// while others beside them go through.
+struct PaneDepths {
+  std::optional<double> sure;    // on most of the opening: not a door ajar, whose leaf is in one part of it
+  std::optional<double> likely;  // on much of it, which another side of the wall has to confirm
+};
+PaneDepths pane_depths(const std::vector<PassedRay>& rays, double area_m2);
+
+// Makes likely panes of openings that were cut sure ones where one that is sure from the wall's other side
+// stands there. Sets `pane_m`.
+void confirm_panes(const PolygonModel& model, Openings& openings);
 
 // Puts the panes of openings that were cut into the model, as faces of the opening's outline named
 // "<face>-pane-1", "-2" ...: photographs show what is on the glass, not what is behind it. Of panes seen

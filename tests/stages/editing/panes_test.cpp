@@ -44,7 +44,7 @@ Opening glazed(std::size_t face, std::int64_t rays, double pane_m) {
 }  // namespace
 
 TEST(Panes, glass_returns_some_beams_from_one_plane_and_lets_those_beside_them_through) {
-  const auto pane = stages::pane_depth(window(3), 2);
+  const auto pane = stages::pane_depths(window(3), 2).sure;
   ASSERT_TRUE(pane.has_value());
   EXPECT_NEAR(*pane, 0.152, 0.003);
 }
@@ -53,11 +53,47 @@ TEST(Panes, a_door_ajar_and_an_open_window_have_none) {
   std::vector<PassedRay> ajar = window(3);
   for (PassedRay& ray : ajar)
     ray.depth_m = ray.at.x() < 0.45 ? 0.15 : 4.0;  // the leaf, and beside it the room
-  EXPECT_FALSE(stages::pane_depth(ajar, 2).has_value());
+  EXPECT_FALSE(stages::pane_depths(ajar, 2).sure.has_value());
   std::vector<PassedRay> open = window(3);
   for (PassedRay& ray : open) ray.depth_m = 4 + 0.1 * ray.at.y();
-  EXPECT_FALSE(stages::pane_depth(open, 2).has_value());
-  EXPECT_FALSE(stages::pane_depth({}, 2).has_value());
+  EXPECT_FALSE(stages::pane_depths(open, 2).likely.has_value());
+  EXPECT_FALSE(stages::pane_depths({}, 2).likely.has_value());
+}
+
+TEST(Panes, glass_behind_a_deep_reveal_is_likely) {
+  // On twelve of 28 columns some beams return from the reveal's edge, the others farther in; on eight some
+  // from the glass, the others from the room behind it, as all do on the last eight.
+  std::vector<PassedRay> rays;
+  for (int row = 0; row < 40; ++row)
+    for (int col = 0; col < 28; ++col) {
+      const bool returns = (row + col) % 2 == 0;
+      const double depth_m = col < 12 ? (returns ? 0.14 : 0.30) : returns && col < 20 ? 0.45 : 4.0;
+      rays.push_back({{0.025 + 0.05 * col, 0.025 + 0.05 * row}, depth_m});
+    }
+  const stages::PaneDepths pane = stages::pane_depths(rays, 2.8);
+  EXPECT_FALSE(pane.sure.has_value());
+  ASSERT_TRUE(pane.likely.has_value());
+  EXPECT_EQ(*pane.likely, 0.45);
+}
+
+TEST(Panes, a_likely_pane_stands_where_the_other_side_of_the_wall_is_sure_of_one) {
+  const PolygonModel model = two_sided_wall();
+  Openings openings;
+  openings.openings = {glazed(0, 100, 0.15), glazed(1, 900, 0.22)};
+  Opening& inside = openings.openings[1];
+  inside.likely_pane_m = inside.pane_m;
+  inside.pane_m.reset();
+  stages::confirm_panes(model, openings);
+  ASSERT_TRUE(inside.pane_m.has_value());
+  EXPECT_EQ(*inside.pane_m, 0.22);
+  inside.pane_m.reset();
+  inside.likely_pane_m = 0.05;  // too far from the other side's
+  stages::confirm_panes(model, openings);
+  EXPECT_FALSE(inside.pane_m.has_value());
+  inside.likely_pane_m = 0.22;
+  openings.openings[0].pane_m.reset();  // which is sure of none
+  stages::confirm_panes(model, openings);
+  EXPECT_FALSE(inside.pane_m.has_value());
 }
 
 TEST(Panes, glass_that_is_thicker_than_a_centimetre_has_a_face_on_either_side) {
