@@ -12,6 +12,8 @@ constexpr double kLongestStretch = 4;  // of the sample spacing, at grazing inci
 // A neighbour of the same surface, in sample spacings: difference in range, distance from the tangent plane.
 constexpr double kSteepestJump = 10;
 constexpr double kOffTangent = 1;
+constexpr double kSteepest = 7;            // the first, of those that tell the normal, where they suffice
+constexpr double kUneven = 1.5;            // times as far as the neighbour on the other side: across an edge
 constexpr int kWindow = 2;                 // neighbours on either side that tell the normal
 constexpr double kDefaultStep_rad = 1e-3;  // of an image of one sample, which has no spacing of its own
 
@@ -55,7 +57,8 @@ int SampleSurfaces::column(int col) const {
 }
 
 // Least squares plane through the neighbours that lie on the same surface: range noise turns the normal of
-// two neighbours by noise over spacing, that of the window by a tenth of it.
+// two neighbours by noise over spacing, that of the window by a tenth of it. A surface that hardly tilts
+// keeps what is behind its edge out; one that tilts more has only a row or a column left, and is asked again.
 Vec3 SampleSurfaces::neighbour_normal(int row, int col, double spacing_m) const {
   std::array<int, 2 * kWindow + 1> columns;
   for (int dc = -kWindow; dc <= kWindow; ++dc)
@@ -63,29 +66,38 @@ Vec3 SampleSurfaces::neighbour_normal(int row, int col, double spacing_m) const 
   const std::size_t centre = image_.index(row, col);
   const double range = image_.range_m[centre], x = image_.x[centre], y = image_.y[centre],
                z = image_.z[centre];
-  ArmSums sums;
-  for (int dr = std::max(-kWindow, -row); dr <= std::min(kWindow, image_.rows - 1 - row); ++dr)
-    for (int dc = -kWindow; dc <= kWindow; ++dc) {
-      const int at = columns[static_cast<std::size_t>(dc + kWindow)];
-      if (at < 0) continue;
-      const std::size_t i = image_.index(row + dr, at);
-      const double apart = spacing_m * std::max(std::abs(dr), std::abs(dc));
-      if (image_.mask[i] == kEmpty) continue;
-      if (!(std::abs(image_.range_m[i] - range) <= kSteepestJump * apart)) continue;
-      sums.add(image_.x[i] - x, image_.y[i] - y, image_.z[i] - z);
-    }
-  return sums.normal();
+  for (const double steepest : {kSteepest, kSteepestJump}) {
+    ArmSums sums;
+    bool down = false, across = false;
+    for (int dr = std::max(-kWindow, -row); dr <= std::min(kWindow, image_.rows - 1 - row); ++dr)
+      for (int dc = -kWindow; dc <= kWindow; ++dc) {
+        const int at = columns[static_cast<std::size_t>(dc + kWindow)];
+        if (at < 0) continue;
+        const std::size_t i = image_.index(row + dr, at);
+        const double apart = spacing_m * std::max(std::abs(dr), std::abs(dc));
+        if (image_.mask[i] == kEmpty) continue;
+        if (!(std::abs(image_.range_m[i] - range) <= steepest * apart)) continue;
+        sums.add(image_.x[i] - x, image_.y[i] - y, image_.z[i] - z);
+        down = down || dr != 0;
+        across = across || dc != 0;
+      }
+    const Vec3 normal = sums.normal();
+    if (steepest == kSteepestJump || (down && across && !normal.isZero())) return normal;
+  }
+  return Vec3::Zero();
 }
 
 // Distance to the farther of the two neighbours along the rows or the columns, of those that lie on the same
-// surface, in the sample's tangent plane: patches close up. At a silhouette only the inner one does, so that
-// the patch hardly reaches beyond it. Where a return is missing the next sample counts: only measured ones
-// become patches. Half the nominal spacing where there is none, as in a veil or across a wire.
+// surface, in the sample's tangent plane: patches close up. Where one is much farther than the other there is
+// an edge between, up to which the farther one has its own patch. At a silhouette only the inner one counts,
+// so that the patch hardly reaches beyond it. Where a return is missing the next sample tells, at half its
+// distance: the node between has a patch of its own (make_splats). Half the nominal spacing where there is
+// no neighbour, as in a veil or across a wire.
 double SampleSurfaces::neighbour_spacing(int row, int col, int down, int across, double nominal_m,
                                          const Vec3& normal) const {
   const std::size_t centre = image_.index(row, col);
   const double range = image_.range_m[centre];
-  double spacing = 0;
+  std::array<double, 2> apart = {0, 0};  // on either side
   for (const int side : {-1, 1})
     for (const int steps : {side, 2 * side}) {
       const int at_row = row + steps * down, at_col = column(col + steps * across);
@@ -96,10 +108,12 @@ double SampleSurfaces::neighbour_spacing(int row, int col, int down, int across,
       const Vec3 arm = image_.point(i) - image_.point(centre);
       if (std::abs(image_.range_m[i] - range) <= kSteepestJump * reach_m &&
           std::abs(normal.dot(arm)) <= kOffTangent * reach_m)
-        spacing = std::max(spacing, arm.norm());
+        apart[side > 0] = arm.norm() / std::abs(steps);
       break;
     }
-  return spacing > 0 ? std::min(spacing, kLongestStretch * nominal_m) : 0.5 * nominal_m;
+  const auto [near, far] = std::minmax(apart[0], apart[1]);
+  if (!(far > 0)) return 0.5 * nominal_m;
+  return std::min({far, near > 0 ? kUneven * near : far, kLongestStretch * nominal_m});
 }
 
 SampleSurface SampleSurfaces::at(int row, int col) const {

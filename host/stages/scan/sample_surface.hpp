@@ -17,7 +17,7 @@ class SampleSurfaces {
 
   // Of a non-empty node. With a supercluster: its normal, and a patch of r x angular step by r x angular step
   // / cos incidence. Without: the normal of the neighbours around it, and a patch as long as the distances to
-  // the neighbours on the same surface. No side is longer than 4 r x angular step.
+  // the neighbours on the same surface, up to an edge. No side is longer than 4 r x angular step.
   SampleSurface at(int row, int col) const;
 
  private:

@@ -5,7 +5,6 @@
 
 #include "cases/room_scene.hpp"
 #include "device.hpp"
-#include "stages/scan/sample_surface.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -213,44 +212,6 @@ TEST(Splats, close_nothing_between_two_surfaces) {
   for (const std::size_t i : {hidden.image.index(4, 4), hidden.image.index(3, 5)})
     hidden.drawn[i] = stages::kNotDrawn;
   EXPECT_EQ(hidden.gaps(), 0u);
-}
-
-TEST(SampleSurface, knows_normal_and_spacing_of_a_wall) {
-  // The wall x = 2 seen under up to 60 degrees, one degree apart.
-  RangeImage image = make_range_image(61, 121);
-  const double step = std::numbers::pi / 180;
-  for (int r = 0; r < 61; ++r) image.elevation_rad[static_cast<std::size_t>(r)] = (30 - r) * step;
-  for (int c = 0; c < 121; ++c) image.azimuth_rad[static_cast<std::size_t>(c)] = (c - 60) * step;
-  for (int r = 0; r < 61; ++r)
-    for (int c = 0; c < 121; ++c) {
-      const std::size_t i = image.index(r, c);
-      const double el = image.elevation_rad[static_cast<std::size_t>(r)],
-                   az = image.azimuth_rad[static_cast<std::size_t>(c)];
-      const double range = 2 / (std::cos(el) * std::cos(az));
-      image.range_m[i] = static_cast<float>(range);
-      image.x[i] = 2;
-      image.y[i] = static_cast<float>(range * std::cos(el) * std::sin(az));
-      image.z[i] = static_cast<float>(range * std::sin(el));
-      image.mask[i] = kMeasured;
-    }
-  const PlaneSegmentation none;
-  for (int c : {0, 30, 60, 120}) {
-    const auto surface = stages::SampleSurfaces(image, none).at(30, c);
-    EXPECT_NEAR(surface.normal.x(), -1, 1e-4);
-    const double cosine = std::cos((c - 60) * step);
-    // Half the diagonal of the patch; 3 %, because neighbours a degree apart are not the derivative.
-    const double down_m = step * 2 / cosine, radius_m = 0.5 * std::hypot(down_m, down_m / cosine);
-    EXPECT_NEAR(surface.radius_m, radius_m, 0.03 * radius_m);
-  }
-  // A sample alone in space tells no normal; its supercluster does.
-  for (std::size_t i = 0; i < image.count(); ++i)
-    if (i != image.index(30, 60)) image.mask[i] = kEmpty;
-  EXPECT_EQ(stages::SampleSurfaces(image, none).at(30, 60).normal, Vec3(Vec3::Zero()));
-  PlaneSegmentation segmentation;
-  segmentation.sample_label.assign(image.count(), 1);
-  segmentation.superclusters.resize(1);
-  segmentation.superclusters[0].plane.normal = -Vec3::UnitX();
-  EXPECT_EQ(stages::SampleSurfaces(image, segmentation).at(30, 60).normal, Vec3(-Vec3::UnitX()));
 }
 
 }  // namespace hybrid::testing
