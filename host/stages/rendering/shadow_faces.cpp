@@ -22,7 +22,7 @@ constexpr int kLeastCells = 4;            // of a part
 constexpr double kSmallHole_m2 = 0.02;    // in which nothing was measured
 constexpr double kStairs = 0.75;          // of a cell: what is left of stairs is straight
 constexpr double kSquareCorner = 0.1;     // cosine between the normals of polygons that meet at a corner
-constexpr double kCorner_m = 0.1;         // between them, and of their borders
+constexpr double kCorner_m = 0.2;         // between them, and of their borders: samples stop short of edges
 constexpr std::array<std::pair<int, int>, 4> kFourBeside = {{{0, 1}, {0, -1}, {1, 0}, {-1, 0}}};
 
 // What the scans say of a cell of a polygon's plane.

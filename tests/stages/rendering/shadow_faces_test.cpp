@@ -96,7 +96,8 @@ TEST(ShadowFaces, AnUprightOneGoesDownToItsFoot) {
   EXPECT_NEAR(area(shadows({image}, with_hole(-1.5, 0.5))), 0.8 * 2.0, 0.15);
 }
 
-// The buttress' flank, of which a post hides the lower half, ends above the front's foot; there it goes on.
+// The buttress' flank, of which a post hides the lower half, ends above the front's foot; there it goes on,
+// also where the front's samples stop 15 cm beside it, and not at 30.
 TEST(ShadowFaces, AnUprightOneGoesDownToTheFootOfTheOneItMeets) {
   constexpr double kFlank_m = 0.5, kDeep_m = 6;
   const auto image = scan_of([](const Vec3& ray) {
@@ -112,10 +113,13 @@ TEST(ShadowFaces, AnUprightOneGoesDownToTheFootOfTheOneItMeets) {
   model.faces = {{"flank", {0, 1, 2, 3}, {}}};
   EXPECT_TRUE(shadows({image}, model).empty());
   model.faces.push_back({"front", {4, 5, 6, 7}, {}});
-  double of_flank = 0;
-  for (const auto& face : shadows({image}, model))
-    if (face.face == 0) of_flank += area_of(face).norm();
-  EXPECT_NEAR(of_flank, 1.2 * (kDeep_m - kWall_m), 0.2);
+  for (const double gap_m : {0.0, 0.15, 0.3}) {
+    for (const std::size_t corner : {4, 7}) model.vertices[corner].x() = kFlank_m + gap_m;
+    double of_flank = 0;
+    for (const auto& face : shadows({image}, model))
+      if (face.face == 0) of_flank += area_of(face).norm();
+    EXPECT_NEAR(of_flank, gap_m < 0.2 ? 1.2 * (kDeep_m - kWall_m) : 0, 0.2) << gap_m;
+  }
 }
 
 TEST(ShadowFaces, WhatAnyScanLooksThroughStaysOpen) {
