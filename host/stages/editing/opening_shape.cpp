@@ -25,6 +25,7 @@ constexpr double kFinest = 1.0 / 32;        // cells
 constexpr double kLeastSize_m = 0.1;        // of a shape
 constexpr double kSagitta_m = 0.001;        // of a chord that stands for a part of an arc
 constexpr int kMostRounds = 60;             // of one step's size
+constexpr double kHeld = 3;  // cells: another's border that fits as well so far aside is not held
 
 using Numbers = std::array<double, 5>;
 
@@ -102,6 +103,39 @@ struct Circle {
   static constexpr int kNumbers = 3;
 };
 
+double outside_of(const Ring2& ring, const Vec2& p) {
+  return distance_to_border(ring, p) * (inside(ring, p) ? -1 : 1);
+}
+
+struct Box {
+  Vec2 low, high;
+};
+
+Box box_of(const Ring2& ring) {
+  Box box{ring[0], ring[0]};
+  for (const Vec2& p : ring) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
+  return box;
+}
+
+// The border of another opening, moved.
+struct Moved {
+  const Ring2* design;
+  Box box;
+  Vec2 by;
+
+  bool possible() const { return true; }
+  double outside(const Vec2& p) const {
+    const Vec2 at = p - by;
+    const double far = std::max((box.low - at).maxCoeff(), (at - box.high).maxCoeff());
+    return far > kNearBorder_m ? far : outside_of(*design, at);
+  }
+  double size() const { return 0; }
+  static constexpr int kNumbers = 2;
+};
+
 bool passed(const EvidenceMark& mark) {
   return mark.kind == CellEvidence::through || mark.kind == CellEvidence::behind;
 }
@@ -124,10 +158,16 @@ struct Fit {
   double cost;
 };
 
-// One number after the other, up and down, with ever smaller steps.
 template <typename Shape>
-Fit search(const Numbers& start, double first_step_m, const std::vector<EvidenceMark>& marks, double cell_m) {
-  Fit fit{start, cost(Shape(start), marks, cell_m)};
+struct Made {
+  Shape operator()(const Numbers& numbers) const { return Shape(numbers); }
+};
+
+// One number after the other, up and down, with ever smaller steps.
+template <typename Shape, typename Make = Made<Shape>>
+Fit search(const Numbers& start, double first_step_m, const std::vector<EvidenceMark>& marks, double cell_m,
+           const Make& make = {}) {
+  Fit fit{start, cost(make(start), marks, cell_m)};
   for (double step = first_step_m; step > kFinest * cell_m; step /= 2) {
     bool better = true;
     for (int round = 0; better && round < kMostRounds; ++round) {
@@ -136,7 +176,7 @@ Fit search(const Numbers& start, double first_step_m, const std::vector<Evidence
         for (const double by : {step, -step}) {
           Numbers tried = fit.numbers;
           tried[k] += by;
-          const double its = cost(Shape(tried), marks, cell_m);
+          const double its = cost(make(tried), marks, cell_m);
           if (!(its < fit.cost)) continue;
           fit = {tried, its};
           better = true;
@@ -169,19 +209,6 @@ std::vector<EvidenceMark> near_border(const Shape& shape, const std::vector<Evid
   for (const EvidenceMark& mark : marks)
     if (std::abs(shape.outside(mark.at.cast<double>())) < kNearBorder_m) near.push_back(mark);
   return near;
-}
-
-struct Box {
-  Vec2 low, high;
-};
-
-Box box_of(const Ring2& ring) {
-  Box box{ring[0], ring[0]};
-  for (const Vec2& p : ring) {
-    box.low = box.low.cwiseMin(p);
-    box.high = box.high.cwiseMax(p);
-  }
-  return box;
 }
 
 // Where something hides a part of an opening, the ring is only the largest piece: the search begins from
@@ -230,8 +257,7 @@ std::optional<Ring2> judged(const Fit& coarse, const Ring2& ring, const std::vec
                             double cell_m) {
   const auto marks = near_border(Shape(coarse.numbers), all);
   const auto [shape, of_shape] = fine<Shape>(coarse.numbers, marks, cell_m);
-  const auto of_ring = contradictions(
-      marks, cell_m, [&](const Vec2& p) { return distance_to_border(ring, p) * (inside(ring, p) ? -1 : 1); });
+  const auto of_ring = contradictions(marks, cell_m, [&](const Vec2& p) { return outside_of(ring, p); });
   const auto beside =
       std::count_if(marks.begin(), marks.end(), [&, &shape = shape](const EvidenceMark& mark) {
         return std::abs(shape.outside(mark.at.cast<double>())) < kBeside * cell_m;
@@ -256,6 +282,48 @@ std::optional<Ring2> regular_border(const Ring2& ring, const std::vector<Evidenc
                                     kFirstStep_m, few, cell_m);
   return circle.cost < arched.cost ? judged<Circle>(circle, ring, marks, cell_m)
                                    : judged<Arched>(arched, ring, marks, cell_m);
+}
+
+std::optional<LikeBorder> border_like(const Ring2& design, const Ring2& ring,
+                                      const std::vector<EvidenceMark>& marks, double cell_m) {
+  const Box box = box_of(design), piece = box_of(ring);
+  const Vec2 low = piece.low - box.low, high = piece.high - box.high;
+  if ((high - low).maxCoeff() > kHeld * cell_m) return std::nullopt;  // the piece is larger
+  const auto moved = [&](const Numbers& n) { return Moved{&design, box, {n[0], n[1]}}; };
+  const auto few = thinned(marks);
+  Fit fit{{}, std::numeric_limits<double>::infinity()};
+  for (const double u : {low.x(), high.x()})
+    for (const double v : {low.y(), high.y()}) {
+      const Numbers start = {u, v, 0, 0, 0};
+      const double its = cost(moved(start), few, cell_m);
+      if (its < fit.cost) fit = {start, its};
+    }
+  fit = search<Moved>(fit.numbers, kFirstStep_m, few, cell_m, moved);
+  std::vector<EvidenceMark> near;
+  for (const EvidenceMark& mark : marks)
+    if (moved(fit.numbers).outside(mark.at.cast<double>()) < kNearBorder_m) near.push_back(mark);
+  fit = search<Moved>(fit.numbers, 4 * cell_m, near, cell_m, moved);
+  const auto wrong = [&](const Numbers& numbers) {
+    return static_cast<double>(
+        contradictions(near, cell_m, [shape = moved(numbers)](const Vec2& p) { return shape.outside(p); }));
+  };
+  const double of_it = wrong(fit.numbers),
+               of_ring = static_cast<double>(
+                   contradictions(near, cell_m, [&](const Vec2&p) { return outside_of(ring, p); }));
+  const double slack =
+      kMoreWrong * static_cast<double>(std::count_if(near.begin(), near.end(), [&](const EvidenceMark& mark) {
+        return std::abs(moved(fit.numbers).outside(mark.at.cast<double>())) < kBeside * cell_m;
+      }));
+  if (of_it > of_ring + slack) return std::nullopt;
+  for (const std::size_t axis : {0, 1})
+    for (const double by : {kHeld * cell_m, -kHeld * cell_m}) {
+      Numbers aside = fit.numbers;
+      aside[axis] += by;
+      if (wrong(aside) <= of_it + slack) return std::nullopt;
+    }
+  LikeBorder like{{}, of_it};
+  for (const Vec2& p : design) like.ring.push_back(p + moved(fit.numbers).by);
+  return like;
 }
 
 }  // namespace hybrid::stages

@@ -13,4 +13,14 @@ namespace hybrid::stages {
 // or glass swallowed the rays, and lies finer than the samples' spacing. Nothing where no such shape fits.
 std::optional<Ring2> regular_border(const Ring2& ring, const std::vector<EvidenceMark>& marks, double cell_m);
 
+// Another opening's border laid around a piece of an opening: moved to where the samples contradict it least.
+struct LikeBorder {
+  Ring2 ring;
+  double contradictions = 0;  // samples on its wrong side
+};
+// Nothing where they contradict it more than they contradict `ring`, or where they do not hold it: it fits as
+// well three cells aside.
+std::optional<LikeBorder> border_like(const Ring2& design, const Ring2& ring,
+                                      const std::vector<EvidenceMark>& marks, double cell_m);
+
 }  // namespace hybrid::stages

@@ -7,6 +7,7 @@
 #include "core/parallel_uneven.hpp"
 #include "stages/editing/opening_border.hpp"
 #include "stages/editing/opening_carry.hpp"
+#include "stages/editing/opening_design.hpp"
 #include "stages/editing/opening_grid.hpp"
 #include "stages/editing/opening_judgement.hpp"
 #include "stages/editing/opening_shape.hpp"
@@ -145,6 +146,7 @@ Openings find_openings(const PolygonModel& model, const std::vector<OpeningScan>
     if (!samples.samples.empty()) of_face[f] = openings_of(model, frame, rings, samples, options, face);
   });
   for (auto& found : of_face) std::move(found.begin(), found.end(), std::back_inserter(result.openings));
+  complete_by_design(model, cloud, options, result);
   auto& all = result.openings;
   const auto carried = carried_openings(model, cloud, options, result);
   all.insert(all.end(), carried.begin(), carried.end());

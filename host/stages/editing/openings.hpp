@@ -56,6 +56,7 @@ struct Opening {
   std::optional<double> pane_m{};  // how far behind the face glass closes it (panes.hpp)
   std::optional<double> likely_pane_m{};      // where it may, if another side of the wall says so, too
   std::optional<std::size_t> carried_from{};  // the face of the wall's other side that its border was seen on
+  std::optional<std::size_t> completed_from{};  // the face of the whole opening whose border it has
   std::string kind;  // "open" | "glass" (some return from one pane) | "recess" (nearly all from one plane)
   bool cut = false;
   std::string why_not;  // not cut
@@ -86,8 +87,9 @@ struct Openings {
 // nearer kind of evidence, so that borders run half-way between. A border becomes the circle, or the jambs
 // and sill under lintel or arch, that fits the samples around it (opening_shape.hpp); where none does it is
 // straightened, edges near the axes of the face made parallel to them, and placed where they part the samples
-// best (opening_border.hpp). Faces that no scan sees get the openings of their wall's other side
-// (opening_carry.hpp). Same result for any number of threads.
+// best (opening_border.hpp). What hides a part of one is no part of its border where another of the same
+// design is seen whole (opening_design.hpp). Faces that no scan sees get the openings of their wall's other
+// side (opening_carry.hpp). Same result for any number of threads.
 Openings find_openings(const PolygonModel& model, const std::vector<OpeningScan>& scans,
                        const OpeningOptions& options);
 

@@ -227,6 +227,47 @@ TEST(Openings, an_opening_is_carried_through_a_wall_with_straight_reveals_only) 
   }
 }
 
+// Two windows of 80 by 80 cm; a column 2 m before the wall hides what lies between two places of it.
+TEST(Openings, a_window_hidden_in_part_has_the_border_of_a_whole_one_of_its_design) {
+  const auto in_either = [](double x, double z) {
+    return z > 0.8 && z < 1.6 && ((x > 0.4 && x < 1.2) || (x > 2.4 && x < 3.2));
+  };
+  const auto behind_column = [&](double from, double to) {
+    return [=](double x, double z) { return x > from && x < to ? -2.0 : in_either(x, z) ? 3.0 : 0.0; };
+  };
+  const Ring2 second = {{2.4, 0.8}, {3.2, 0.8}, {3.2, 1.6}, {2.4, 1.6}};
+  const Openings found = find(scan(behind_column(2.7, 3.4)));
+  ASSERT_EQ(found.openings.size(), 2u);
+  int completed = 0;
+  for (const Opening& opening : found.openings) {
+    EXPECT_TRUE(opening.cut) << opening.why_not;
+    if (!opening.completed_from) continue;
+    ++completed;
+    EXPECT_EQ(opening.completed_from, 0u);
+    EXPECT_LT(border_off_m(second, opening.ring), 0.02);
+    EXPECT_NEAR(opening.area_m2, 0.8 * 0.8, 0.02);
+    EXPECT_LT(opening.border_seen, 0.7);  // jamb, and the parts of sill and lintel beside it
+  }
+  EXPECT_EQ(completed, 1);
+  // Without the other one it ends where the column begins.
+  const Openings alone =
+      find(scan([&](double x, double z) { return x < 2 ? 0.0 : behind_column(2.7, 3.4)(x, z); }));
+  ASSERT_EQ(alone.openings.size(), 1u);
+  EXPECT_FALSE(alone.openings[0].completed_from);
+  EXPECT_GT(border_off_m(second, alone.openings[0].ring), 0.3);
+  // Nor with it where the wall was seen beside the column, or where both jambs are hidden.
+  const Openings narrower = find(scan([&](double x, double z) {
+    return x > 2.7 && x < 2.9 ? -2.0 : in_either(x, z) && x < 2.9 ? 3.0 : 0.0;
+  }));
+  const Openings unheld = find(scan([&](double x, double z) {
+    return (x > 2.1 && x < 2.5) || (x > 3.1 && x < 3.5) ? -2.0 : in_either(x, z) ? 3.0 : 0.0;
+  }));
+  for (const Openings& other : {narrower, unheld}) {
+    EXPECT_EQ(other.openings.size(), 2u);
+    for (const Opening& opening : other.openings) EXPECT_FALSE(opening.completed_from);
+  }
+}
+
 TEST(Openings, nothing_is_found_in_a_closed_wall) {
   EXPECT_TRUE(find(scan([](double, double) { return 0.0; })).openings.empty());
   // Dents of less than the depth, clutter before it, lost returns, single rays that went astray.
