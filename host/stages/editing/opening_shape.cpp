@@ -24,7 +24,8 @@ constexpr std::size_t kCoarseMarks = 3000;  // that the first ones ask
 constexpr double kFinest = 1.0 / 32;        // cells
 constexpr double kLeastSize_m = 0.1;        // of a shape
 constexpr double kSagitta_m = 0.001;        // of a chord that stands for a part of an arc
-constexpr int kMostRounds = 60;             // of one step's size
+constexpr std::array<double, 6> kLeaps_m = {-0.2, -0.15, -0.1, 0.1, 0.15, 0.2};  // tried from the last fit
+constexpr int kMostRounds = 60;                                                  // of one step's size
 constexpr double kHeld = 3;  // cells: another's border that fits as well so far aside is not held
 
 using Numbers = std::array<double, 5>;
@@ -247,7 +248,17 @@ struct Fine {
 
 template <typename Shape>
 Fine<Shape> fine(const Numbers& start, const std::vector<EvidenceMark>& marks, double cell_m) {
-  const Shape shape(search<Shape>(start, 4 * cell_m, marks, cell_m).numbers);
+  Fit fit = search<Shape>(start, 4 * cell_m, marks, cell_m);
+  // What stands before the border, a door's leaf, costs more than the few samples behind it, up to its end.
+  for (std::size_t k = 0; k < Shape::kNumbers; ++k)
+    for (const double by : kLeaps_m) {
+      Numbers tried = fit.numbers;
+      tried[k] += by;
+      if (!(cost(Shape(tried), marks, cell_m) < fit.cost)) continue;
+      const Fit leapt = search<Shape>(tried, 4 * cell_m, marks, cell_m);
+      if (leapt.cost < fit.cost) fit = leapt;
+    }
+  const Shape shape(fit.numbers);
   const auto wrong = contradictions(marks, cell_m, [&](const Vec2& p) { return shape.outside(p); });
   return {shape, shape.possible() ? static_cast<double>(wrong) : std::numeric_limits<double>::infinity()};
 }
