@@ -128,13 +128,12 @@ void complete_by_design(const PolygonModel& model, const EvidenceCloud& cloud, c
       if (changed[i].face == face.face && hidden_in_part(found.openings[i]))
         changed[i] = completed(model, face, options, marks, designs, found.openings[i]);
   });
-  // `designs` point into `found`.
-  std::vector<Opening> kept;
+  std::vector<Opening> kept;  // `designs` point into `found`
   for (std::size_t i = 0; i < changed.size(); ++i) {
-    const bool piece = std::any_of(changed.begin(), changed.end(), [&](const Opening& other) {
-      return &other != &changed[i] && other.face == changed[i].face && other.completed_from &&
-             !changed[i].completed_from && lies_in_one(changed[i].ring, {other});
-    });
+    bool piece = false;
+    for (std::size_t k = 0; k < changed.size() && !piece; ++k)
+      piece = k != i && changed[k].face == changed[i].face && changed[k].completed_from &&
+              (!changed[i].completed_from || k < i) && lies_in_one(changed[i].ring, {changed[k]});
     if (!piece) kept.push_back(changed[i]);
   }
   found.openings = std::move(kept);

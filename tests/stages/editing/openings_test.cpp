@@ -255,6 +255,14 @@ TEST(Openings, a_window_hidden_in_part_has_the_border_of_a_whole_one_of_its_desi
   ASSERT_EQ(alone.openings.size(), 1u);
   EXPECT_FALSE(alone.openings[0].completed_from);
   EXPECT_GT(border_off_m(second, alone.openings[0].ring), 0.3);
+  // One opening also where what is seen of it are two pieces.
+  const Openings pieces = find(scan([&](double x, double z) {
+    return x > 2.7 && x < 2.9 ? -2.0 : in_either(x, z) ? 3.0 : 0.0;
+  }));
+  ASSERT_EQ(pieces.openings.size(), 2u);
+  EXPECT_LT(border_off_m(second, pieces.openings[0].ring[0].x() > 2 ? pieces.openings[0].ring
+                                                                    : pieces.openings[1].ring),
+            0.02);
   // Nor with it where the wall was seen beside the column, or where both jambs are hidden.
   const Openings narrower = find(scan([&](double x, double z) {
     return x > 2.7 && x < 2.9 ? -2.0 : in_either(x, z) && x < 2.9 ? 3.0 : 0.0;
