@@ -12,10 +12,10 @@ import pathlib
 
 # Per scene of an archive, measured with 1,000 scenes of three scans on one core: see README.md.
 PLAN_S, PLAN_AGAIN_S = 0.0092, 0.0052  # hybrid batch plan, first and following nights
-READ_MANIFEST_S, READ_MANIFEST_BYTES = 0.00049, 102_000  # what each process of a run starts with
+READ_MANIFEST_S, READ_MANIFEST_BYTES = 3e-7, 600  # what each process of a run starts with: manifest.py
 PROCESSES = 2  # of a task that read it: the engine and a worker
-# Operations on files of a scene of one scan and its share of the report, counted by tests/archive/power_cuts_test.cpp.
-OPERATIONS_SCENE, OPERATIONS_SCAN = 430, 45
+# Operations on files of a scene with its share of plan and report, and of each of its scans, counted by tests/archive/power.
+OPERATIONS_SCENE, OPERATIONS_SCAN = 160, 260
 # A shared file system: operations and bytes per second of all hosts together.
 FILE_OPERATIONS, FILE_BYTES = 5_000, 1e9
 # Slurm: tasks that a controller starts per second, and what a task costs by being one.
