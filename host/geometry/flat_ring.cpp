@@ -66,6 +66,15 @@ double distance_to_segment(const Vec2& point, const Vec2& from, const Vec2& to) 
   return (point - from - along * arm).norm();
 }
 
+Box2 box_of(const Ring2& ring) {
+  Box2 box{ring[0], ring[0]};
+  for (const Vec2& p : ring) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
+  return box;
+}
+
 double distance_to_border(const Ring2& ring, const Vec2& point) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < ring.size(); ++i)

@@ -19,6 +19,12 @@ bool inside(const Ring2& ring, const Vec2& point);
 double distance_to_segment(const Vec2& point, const Vec2& from, const Vec2& to);
 double distance_to_border(const Ring2& ring, const Vec2& point);
 
+// Bounding box of a ring with at least one vertex.
+struct Box2 {
+  Vec2 low, high;
+};
+Box2 box_of(const Ring2& ring);
+
 // The first two edges (by the index of their first vertex) of one ring that meet elsewhere than in the common
 // vertex of neighbours; nothing for a simple ring. Repeated vertices count as meeting.
 std::optional<std::pair<std::size_t, std::size_t>> self_crossing(const Ring2& ring);

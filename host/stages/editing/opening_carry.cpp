@@ -22,11 +22,7 @@ struct Reveals {
 };
 
 Reveals reveals_of(const EvidenceCloud& cloud, const FaceFrame& near, const Ring2& ring, double thickness_m) {
-  Vec2 low = ring[0], high = ring[0];
-  for (const Vec2& p : ring) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+  const auto [low, high] = box_of(ring);
   Reveals reveals;
   for (const EvidencePoint& point : cloud.points) {
     if (point.area_m2 <= 0) continue;

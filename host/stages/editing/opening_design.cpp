@@ -23,15 +23,6 @@ struct OpeningDesign {
   Vec2 size;
 };
 
-Vec2 size_of(const Ring2& ring) {
-  Vec2 low = ring[0], high = ring[0];
-  for (const Vec2& p : ring) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return high - low;
-}
-
 bool stands(const FaceFrame& frame) {
   return std::abs(frame.plane.normal.z()) < kUpright;
 }
@@ -48,7 +39,8 @@ std::vector<OpeningDesign> designs_of(const PolygonModel& model, const OpeningOp
                    [](const auto* a, const auto* b) { return a->rays > b->rays; });
   std::vector<OpeningDesign> designs;
   for (const Opening* opening : whole) {
-    const Vec2 size = size_of(opening->ring);
+    const Box2 box = box_of(opening->ring);
+    const Vec2 size = box.high - box.low;
     const bool known = std::any_of(designs.begin(), designs.end(), [&](const OpeningDesign& design) {
       return (size - design.size).cwiseAbs().maxCoeff() < kAlikeCells * design.opening->cell_m &&
              std::abs(opening->area_m2 - design.opening->area_m2) < kAlike * design.opening->area_m2;
@@ -58,16 +50,6 @@ std::vector<OpeningDesign> designs_of(const PolygonModel& model, const OpeningOp
   return designs;
 }
 
-std::vector<EvidenceMark> marks_around(const std::vector<EvidenceMark>& marks, const Ring2& ring,
-                                       double reach_m) {
-  std::vector<EvidenceMark> near;
-  for (const EvidenceMark& mark : marks) {
-    const Vec2 at = mark.at.cast<double>();
-    if (inside(ring, at) || distance_to_border(ring, at) < reach_m) near.push_back(mark);
-  }
-  return near;
-}
-
 // The piece with the border of the design that the samples contradict least; unchanged where none fits.
 Opening completed(const PolygonModel& model, const FaceEvidence& face, const OpeningOptions& options,
                   const std::vector<EvidenceMark>& marks, const std::vector<OpeningDesign>& designs,
@@ -75,7 +57,7 @@ Opening completed(const PolygonModel& model, const FaceEvidence& face, const Ope
   double least = 0;
   Opening result = piece;
   for (const OpeningDesign& design : designs) {
-    const auto near = marks_around(marks, piece.ring, design.size.maxCoeff() + kAroundPiece_m);
+    const auto near = marks_near(marks, piece.ring, design.size.maxCoeff() + kAroundPiece_m);
     const auto like = border_like(design.opening->ring, piece.ring, near, face.cell_m);
     if (!like || (result.completed_from && like->contradictions >= least)) continue;
     const bool new_to_it = std::any_of(like->ring.begin(), like->ring.end(), [&](const Vec2& p) {
@@ -90,18 +72,13 @@ Opening completed(const PolygonModel& model, const FaceEvidence& face, const Ope
   if (!result.completed_from) return piece;
   result.area_m2 = signed_area(result.ring);
   Opening counted = result;
-  describe_depths(marks_around(marks, result.ring, 0), counted);
+  describe_depths(marks, counted);
   result.rays = counted.rays;
   result.against = counted.against;
   result.confidence *=
       lower_bound(static_cast<double>(result.rays), static_cast<double>(result.rays + result.against));
-  std::vector<std::uint8_t> closed(face.cells.size());
-  std::transform(face.cells.begin(), face.cells.end(), closed.begin(), [](CellEvidence e) {
-    return static_cast<std::uint8_t>(e == CellEvidence::closed || e == CellEvidence::attached);
-  });
   const FaceFrame frame = face_frame(model, model.faces[face.face]);
-  measure_border(face, distance_to_set(closed, face.cols, face.rows),
-                 flat_rings(frame, model, model.faces[face.face])[0], result);
+  measure_border(face, distance_to_closed(face), flat_rings(frame, model, model.faces[face.face])[0], result);
   decide(model, face, options, result);
   return result;
 }

@@ -188,4 +188,16 @@ std::vector<EvidenceMark> classify(const FaceSamples& samples, const FaceEvidenc
   return marks;
 }
 
+std::vector<EvidenceMark> marks_near(const std::vector<EvidenceMark>& marks, const Ring2& ring,
+                                     double margin_m) {
+  const auto [low, high] = box_of(ring);
+  std::vector<EvidenceMark> near;
+  for (const EvidenceMark& mark : marks) {
+    const Vec2 at = mark.at.cast<double>();
+    if ((at.array() >= low.array() - margin_m).all() && (at.array() <= high.array() + margin_m).all())
+      near.push_back(mark);
+  }
+  return near;
+}
+
 }  // namespace hybrid::stages

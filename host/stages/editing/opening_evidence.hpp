@@ -50,4 +50,8 @@ struct EvidenceMark {
 };
 std::vector<EvidenceMark> classify(const FaceSamples& samples, const FaceEvidence& face);
 
+// Those in a ring's bounding box and so far around it.
+std::vector<EvidenceMark> marks_near(const std::vector<EvidenceMark>& marks, const Ring2& ring,
+                                     double margin_m);
+
 }  // namespace hybrid::stages

@@ -285,4 +285,12 @@ std::vector<Ring2> open_areas(const FaceEvidence& face, const std::vector<Ring2>
   return areas;
 }
 
+std::vector<float> distance_to_closed(const FaceEvidence& face) {
+  std::vector<std::uint8_t> closed(face.cells.size());
+  std::transform(face.cells.begin(), face.cells.end(), closed.begin(), [](CellEvidence e) {
+    return static_cast<std::uint8_t>(e == CellEvidence::closed || e == CellEvidence::attached);
+  });
+  return distance_to_set(closed, face.cols, face.rows);
+}
+
 }  // namespace hybrid::stages

@@ -15,4 +15,7 @@ std::vector<Ring2> open_areas(const FaceEvidence& face, const std::vector<Ring2>
 // and Huttenlocher 2012).
 std::vector<float> distance_to_set(const std::vector<std::uint8_t>& set, int cols, int rows);
 
+// To every cell's nearest one with samples on the face or just before it.
+std::vector<float> distance_to_closed(const FaceEvidence& face);
+
 }  // namespace hybrid::stages

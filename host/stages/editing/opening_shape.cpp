@@ -108,23 +108,10 @@ double outside_of(const Ring2& ring, const Vec2& p) {
   return distance_to_border(ring, p) * (inside(ring, p) ? -1 : 1);
 }
 
-struct Box {
-  Vec2 low, high;
-};
-
-Box box_of(const Ring2& ring) {
-  Box box{ring[0], ring[0]};
-  for (const Vec2& p : ring) {
-    box.low = box.low.cwiseMin(p);
-    box.high = box.high.cwiseMax(p);
-  }
-  return box;
-}
-
 // The border of another opening, moved.
 struct Moved {
   const Ring2* design;
-  Box box;
+  Box2 box;
   Vec2 by;
 
   bool possible() const { return true; }
@@ -215,7 +202,7 @@ std::vector<EvidenceMark> near_border(const Shape& shape, const std::vector<Evid
 // Where something hides a part of an opening, the ring is only the largest piece: the search begins from
 // larger ones too.
 Fit coarse_arched(const Ring2& ring, const std::vector<EvidenceMark>& marks, double cell_m) {
-  const Box box = box_of(ring);
+  const Box2 box = box_of(ring);
   const Vec2 size = box.high - box.low;
   const Numbers start = {box.low.x(), box.high.x(), box.low.y(), box.high.y(), box.high.y()};
   Fit best{start, std::numeric_limits<double>::infinity()};
@@ -286,7 +273,7 @@ std::optional<Ring2> judged(const Fit& coarse, const Ring2& ring, const std::vec
 std::optional<Ring2> regular_border(const Ring2& ring, const std::vector<EvidenceMark>& marks,
                                     double cell_m) {
   const auto few = thinned(marks);
-  const Box box = box_of(ring);
+  const Box2 box = box_of(ring);
   const Vec2 middle = 0.5 * (box.low + box.high);
   const Fit arched = coarse_arched(ring, few, cell_m);
   const Fit circle = search<Circle>({middle.x(), middle.y(), 0.25 * (box.high - box.low).sum(), 0, 0},
@@ -297,7 +284,7 @@ std::optional<Ring2> regular_border(const Ring2& ring, const std::vector<Evidenc
 
 std::optional<LikeBorder> border_like(const Ring2& design, const Ring2& ring,
                                       const std::vector<EvidenceMark>& marks, double cell_m) {
-  const Box box = box_of(design), piece = box_of(ring);
+  const Box2 box = box_of(design), piece = box_of(ring);
   const Vec2 low = piece.low - box.low, high = piece.high - box.high;
   if ((high - low).maxCoeff() > kHeld * cell_m) return std::nullopt;  // the piece is larger
   const auto moved = [&](const Numbers& n) { return Moved{&design, box, {n[0], n[1]}}; };
@@ -325,7 +312,7 @@ std::optional<LikeBorder> border_like(const Ring2& design, const Ring2& ring,
       kMoreWrong * static_cast<double>(std::count_if(near.begin(), near.end(), [&](const EvidenceMark& mark) {
         return std::abs(moved(fit.numbers).outside(mark.at.cast<double>())) < kBeside * cell_m;
       }));
-  if (of_it > of_ring + slack) return std::nullopt;
+  if (of_it > of_ring) return std::nullopt;
   for (const std::size_t axis : {0, 1})
     for (const double by : {kHeld * cell_m, -kHeld * cell_m}) {
       Numbers aside = fit.numbers;

@@ -43,32 +43,12 @@ double median_spacing(const FaceSamples& samples) {
   return *middle;
 }
 
-std::vector<EvidenceMark> marks_near(const std::vector<EvidenceMark>& marks, const Ring2& ring,
-                                     double margin_m) {
-  Vec2 low = ring[0], high = ring[0];
-  for (const Vec2& p : ring) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  std::vector<EvidenceMark> near;
-  for (const EvidenceMark& mark : marks) {
-    const Vec2 at = mark.at.cast<double>();
-    if ((at.array() >= low.array() - margin_m).all() && (at.array() <= high.array() + margin_m).all())
-      near.push_back(mark);
-  }
-  return near;
-}
-
 std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& frame,
                                  const std::vector<Ring2>& rings, const FaceSamples& samples,
                                  const OpeningOptions& options, FaceEvidence& face) {
   const auto marks = classify(samples, face);
   fill_grid(marks, rings, frame, median_spacing(samples), face);
-  std::vector<std::uint8_t> closed(face.cells.size());
-  std::transform(face.cells.begin(), face.cells.end(), closed.begin(), [](CellEvidence e) {
-    return static_cast<std::uint8_t>(e == CellEvidence::closed || e == CellEvidence::attached);
-  });
-  const auto to_closed = distance_to_set(closed, face.cols, face.rows);
+  const auto to_closed = distance_to_closed(face);
   std::vector<Opening> found;
   double open_m2 = 0;
   for (const Ring2& area : open_areas(face, rings)) {
