@@ -22,10 +22,6 @@ struct Line {
   double offset;
 };
 
-bool passes(const EvidenceMark& mark) {
-  return mark.kind == CellEvidence::through || mark.kind == CellEvidence::behind;
-}
-
 // Samples beside the inner part of an edge, by their distance to the right of it; true: passed.
 std::vector<std::pair<double, bool>> beside(const Vec2& a, const Vec2& b, const Vec2& normal,
                                             const std::vector<EvidenceMark>& marks, double cell_m) {
@@ -36,7 +32,7 @@ std::vector<std::pair<double, bool>> beside(const Vec2& a, const Vec2& b, const 
     const Vec2 arm = mark.at.cast<double>() - middle;
     const double across = normal.dot(arm);
     if (std::abs(across) > kEdgeReach * cell_m || std::abs(along.dot(arm)) > half) continue;
-    found.emplace_back(across, passes(mark));
+    found.emplace_back(across, mark.passes());
   }
   std::sort(found.begin(), found.end());
   return found;
@@ -175,7 +171,7 @@ bool is_remnant(const Section& before, const Section& section, const Section& af
   Ring2 notch = section.points;
   const bool inwards = signed_area(notch) < 0;  // the straight way would add the notch to the opening
   const auto contrary = std::count_if(marks.begin(), marks.end(), [&](const EvidenceMark& mark) {
-    return passes(mark) != inwards && inside(notch, mark.at.cast<double>());
+    return mark.passes() != inwards && inside(notch, mark.at.cast<double>());
   });
   return contrary <= 2;
 }

@@ -72,22 +72,24 @@ bool leads_through(const FaceFrame& seen, const FaceFrame& unseen) {
 
 }  // namespace
 
-std::vector<Opening> carried_openings(const PolygonModel& model, const EvidenceCloud& cloud,
-                                      const OpeningOptions& options, const Openings& found) {
+void carry_openings(const PolygonModel& model, const EvidenceCloud& cloud, const OpeningOptions& options,
+                    Openings& found) {
   std::vector<Opening> result;
   for (const FaceEvidence& face : found.faces) {
-    if (face.seen || face.cells.empty()) continue;
+    if (face.cells.empty()) continue;
     const FaceFrame to = face_frame(model, model.faces[face.face]);
     std::vector<EvidenceMark> marks;
     std::vector<Opening> own;
     std::copy_if(found.openings.begin(), found.openings.end(), std::back_inserter(own),
-                 [&](const Opening& opening) { return opening.face == face.face; });
+                 [&](const Opening& opening) {
+                   return opening.face == face.face && objection(face, opening, options).empty();
+                 });
     for (const Opening& seen : found.openings) {
       const FaceFrame from = face_frame(model, model.faces[seen.face]);
       if (!objection(found.faces[seen.face], seen, options).empty() || !leads_through(from, to)) continue;
       if (marks.empty()) marks = classify(samples_of_face(cloud, to), face);
       Opening opening = carried(seen, from, to, face, marks);
-      if (opening.rays < options.opening_rays || lies_in_one(opening.ring, own)) continue;
+      if (opening.rays < options.opening_rays || overlaps_one(opening.ring, own)) continue;
       const Reveals reveals =
           reveals_of(cloud, from, seen.ring, -from.plane.distance(to.world(0.5 * to.size)));
       if (!(reveals.straight > 0) || reveals.oblique > kSplayed * reveals.straight) continue;
@@ -95,7 +97,13 @@ std::vector<Opening> carried_openings(const PolygonModel& model, const EvidenceC
       result.push_back(std::move(opening));
     }
   }
-  return result;
+  std::erase_if(found.openings, [&](const Opening& opening) {
+    return !objection(found.faces[opening.face], opening, options).empty() &&
+           std::any_of(result.begin(), result.end(), [&](const Opening& carried) {
+             return carried.face == opening.face && overlaps_one(opening.ring, {carried});
+           });
+  });
+  found.openings.insert(found.openings.end(), result.begin(), result.end());
 }
 
 }  // namespace hybrid::stages

@@ -47,6 +47,8 @@ struct EvidenceMark {
   Vec2f at;       // where the ray passes the face, or the sample's foot
   float depth_m;  // behind the surface, negative before it
   CellEvidence kind;
+  // Behind the surface: through, or on a reveal.
+  bool passes() const { return kind == CellEvidence::through || kind == CellEvidence::behind; }
 };
 std::vector<EvidenceMark> classify(const FaceSamples& samples, const FaceEvidence& face);
 

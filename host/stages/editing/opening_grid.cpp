@@ -266,9 +266,9 @@ void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>&
   }
 }
 
-std::vector<Ring2> open_areas(const FaceEvidence& face, const std::vector<Ring2>& rings) {
+std::vector<OpenArea> open_areas(const FaceEvidence& face, const std::vector<Ring2>& rings, double least_m2) {
   const OpenField field = open_field(face, rings);
-  std::vector<Ring2> areas;
+  std::vector<OpenArea> areas;
   Mask outside(field.inside.size());
   std::transform(field.inside.begin(), field.inside.end(), outside.begin(),
                  [](std::uint8_t in) { return static_cast<std::uint8_t>(!in); });
@@ -277,10 +277,10 @@ std::vector<Ring2> open_areas(const FaceEvidence& face, const std::vector<Ring2>
     const bool wide = std::any_of(component.cells.begin(), component.cells.end(), [&](std::size_t i) {
       return to_outside[i] * face.cell_m >= kInnerRadius_m;
     });
-    if (!wide) continue;
+    if (!wide && static_cast<double>(component.cells.size()) * face.cell_m * face.cell_m < least_m2) continue;
     Mask own(field.inside.size(), 0);
     for (const std::size_t i : component.cells) own[i] = 1;
-    areas.push_back(outer_zero_line(field.height, own, face));
+    areas.push_back({outer_zero_line(field.height, own, face), wide});
   }
   return areas;
 }

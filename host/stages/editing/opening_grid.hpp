@@ -7,9 +7,14 @@ namespace hybrid::stages {
 void fill_grid(const std::vector<EvidenceMark>& marks, const std::vector<Ring2>& rings,
                const FaceFrame& frame, double spacing_m, FaceEvidence& face);
 
-// Connected areas of a face's grid that lines of sight pass through, as rings in face coordinates along the
-// line half-way between what passes and what does not; largest first. Each holds a circle of 5 cm.
-std::vector<Ring2> open_areas(const FaceEvidence& face, const std::vector<Ring2>& rings);
+// A connected area of a face's grid that lines of sight pass through, as a ring in face coordinates along the
+// line half-way between what passes and what does not.
+struct OpenArea {
+  Ring2 ring;
+  bool wide = false;  // holds a circle of 5 cm radius
+};
+// Those of at least `least_m2` and all wide ones, largest first.
+std::vector<OpenArea> open_areas(const FaceEvidence& face, const std::vector<Ring2>& rings, double least_m2);
 
 // Distance in cells from every cell to the nearest one that is set; infinite without any. Exact (Felzenszwalb
 // and Huttenlocher 2012).

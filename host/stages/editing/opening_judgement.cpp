@@ -28,6 +28,7 @@ double lower_bound(double good, double all) {
 void describe_depths(const std::vector<EvidenceMark>& marks, Opening& opening) {
   std::vector<double> depths;
   std::vector<PassedRay> passed;
+  opening.against = 0;
   for (const EvidenceMark& mark : marks)
     if (mark.kind == CellEvidence::through && inside(opening.ring, mark.at.cast<double>())) {
       depths.push_back(mark.depth_m);
@@ -105,6 +106,16 @@ bool lies_in_one(const Ring2& area, const std::vector<Opening>& openings) {
     const auto within =
         std::count_if(area.begin(), area.end(), [&](const Vec2& p) { return inside(opening.ring, p); });
     return 2 * static_cast<std::size_t>(within) > area.size();
+  });
+}
+
+bool overlaps_one(const Ring2& ring, const std::vector<Opening>& openings) {
+  const auto middle = [](const Ring2& of) {
+    const Box2 box = box_of(of);
+    return Vec2(0.5 * (box.low + box.high));
+  };
+  return std::any_of(openings.begin(), openings.end(), [&](const Opening& opening) {
+    return inside(opening.ring, middle(ring)) || inside(ring, middle(opening.ring));
   });
 }
 

@@ -22,6 +22,10 @@ std::string objection(const FaceEvidence& face, const Opening& opening, const Op
 // Whether most of an area lies in one of the openings, which are of its face.
 bool lies_in_one(const Ring2& area, const std::vector<Opening>& openings);
 
+// Whether it has a place with one of the openings, which are of its face: the middle of either lies in the
+// other.
+bool overlaps_one(const Ring2& ring, const std::vector<Opening>& openings);
+
 // Sets `cut`, or why not: an objection, or a hole that the face does not take.
 void decide(const PolygonModel& model, const FaceEvidence& face, const OpeningOptions& options,
             Opening& opening);

@@ -124,17 +124,13 @@ struct Moved {
   static constexpr int kNumbers = 2;
 };
 
-bool passed(const EvidenceMark& mark) {
-  return mark.kind == CellEvidence::through || mark.kind == CellEvidence::behind;
-}
-
 template <typename Shape>
 double cost(const Shape& shape, const std::vector<EvidenceMark>& marks, double cell_m) {
   if (!shape.possible()) return std::numeric_limits<double>::infinity();
   double sum = 0;
   for (const EvidenceMark& mark : marks) {
     const double outside = shape.outside(mark.at.cast<double>());
-    const double wrong = (passed(mark) ? outside : -outside) + kSpare * cell_m;
+    const double wrong = (mark.passes() ? outside : -outside) + kSpare * cell_m;
     if (wrong <= 0) continue;
     sum += (mark.kind == CellEvidence::attached ? kAttached : 1) * std::min(wrong, kMostCost * cell_m);
   }
@@ -180,7 +176,7 @@ std::size_t contradictions(const std::vector<EvidenceMark>& marks, double cell_m
   return static_cast<std::size_t>(std::count_if(marks.begin(), marks.end(), [&](const EvidenceMark& mark) {
     if (mark.kind == CellEvidence::attached) return false;
     const double out = outside(mark.at.template cast<double>());
-    return (passed(mark) ? out : -out) > kWrong * cell_m;
+    return (mark.passes() ? out : -out) > kWrong * cell_m;
   }));
 }
 
@@ -283,11 +279,13 @@ std::optional<Ring2> regular_border(const Ring2& ring, const std::vector<Evidenc
 }
 
 std::optional<LikeBorder> border_like(const Ring2& design, const Ring2& ring,
-                                      const std::vector<EvidenceMark>& marks, double cell_m) {
+                                      const std::vector<EvidenceMark>& marks, double cell_m, Moves moves) {
   const Box2 box = box_of(design), piece = box_of(ring);
   const Vec2 low = piece.low - box.low, high = piece.high - box.high;
   if ((high - low).maxCoeff() > kHeld * cell_m) return std::nullopt;  // the piece is larger
-  const auto moved = [&](const Numbers& n) { return Moved{&design, box, {n[0], n[1]}}; };
+  const bool level = moves == Moves::sideways;
+  if (level && std::max(high.y(), -low.y()) > kHeld * cell_m) return std::nullopt;
+  const auto moved = [&](const Numbers& n) { return Moved{&design, box, {n[0], level ? 0 : n[1]}}; };
   const auto few = thinned(marks);
   Fit fit{{}, std::numeric_limits<double>::infinity()};
   for (const double u : {low.x(), high.x()})
@@ -313,7 +311,7 @@ std::optional<LikeBorder> border_like(const Ring2& design, const Ring2& ring,
         return std::abs(moved(fit.numbers).outside(mark.at.cast<double>())) < kBeside * cell_m;
       }));
   if (of_it > of_ring) return std::nullopt;
-  for (const std::size_t axis : {0, 1})
+  for (std::size_t axis = 0; axis < (level ? 1 : 2); ++axis)
     for (const double by : {kHeld * cell_m, -kHeld * cell_m}) {
       Numbers aside = fit.numbers;
       aside[axis] += by;

@@ -18,9 +18,11 @@ struct LikeBorder {
   Ring2 ring;
   double contradictions = 0;  // samples on its wrong side
 };
+enum class Moves { anywhere, sideways };
 // Nothing where they contradict it more than they contradict `ring`, or where they do not hold it: it fits as
-// well three cells aside.
+// well three cells aside. `sideways`: at the level where it is, as one of a row of windows.
 std::optional<LikeBorder> border_like(const Ring2& design, const Ring2& ring,
-                                      const std::vector<EvidenceMark>& marks, double cell_m);
+                                      const std::vector<EvidenceMark>& marks, double cell_m,
+                                      Moves moves = Moves::anywhere);
 
 }  // namespace hybrid::stages

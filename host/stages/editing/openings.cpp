@@ -51,8 +51,12 @@ std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& fra
   const auto to_closed = distance_to_closed(face);
   std::vector<Opening> found;
   double open_m2 = 0;
-  for (const Ring2& area : open_areas(face, rings)) {
+  for (const auto& [area, wide] : open_areas(face, rings, options.opening_area_m2)) {
     if (lies_in_one(area, found)) continue;  // a piece of one whose middle is hidden
+    if (!wide) {
+      face.pieces.push_back(area);
+      continue;
+    }
     const auto near = marks_near(marks, area, std::max(4 * face.cell_m, kAround_m));
     Opening opening;
     opening.face = face.face;
@@ -60,7 +64,10 @@ std::vector<Opening> openings_of(const PolygonModel& model, const FaceFrame& fra
     opening.ring = area;
     measure_border(face, to_closed, rings[0], opening);
     open_m2 += opening.border_seen < kLeastBorder ? signed_area(area) : 0;
-    if (opening.border_seen < kLeastBorder) continue;
+    if (opening.border_seen < kLeastBorder) {
+      face.pieces.push_back(area);
+      continue;
+    }
     const auto regular = regular_border(area, near, face.cell_m);
     opening.ring = regular ? *regular : straightened_border(area, near, face.cell_m);
     if (regular && !try_hole(model, face.face, opening.ring, face.cell_m).empty())
@@ -127,10 +134,8 @@ Openings find_openings(const PolygonModel& model, const std::vector<OpeningScan>
   });
   for (auto& found : of_face) std::move(found.begin(), found.end(), std::back_inserter(result.openings));
   complete_by_design(model, cloud, options, result);
-  auto& all = result.openings;
-  const auto carried = carried_openings(model, cloud, options, result);
-  all.insert(all.end(), carried.begin(), carried.end());
-  std::stable_sort(all.begin(), all.end(), [](const Opening& a, const Opening& b) {
+  carry_openings(model, cloud, options, result);
+  std::stable_sort(result.openings.begin(), result.openings.end(), [](const Opening& a, const Opening& b) {
     return a.face != b.face ? a.face < b.face : a.area_m2 > b.area_m2;
   });
   return result;

@@ -74,6 +74,7 @@ struct FaceEvidence {
   double cell_m = 0;         // of the grid from the frame's origin
   int cols = 0, rows = 0;
   std::vector<CellEvidence> cells;  // row 0 lowest; empty where nothing was found to tell
+  std::vector<Ring2> pieces;        // open, but most of what ends them lies before the face: of openings
 };
 
 struct Openings {
@@ -88,8 +89,8 @@ struct Openings {
 // and sill under lintel or arch, that fits the samples around it (opening_shape.hpp); where none does it is
 // straightened, edges near the axes of the face made parallel to them, and placed where they part the samples
 // best (opening_border.hpp). What hides a part of one is no part of its border where another of the same
-// design is seen whole (opening_design.hpp). Faces that no scan sees get the openings of their wall's other
-// side (opening_carry.hpp). Same result for any number of threads.
+// design is seen whole (opening_design.hpp). Faces that no scan sees, or sees little of, get the openings of
+// their wall's other side (opening_carry.hpp). Same result for any number of threads.
 Openings find_openings(const PolygonModel& model, const std::vector<OpeningScan>& scans,
                        const OpeningOptions& options);
 

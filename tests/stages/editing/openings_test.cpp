@@ -227,6 +227,39 @@ TEST(Openings, an_opening_is_carried_through_a_wall_with_straight_reveals_only) 
   }
 }
 
+// Of the other side of that wall a second scan sees the window between two columns, no jamb of it.
+TEST(Openings, an_opening_is_carried_to_where_little_of_it_was_seen_but_not_a_niche) {
+  PolygonModel model = wall_model();
+  model.vertices.insert(model.vertices.end(), {{4, 0.5, 0}, {0, 0.5, 0}, {0, 0.5, 3}, {4, 0.5, 3}});
+  model.faces.push_back({"outside", {4, 5, 6, 7}, {}});
+  const auto left = [](double x) { return 5 / (2 - x) - 5; };
+  for (const bool open : {true, false}) {  // a niche of 40 cm
+    const Scene inside_scan =
+        scan([&](double x, double z) { return in_window(x, z) ? std::min(left(x), open ? 3.0 : 0.4) : 0.0; },
+             [&](double x, double z, double behind) -> std::uint32_t {
+               return !in_window(x, z) ? 1 : behind < 0.39 ? 2 : 0;
+             });
+    Scene outside_scan = scan([&](double x, double z) {
+      const bool column = x > 1.8 && x < 3.2 && !(x > 2.4 && x < 2.6);
+      return column ? -2.0 : open && in_window(4 - x, z) ? 3.0 : 0.0;
+    });
+    outside_scan.pose = {1, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Vec3::UnitZ())), {2, 5.5, 1.5}};
+    OpeningOptions options;
+    options.openings = "cut";
+    std::vector<OpeningScan> scans;
+    for (const Scene* scene : {&inside_scan, static_cast<const Scene*>(&outside_scan)})
+      scans.push_back({&scene->image, &scene->segmentation, nullptr, scene->pose, 0.001, {}});
+    const auto found = find_openings(model, scans, options);
+    EXPECT_TRUE(found.faces[1].seen);
+    ASSERT_EQ(found.openings.size(), open ? 2u : 1u);
+    if (!open) continue;
+    const Opening& outside = found.openings[1];
+    EXPECT_EQ(outside.carried_from, 0u);
+    EXPECT_TRUE(outside.cut) << outside.why_not;
+    EXPECT_LT(border_off_m({{2, 0.8}, {3, 0.8}, {3, 2.2}, {2, 2.2}}, outside.ring), 0.02);
+  }
+}
+
 // Two windows of 80 by 80 cm; a column 2 m before the wall hides what lies between two places of it.
 TEST(Openings, a_window_hidden_in_part_has_the_border_of_a_whole_one_of_its_design) {
   const auto in_either = [](double x, double z) {
@@ -273,6 +306,32 @@ TEST(Openings, a_window_hidden_in_part_has_the_border_of_a_whole_one_of_its_desi
   for (const Openings& other : {narrower, unheld}) {
     EXPECT_EQ(other.openings.size(), 2u);
     for (const Opening& opening : other.openings) EXPECT_FALSE(opening.completed_from);
+  }
+}
+
+// Of the second window a column leaves 7 cm.
+TEST(Openings, a_window_all_but_hidden_is_one_of_its_row_or_none) {
+  const Depth row = [](double x, double z) {
+    const bool open = z > 0.8 && z < 1.6 && ((x > 0.4 && x < 1.2) || (x > 2 && x < 2.8));
+    return x > 2.07 && x < 3 ? -2.0 : open ? 3.0 : 0.0;
+  };
+  const Openings found = find(scan(row));
+  ASSERT_EQ(found.openings.size(), 2u);
+  const Opening& second = found.openings[found.openings[0].completed_from ? 0 : 1];
+  EXPECT_TRUE(second.cut) << second.why_not;
+  EXPECT_EQ(second.completed_from, 0u);
+  EXPECT_LT(border_off_m({{2, 0.8}, {2.8, 0.8}, {2.8, 1.6}, {2, 1.6}}, second.ring), 0.02);
+  EXPECT_LT(second.border_seen, 0.4);
+  // Not with no other one, with one at another level, or where another of the row would fit as well.
+  const Depth alone = [&](double x, double z) { return x < 2 ? 0.0 : row(x, z); };
+  const Depth higher = [&](double x, double z) { return row(x, x < 2 ? z - 0.3 : z); };
+  const Depth either = [&](double x, double z) {
+    return x > 3.3 && x < 3.7 && z > 0.8 && z < 1.6 ? 3.0 : row(x, z);
+  };
+  for (const auto& [depth, whole] : {std::pair{alone, 0u}, {higher, 1u}, {either, 2u}}) {
+    const Openings others = find(scan(depth));
+    EXPECT_EQ(others.openings.size(), whole);
+    for (const Opening& opening : others.openings) EXPECT_FALSE(opening.completed_from);
   }
 }
 
