@@ -13,6 +13,8 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kThick_m = 0.06;    // within which beams return from one pane
+constexpr double kSheet_m = 0.012;   // of these, from its glass: some sigmas of noise
+constexpr double kSheetShare = 0.5;  // of the most returns that lie so close
 constexpr double kStep_m = 0.02;     // between depths that are tried
 constexpr double kDeepest_m = 1.0;   // farther behind a wall than its glass is
 constexpr double kRaysPerCell = 16;  // of the cells in which returns and passing beams are to be side by side
@@ -43,12 +45,28 @@ Mixture mixture_at(const std::vector<PassedRay>& rays, double cell_m, double dep
   return mixture;
 }
 
-double median_near(const std::vector<PassedRay>& rays, double depth_m) {
+// The glass of a pane about a depth: of the returns that lie closest together, the median, or of those deeper
+// that are half as many: mullions, leads and reveals return from before the glass, little from just behind
+// it.
+double sheet_near(const std::vector<PassedRay>& rays, double depth_m) {
   std::vector<double> near;
   for (const PassedRay& ray : rays)
-    if (std::abs(ray.depth_m - depth_m) <= kThick_m / 2) near.push_back(ray.depth_m);
+    if (ray.depth_m >= depth_m - kThick_m / 2 && ray.depth_m <= depth_m + 1.5 * kThick_m)
+      near.push_back(ray.depth_m);
   std::sort(near.begin(), near.end());
-  return near[near.size() / 2];
+  std::vector<std::size_t> first(near.size());  // of the returns within kSheet_m up to each
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    first[i] = i > 0 ? first[i - 1] : 0;
+    while (near[i] - near[first[i]] > kSheet_m) ++first[i];
+    most = std::max(most, i + 1 - first[i]);
+  }
+  const auto count = [&](std::size_t i) { return i + 1 - first[i]; };
+  std::size_t best = near.size() - 1;
+  while (static_cast<double>(count(best)) < kSheetShare * static_cast<double>(most)) --best;
+  for (std::size_t i = best; i > 0 && near[best] - near[i - 1] < kSheet_m; --i)
+    if (count(i - 1) > count(best)) best = i - 1;
+  return near[(first[best] + best) / 2];
 }
 
 struct PaneShape {
@@ -116,10 +134,10 @@ PaneDepths pane_depths(const std::vector<PassedRay>& rays, double area_m2) {
   for (int step = 0; step < static_cast<int>(mixtures.size()); ++step) {
     const Mixture& mixture = mixtures[static_cast<std::size_t>(step)];
     if (mixture.both == most && !depths.sure && mixture.share() >= kMixedShare)
-      depths.sure = median_near(rays, depth_of(step));
+      depths.sure = sheet_near(rays, depth_of(step));
     if (mixture.both >= kLikelyCount * most && mixture.share() > likely) {
       likely = mixture.share();
-      depths.likely = median_near(rays, depth_of(step));
+      depths.likely = sheet_near(rays, depth_of(step));
     }
   }
   return depths;

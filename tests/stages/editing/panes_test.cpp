@@ -49,6 +49,17 @@ TEST(Panes, glass_returns_some_beams_from_one_plane_and_lets_those_beside_them_t
   EXPECT_NEAR(*pane, 0.152, 0.003);
 }
 
+TEST(Panes, mullions_and_reveals_before_the_glass_do_not_move_it) {
+  std::vector<PassedRay> rays = window(3);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (i % 20 % 3 == 0) rays[i].depth_m = 0.10 + 0.001 * static_cast<double>(i % 4);
+    if (i % 20 == 1) rays[i].depth_m = 0.002 * static_cast<double>(i / 20 % 70);  // a reveal, aslant
+  }
+  const auto pane = stages::pane_depths(rays, 2).sure;
+  ASSERT_TRUE(pane.has_value());
+  EXPECT_NEAR(*pane, 0.152, 0.003);
+}
+
 TEST(Panes, a_door_ajar_and_an_open_window_have_none) {
   std::vector<PassedRay> ajar = window(3);
   for (PassedRay& ray : ajar)
