@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSpare = 0.25;        // cells between the border and the samples beside it
 constexpr double kMostCost = 4;        // cells that a sample on the wrong side costs at most
-constexpr double kAttached = 0.25;     // of a sample before the face: what stands there may end elsewhere
+constexpr double kAttached = 0.01;     // of a sample before the face: what stands there may end elsewhere
 constexpr double kTight = 0.1;         // samples that it costs to be larger: least where nothing bounds it
 constexpr double kWrong = 0.5;         // cells on the wrong side that contradict
 constexpr double kMoreWrong = 0.01;    // of the samples beside the border: that a shape may contradict more
