@@ -74,7 +74,7 @@ struct FaceEvidence {
   double cell_m = 0;         // of the grid from the frame's origin
   int cols = 0, rows = 0;
   std::vector<CellEvidence> cells;  // row 0 lowest; empty where nothing was found to tell
-  std::vector<Ring2> pieces;        // open, but most of what ends them lies before the face: of openings
+  std::vector<Ring2> pieces;  // open, but too narrow or with too little of a border to be openings alone
 };
 
 struct Openings {
