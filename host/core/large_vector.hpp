@@ -4,17 +4,20 @@
 
 namespace hybrid {
 
-// Asks the system for large pages for this memory, where it gives them on request, and for all of them at
-// once, on all threads: touching ordinary ones one by one for the first time costs more than filling them.
-// Changes nothing else. Arrays under a MemoryBudget are left alone: their pages come as they are filled, no
-// faster than others can go.
-void prefer_large_pages(void* memory, std::size_t bytes);
+// Asks the system for large pages for this memory, where it gives them on request: touching ordinary ones one
+// by one for the first time costs more than filling them. `operator new` does for every large array, see
+// new_arrays.cpp.
+void ask_for_large_pages(void* memory, std::size_t bytes) noexcept;
 
-// values.assign(count, value) on such pages.
+// Touches all pages at once, on all threads; changes nothing else. Arrays under a MemoryBudget are left
+// alone: their pages come as they are filled, no faster than others can go.
+void touch_pages(void* memory, std::size_t bytes);
+
+// values.assign(count, value) on pages touched so.
 template <typename T>
 void assign_large(std::vector<T>& values, std::size_t count, const T& value) {
   values.reserve(count);
-  prefer_large_pages(values.data(), count * sizeof(T));
+  touch_pages(values.data(), count * sizeof(T));
   values.assign(count, value);
 }
 

@@ -42,9 +42,8 @@ Reveals reveals_of(const EvidenceCloud& cloud, const FaceFrame& near, const Ring
   return reveals;
 }
 
-// The opening of a wall's seen side on its unseen side; its rays and what speaks against it counted.
-Opening carried(const Opening& seen, const FaceFrame& from, const FaceFrame& to, const FaceEvidence& face,
-                const std::vector<EvidenceMark>& marks) {
+// The opening of a wall's seen side on its unseen side, without its evidence there.
+Opening carried(const Opening& seen, const FaceFrame& from, const FaceFrame& to, const FaceEvidence& face) {
   Opening opening;
   opening.face = face.face;
   opening.carried_from = seen.face;
@@ -52,16 +51,20 @@ Opening carried(const Opening& seen, const FaceFrame& from, const FaceFrame& to,
   for (const Vec2& p : seen.ring) opening.ring.push_back(to.flat(from.world(p)));
   if (signed_area(opening.ring) < 0) std::reverse(opening.ring.begin(), opening.ring.end());
   opening.area_m2 = signed_area(opening.ring);
+  return opening;
+}
+
+// Its rays, and what speaks against it, counted from its face's marks.
+void count_evidence(const std::vector<EvidenceMark>& marks, const Opening& seen, Opening& opening) {
   describe_depths(marks, opening);
   opening.against += std::count_if(marks.begin(), marks.end(), [&](const EvidenceMark& mark) {
     const Vec2 at = mark.at.cast<double>();
     return mark.kind == CellEvidence::through && !inside(opening.ring, at) &&
            distance_to_border(opening.ring, at) < kBesideOpening_m &&
-           distance_to_border(opening.ring, at) > face.cell_m;
+           distance_to_border(opening.ring, at) > opening.cell_m;
   });
   opening.confidence = seen.confidence * lower_bound(static_cast<double>(opening.rays),
                                                      static_cast<double>(opening.rays + opening.against));
-  return opening;
 }
 
 bool leads_through(const FaceFrame& seen, const FaceFrame& unseen) {
@@ -87,9 +90,11 @@ void carry_openings(const PolygonModel& model, const EvidenceCloud& cloud, const
     for (const Opening& seen : found.openings) {
       const FaceFrame from = face_frame(model, model.faces[seen.face]);
       if (!objection(found.faces[seen.face], seen, options).empty() || !leads_through(from, to)) continue;
+      Opening opening = carried(seen, from, to, face);
+      if (overlaps_one(opening.ring, own)) continue;
       if (marks.empty()) marks = classify(samples_of_face(cloud, to), face);
-      Opening opening = carried(seen, from, to, face, marks);
-      if (opening.rays < options.opening_rays || overlaps_one(opening.ring, own)) continue;
+      count_evidence(marks, seen, opening);
+      if (opening.rays < options.opening_rays) continue;
       const Reveals reveals =
           reveals_of(cloud, from, seen.ring, -from.plane.distance(to.world(0.5 * to.size)));
       if (!(reveals.straight > 0) || reveals.oblique > kSplayed * reveals.straight) continue;
