@@ -18,7 +18,7 @@ constexpr double kSheetShare = 0.5;  // of the most returns that lie so close
 constexpr double kStep_m = 0.02;     // between depths that are tried
 constexpr double kDeepest_m = 1.0;   // farther behind a wall than its glass is
 constexpr double kRaysPerCell = 16;  // of the cells in which returns and passing beams are to be side by side
-constexpr double kMixedShare = 0.5;  // of the cells in which beams pass
+constexpr double kMixedShare = 0.5;  // of the cells in which beams pass: more is most of them
 constexpr double kLikelyShare = 0.25, kLikelyCount = 0.5;  // of these; of the most cells of any depth
 constexpr double kSamePane_m = 0.10;    // apart, of one pane seen from both sides of its wall
 constexpr double kLeastApart_m = 0.01;  // from there on its two sides are faces of their own
@@ -129,17 +129,21 @@ PaneDepths pane_depths(const std::vector<PassedRay>& rays, double area_m2) {
                      return a.both < b.both;
                    })->both;
   if (most == 0) return {};
-  PaneDepths depths;
-  double likely = kLikelyShare;
+  // Of the deepest run of sure steps the one with the most cells: tracery stands before its glass, and by the
+  // rims of its holes beams return from it and pass as well.
+  int sure = -1, likely = -1;
+  bool goes_on = false;
   for (int step = 0; step < static_cast<int>(mixtures.size()); ++step) {
-    const Mixture& mixture = mixtures[static_cast<std::size_t>(step)];
-    if (mixture.both == most && !depths.sure && mixture.share() >= kMixedShare)
-      depths.sure = sheet_near(rays, depth_of(step));
-    if (mixture.both >= kLikelyCount * most && mixture.share() > likely) {
-      likely = mixture.share();
-      depths.likely = sheet_near(rays, depth_of(step));
-    }
+    const auto at = [&](int k) -> const Mixture& { return mixtures[static_cast<std::size_t>(k)]; };
+    const bool enough = at(step).both >= kLikelyCount * most;
+    const bool is_sure = enough && at(step).share() > kMixedShare;
+    if (is_sure && !(goes_on && at(step).both <= at(sure).both)) sure = step;
+    goes_on = is_sure;
+    if (enough && at(step).share() > (likely < 0 ? kLikelyShare : at(likely).share())) likely = step;
   }
+  PaneDepths depths;
+  if (sure >= 0) depths.sure = sheet_near(rays, depth_of(sure));
+  if (likely >= 0) depths.likely = sheet_near(rays, depth_of(likely));
   return depths;
 }
 

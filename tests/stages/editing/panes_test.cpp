@@ -60,6 +60,19 @@ TEST(Panes, mullions_and_reveals_before_the_glass_do_not_move_it) {
   EXPECT_NEAR(*pane, 0.152, 0.003);
 }
 
+TEST(Panes, tracery_before_the_glass_is_no_pane) {
+  // Every second four columns are a bar, at 12 cm; of the beams between them half return from 27 cm.
+  std::vector<PassedRay> rays;
+  for (int row = 0; row < 56; ++row)
+    for (int col = 0; col < 56; ++col) {
+      const double glass_m = (row + col) % 2 == 0 ? 0.27 : 4.0;
+      rays.push_back({{0.0125 + 0.025 * col, 0.0125 + 0.025 * row}, (col + 2) % 8 < 4 ? 0.12 : glass_m});
+    }
+  const auto pane = stages::pane_depths(rays, 1.96).sure;
+  ASSERT_TRUE(pane.has_value());
+  EXPECT_EQ(*pane, 0.27);
+}
+
 TEST(Panes, a_door_ajar_and_an_open_window_have_none) {
   std::vector<PassedRay> ajar = window(3);
   for (PassedRay& ray : ajar)
