@@ -131,9 +131,9 @@ void give_back_unexplained(const ScanRegistration& registration, const StageOpti
       explained[i] = std::abs(registration.signed_distance_m[i]) <= options.explain_m;
   });
   stages::keep_unexplained(explained, product.decimation);
-  product.contour_faces =
-      stages::unexplained_contours(product.image, product.segmentation, explained, product.stray,
-                                   product.sigma_m, options.contour_faces, registration.world_from_scan());
+  product.contour_faces = stages::unexplained_contours(
+      product.image, product.segmentation, product.intersections, explained, product.stray, product.sigma_m,
+      options.contour_faces, registration.world_from_scan());
   stages::discard_covered(product.contour_faces.covered, product.decimation);
 }
 

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "core/parallel_blocks.hpp"
 #include "stages/contours/contour_polygons.hpp"
+#include "stages/contours/widened_rings.hpp"
 #include "stages/scan/stray_samples.hpp"
 
 namespace hybrid::stages {
@@ -194,6 +195,7 @@ PolygonModel moved(const Pose& world_from_scan, PolygonModel polygons) {
 }  // namespace
 
 ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                  const std::vector<Intersection>& intersections,
                                   const std::vector<std::uint8_t>& explained,
                                   const std::vector<std::uint8_t>& stray, double sigma_m,
                                   const ContourFaceOptions& options, const Pose& world_from_scan) {
@@ -217,11 +219,14 @@ ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentati
   }
   std::vector<PolygonModel> polygons(unexplained.size());
   parallel_for(unexplained.size(), [&](std::size_t i) {  // each marks members of its own
-    const std::size_t k = unexplained[i];
-    const auto rings = flat_rings(image, segmentation.superclusters[k], options.straighten);
-    polygons[i] = polygons_of(rings);
-    if (!polygons[i].faces.empty() && can_be_triangulated(moved(world_from_scan, polygons[i])))
-      judge.weigh(segmentation.superclusters[k], extents[k], rings, result.fits[i], result.covered);
+    const Supercluster& supercluster = segmentation.superclusters[unexplained[i]];
+    const auto rings = flat_rings(image, supercluster, options.straighten);
+    const auto take = [&](const std::vector<FlatRing>& as) {
+      polygons[i] = polygons_of(as);
+      return !polygons[i].faces.empty() && can_be_triangulated(moved(world_from_scan, polygons[i]));
+    };
+    if (take(widened_rings(image, supercluster, intersections, options.widen, rings)) || take(rings))
+      judge.weigh(supercluster, extents[unexplained[i]], rings, result.fits[i], result.covered);
   });
   for (std::size_t i = 0; i < polygons.size(); ++i)
     if (result.fits[i].polygon) append(polygons[i], result.fits[i].supercluster, result);

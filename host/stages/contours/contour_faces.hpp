@@ -3,6 +3,7 @@
 #include "geometry/pose.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
+#include "stages/contours/intersections.hpp"
 #include "stages/planes/decimate.hpp"
 
 namespace hybrid::stages {
@@ -14,6 +15,7 @@ struct ContourFaceOptions {
   double seen_through = 0.03;      // of the rays that meet the polygon, at most, return from behind it
   double behind_sigmas = 4;        // a sample this far behind the plane, along its ray, was seen through it
   double straighten = 0.75;        // vertices this near the line of their neighbours go, in sample spacings
+  double widen = 0.5;              // steps of the scan's grid from its outermost samples to the plane's end
 };
 
 // One supercluster that no proxy face explains, and the evidence.
@@ -36,10 +38,13 @@ struct ContourFaces {
 // METHOD 4 and 10: superclusters that no proxy face explains (door leaves, recesses, jambs) as their contour
 // polygons, where the polygon is faithful; the others keep their samples, so that nothing becomes a hole.
 // `explained`: per node, as for keep_unexplained. `stray` (per node, stages::Stray) is no evidence of being
-// seen through. `sigma_m`: range noise. Vertices are dropped where the ring stays simple without them. A
-// polygon that can be triangulated in the scan's frame and not in the world's, where rounding is another, is
-// none. Throws ErrorKind::failed when the vectors are not the image's.
+// seen through. `sigma_m`: range noise. Vertices are dropped where the ring stays simple without them. What
+// is covered and seen through is asked of the contours, whose vertices are samples; the polygons are wider
+// (widened_rings, which is given `intersections`). A polygon that can be triangulated in the scan's frame and
+// not in the world's, where rounding is another, is none. Throws ErrorKind::failed when the vectors are not
+// the image's.
 ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentation& segmentation,
+                                  const std::vector<Intersection>& intersections,
                                   const std::vector<std::uint8_t>& explained,
                                   const std::vector<std::uint8_t>& stray, double sigma_m,
                                   const ContourFaceOptions& options = {}, const Pose& world_from_scan = {});

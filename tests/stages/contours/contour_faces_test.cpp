@@ -35,7 +35,7 @@ struct UnexplainedRoom {
     return segmentation.superclusters.front();
   }
   stages::ContourFaces contours(const stages::ContourFaceOptions& options = {}) const {
-    return stages::unexplained_contours(scan.image, segmentation, explained, stray, 0.002, options);
+    return stages::unexplained_contours(scan.image, segmentation, {}, explained, stray, 0.002, options);
   }
 };
 
@@ -51,6 +51,12 @@ TEST(ContourFaces, what_no_face_explains_becomes_a_polygon_and_no_hole) {
   ASSERT_NE(at, faces.supercluster.end());
   const Face& face = faces.model.faces[static_cast<std::size_t>(at - faces.supercluster.begin())];
   EXPECT_NEAR(face_area_m2(faces.model, face), panel.area_m2, 0.06 * panel.area_m2);
+  // Its samples end half a spacing within the panel's edges; the polygon does not.
+  constexpr double kPanel_m2 = 1.9 * 1.5;
+  const auto narrow = room.contours({.widen = 0}).model;
+  EXPECT_LT(face_area_m2(narrow, narrow.faces[static_cast<std::size_t>(at - faces.supercluster.begin())]),
+            0.98 * kPanel_m2);
+  EXPECT_NEAR(face_area_m2(faces.model, face), kPanel_m2, 0.01 * kPanel_m2);
   EXPECT_LT(face.outer.size(), 40u);  // a rectangle: its edges were straightened
   for (const std::uint32_t v : face.outer)
     EXPECT_LT(std::abs(panel.plane.distance(faces.model.vertices[v])), 1e-6);
