@@ -8,9 +8,9 @@ namespace hybrid::stages {
 namespace {
 
 constexpr double kOnLine_m = 1e-6;  // straightened contours lie on their lines but for rounding
-constexpr double kLeastSine =
-    1. / 3;                       // of a move and the line of sight: seen more obliquely it goes no farther
-constexpr double kMostMitre = 2;  // of a vertex, against the moves of its sides
+// Of a move and the line of sight; what is seen more obliquely goes no farther.
+constexpr double kLeastSine = 1. / 3;
+constexpr double kMostMitre = 2;                   // of a vertex, against the moves of its sides
 constexpr double kStraight = 0.99, kSpike = -0.9;  // cosines of the turn at a vertex
 
 // A side of a ring goes `by_m` along `out`, which is normal to it and leads away from the plane's samples.
@@ -67,8 +67,8 @@ std::vector<FlatRing> widened_rings(const RangeImage& image, const Supercluster&
   std::vector<FlatRing> result;
   for (const FlatRing& ring : rings) {
     FlatRing wide = widened(ring, supercluster.plane, lines, steps * image.step_rad());
-    const bool turned =
-        (signed_area2(wide) > 0) != (signed_area2(ring) > 0);  // a hole narrower than the moves
+    // A hole that is narrower than its sides' moves.
+    const bool turned = (signed_area2(wide) > 0) != (signed_area2(ring) > 0);
     result.push_back(turned ? ring : std::move(wide));
   }
   std::vector<bool> moved(rings.size(), true);

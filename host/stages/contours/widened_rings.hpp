@@ -12,7 +12,7 @@ namespace hybrid::stages {
 // plane ends: anywhere before the next sample, on the mean half a step of the scan's grid farther. Sides that
 // lie on one of the plane's intersections (those of `intersections` that name it) are known and stay.
 // `steps`: how far, in steps, as the scanner sees it; on the plane at most three times as far. Rings that
-// would meet themselves or each other stay as they are.
+// would meet themselves or each other stay as they are, and so do holes that would close.
 std::vector<FlatRing> widened_rings(const RangeImage& image, const Supercluster& supercluster,
                                     const std::vector<Intersection>& intersections, double steps,
                                     const std::vector<FlatRing>& rings);

@@ -18,6 +18,7 @@ constexpr double kSheetShare = 0.5;  // of the most returns that lie so close
 constexpr double kStep_m = 0.02;     // between depths that are tried
 constexpr double kDeepest_m = 1.0;   // farther behind a wall than its glass is
 constexpr double kRaysPerCell = 16;  // of the cells in which returns and passing beams are to be side by side
+constexpr double kBars_m = 0.3;      // of tracery: wider cells do not tell bars from holes
 constexpr double kMixedShare = 0.5;  // of the cells in which beams pass: more is most of them
 constexpr double kLikelyShare = 0.25, kLikelyCount = 0.5;  // of these; of the most cells of any depth
 constexpr double kSamePane_m = 0.10;    // apart, of one pane seen from both sides of its wall
@@ -130,13 +131,15 @@ PaneDepths pane_depths(const std::vector<PassedRay>& rays, double area_m2) {
                    })->both;
   if (most == 0) return {};
   // Of the deepest run of sure steps the one with the most cells: tracery stands before its glass, and by the
-  // rims of its holes beams return from it and pass as well.
+  // rims of its holes beams return from it and pass as well. Where rays are too few to see the holes, what
+  // most of them return from stands for both.
+  const double least = cell_m <= kBars_m ? kLikelyCount * most : most;
   int sure = -1, likely = -1;
   bool goes_on = false;
   for (int step = 0; step < static_cast<int>(mixtures.size()); ++step) {
     const auto at = [&](int k) -> const Mixture& { return mixtures[static_cast<std::size_t>(k)]; };
     const bool enough = at(step).both >= kLikelyCount * most;
-    const bool is_sure = enough && at(step).share() > kMixedShare;
+    const bool is_sure = at(step).both >= least && at(step).share() > kMixedShare;
     if (is_sure && !(goes_on && at(step).both <= at(sure).both)) sure = step;
     goes_on = is_sure;
     if (enough && at(step).share() > (likely < 0 ? kLikelyShare : at(likely).share())) likely = step;
