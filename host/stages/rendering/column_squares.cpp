@@ -14,6 +14,8 @@ constexpr double kReachesCorner = 0.8;  // of half the width: the sides of an oc
 constexpr double kPastCorner_m = 0.03;
 constexpr double kSameWidth_m = 0.06;
 constexpr double kSameTurn_rad = 0.07;
+constexpr double kSideLevel = 0.98;     // of a level's normal, along the axis
+constexpr double kSameHeight_m = 0.04;  // a side's border and the level it ends at
 constexpr int kShaftCorners = 24;
 constexpr double kQuarter = std::numbers::pi / 2;
 
@@ -87,6 +89,25 @@ void join(Square& square, Square other) {
   square.high_m = std::max(square.high_m, other.high_m);
 }
 
+// A side's border is no better known than its samples lie close: where a level was seen there, the side ends
+// at that.
+void end_at_levels(Square& square, const Cylinder& column, const std::vector<SpacePolygon>& seen) {
+  const double low_m = square.low_m, high_m = square.high_m;
+  double to_low_m = kSameHeight_m, to_high_m = kSameHeight_m;
+  for (const SpacePolygon& polygon : seen) {
+    const FlatPolygon flat(polygon);
+    const double up = flat.normal().dot(column.axis);
+    if (std::abs(up) < kSideLevel) continue;
+    const double along_m = column.along(flat.lifted(0.5 * (flat.low() + flat.high())));
+    double& border_m = up < 0 ? square.low_m : square.high_m;
+    double& nearest_m = up < 0 ? to_low_m : to_high_m;
+    const double apart_m = std::abs(along_m - (up < 0 ? low_m : high_m));
+    if (apart_m >= nearest_m) continue;
+    nearest_m = apart_m;
+    border_m = along_m;
+  }
+}
+
 // Of each side from the axis, which may be a little off the square's middle: what was not seen is as far from
 // the opposite side as the others are from each other.
 std::array<double, 4> apart_m(const Square& square) {
@@ -143,10 +164,10 @@ SpacePolygon level_of(const Cylinder& column, const Around& around, const Square
 }  // namespace
 
 std::vector<SpacePolygon> column_squares(const Cylinder& column, ColumnEndKind end,
-                                         const std::vector<SpacePolygon>& sides) {
+                                         const std::vector<SpacePolygon>& seen) {
   const Around around(column);
   std::vector<Square> squares;
-  for (const SpacePolygon& side : sides) {
+  for (const SpacePolygon& side : seen) {
     const auto square = square_of(column, around, side);
     if (!square) continue;
     const auto same = std::find_if(squares.begin(), squares.end(),
@@ -157,7 +178,8 @@ std::vector<SpacePolygon> column_squares(const Cylinder& column, ColumnEndKind e
       join(*same, *square);
   }
   std::vector<SpacePolygon> found;
-  for (const Square& square : squares) {
+  for (Square& square : squares) {
+    end_at_levels(square, column, seen);
     for (std::size_t side = 0; side < 4; ++side) found.push_back(side_of(column, around, square, side));
     const bool up = end == ColumnEndKind::kBase;
     const auto apart = apart_m(square);

@@ -10,11 +10,11 @@ namespace hybrid::stages {
 enum class ColumnEndKind { kNone, kBase, kHead };
 
 // Plinths and abaci, whole: what is square about the column's axis has four sides as wide as they are apart,
-// and a top about the shaft if it is a base, an underside if it is a head. `sides`: polygons seen at one end
-// (world frame, front side outwards) of which those count that are upright, no wider than a square may be as
-// far from the axis, and reach one of its corners. Sides of one square, which differ by a quarter of a turn
-// or are parts of one, are taken together. Front sides outwards.
+// and a top about the shaft if it is a base, an underside if it is a head. `seen`: polygons at one end (world
+// frame, front side outwards). Of those that are upright count the ones no wider than a square may be as far
+// from the axis, that reach one of its corners; sides of one square, which differ by a quarter of a turn or
+// are parts of one, are taken together. Those across the axis say where such sides end. Front sides outwards.
 std::vector<SpacePolygon> column_squares(const Cylinder& column, ColumnEndKind end,
-                                         const std::vector<SpacePolygon>& sides);
+                                         const std::vector<SpacePolygon>& seen);
 
 }  // namespace hybrid::stages
