@@ -16,6 +16,10 @@ constexpr double kSteepestJump =
 constexpr int kReach = 3;          // nodes to the far surface: over mixed samples and missing ones
 constexpr double kPiece_m = 0.05;  // that another scan may have seen to be empty
 constexpr double kShortest_m = 0.05;  // shorter ones hide nothing
+constexpr int kHiddenReach = 4;       // nodes down to what hides the foot of a thing
+constexpr double kHiddenJump = 3;     // range over arc, between the two
+constexpr double kOwnHeight = 1.5;    // spacings: so far down a sample tells of its own surface
+constexpr double kTallest_m = 1.5;    // of feet that are hidden
 constexpr double kBeyondEnds = 1.5;   // radii: so far a column's base and head may go on
 
 // One scan among all.
@@ -29,6 +33,7 @@ class Hanger {
     for (int col = 0; col < image_.cols; ++col)
       for (const auto& [down, across] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}})
         hang(row, col, down, across, curtains);
+    for (int col = 0; col < image_.cols; ++col) stand(row, col, curtains);
     return curtains;
   }
 
@@ -94,6 +99,37 @@ class Hanger {
     const Vec3 middle = from / begin_m + 0.5 * (across * azimuth * east - down * elevation * up);
     const Vec3 side = 0.5 * (across ? Vec3(elevation * up) : Vec3(azimuth * east));
     pieces(middle, side, begin_m, std::min(end_m, begin_m + options_.length_m), curtains);
+  }
+
+  // What has no flat side and goes on behind something nearer below it goes down to where it stands, as far
+  // as no scan knows better.
+  void stand(int row, int col, std::vector<Curtain>& curtains) const {
+    const std::size_t own = image_.index(row, col);
+    if (!says(own) || !is_of_no_plane(own)) return;
+    const Vec3 point = image_.point(own);
+    const double range_m = point.norm(), high_m = range_m * image_.elevation_step_rad(),
+                 wide_m = image_.azimuth_step_rad() * point.head<2>().norm();
+    const double jump_m = std::max(kHiddenJump * std::max(high_m, wide_m), kShortest_m);
+    const auto hides = [&](int below) {
+      const auto i = node(row + below, col);
+      return i && says(*i) && image_.point(*i).norm() < range_m - jump_m;
+    };
+    int below = 1;  // mixed samples may be between
+    while (below <= kHiddenReach && !hides(below)) ++below;
+    if (below > kHiddenReach) return;
+    const Vec3 top = scan_.world_from_scan * point, along = top - scan_.world_from_scan.translation;
+    const Vec3 side =
+        wide_m * Vec3(-along.y(), along.x(), 0).normalized();  // over its neighbours' halves, too
+    const auto down = [&](double pieces) { return Vec3(top - pieces * kPiece_m * Vec3::UnitZ()); };
+    const int first = static_cast<int>(std::ceil(kOwnHeight * high_m / kPiece_m));
+    int count = first;
+    while (count * kPiece_m < kTallest_m && !sight_.is_known(down(count + 0.5))) ++count;
+    if (count > first) curtains.push_back({top - side, top + side, down(count) + side, down(count) - side});
+  }
+
+  bool is_of_no_plane(std::size_t i) const {
+    const auto* label = scan_.sample_label;
+    return label && !label->empty() && (*label)[i] == 0;
   }
 
   void pieces(const Vec3& middle, const Vec3& side, double begin_m, double end_m,

@@ -220,6 +220,21 @@ TEST_F(ColumnBehindAWall, an_abacus_has_an_underside) {
   EXPECT_LT((c[1] - c[0]).cross(c[3] - c[0]).z(), 0);
 }
 
+// A level seen there says more exactly where its sides end than their own samples do, if it is near.
+TEST_F(ColumnBehindAWall, an_abacus_ends_at_the_level_that_was_seen) {
+  for (const double level_m : {0.58, 0.62, 0.54}) {
+    PolygonModel abacus = plinth(-0.45, 0.45, 0.45);
+    for (Vec3& vertex : abacus.vertices) vertex.z() += 1.5;
+    for (const auto& [x, y] : {std::pair{-0.4, 5.6}, {-0.4, 6.4}, {-0.3, 6.4}, {-0.3, 5.6}})
+      abacus.vertices.emplace_back(x, y, level_m);
+    abacus.faces.push_back({"underside", {4, 5, 6, 7}, {}});
+    const auto ends = ends_of({{&hiding, nullptr, nullptr, {}, &columns}}, abacus);
+    ASSERT_GE(ends.size(), 4u);
+    for (const Vec3& corner : ends[3].polygon.vertices)
+      EXPECT_NEAR(corner.z(), std::abs(level_m - 0.6) < 0.04 ? level_m : 0.6, 1e-9);
+  }
+}
+
 // Two columns on round bases; of the right one a low wall hides the base and the foot of the shaft.
 class ColumnsOfOneDesign : public ::testing::Test {
  protected:

@@ -56,6 +56,40 @@ TEST(Curtains, none_where_surfaces_are_one_or_another_scan_saw_through) {
   EXPECT_TRUE(together.empty());
 }
 
+// A passer-by, 60 cm wide, at y = 2 before the wall; a bench at y = 1 hides what is lower than 10 cm below
+// the scanner there.
+double passer_by_behind_a_bench(const Vec3& ray) {
+  if (ray.z() < -0.05 * ray.y()) return 1 / ray.y();
+  return std::abs(ray.x()) < 0.15 * ray.y() ? 2 / ray.y() : 4 / ray.y();
+}
+
+TEST(Curtains, what_a_bench_hides_of_a_passer_by_stands_on_the_ground) {
+  const RangeImage image = scan_of(passer_by_behind_a_bench);
+  std::vector<std::uint32_t> label(image.count(), 0);
+  const auto feet = [&](const std::vector<SightScan>& scans) {
+    std::vector<Curtain> found;
+    for (const Curtain& curtain : stages::hang_curtains(scans))
+      if (std::all_of(curtain.begin(), curtain.end(),
+                      [&](const Vec3& corner) { return std::abs(corner.y() - 2) < 0.05; }))
+        found.push_back(curtain);
+    return found;
+  };
+  const auto alone = feet({{&image, &label, nullptr, {}}});
+  ASSERT_GE(alone.size(), 30u);  // as many nodes wide as the passer-by
+  for (const Curtain& curtain : alone) {
+    for (const Vec3& corner : curtain) EXPECT_LT(std::abs(corner.x()), 0.34);
+    // From the last nodes above the bench, 2 cm apart, on.
+    EXPECT_NEAR(curtain[0].z(), -0.06, 0.05);
+    EXPECT_NEAR(curtain[0].z() - curtain[2].z(), 1.5, 1e-9);
+  }
+  // None where another scan shows that nothing is there.
+  const RangeImage over = scan_of(wall_alone);
+  EXPECT_TRUE(feet({{&image, &label, nullptr, {}}, {&over, nullptr, nullptr, {}}}).empty());
+  // Of planes shadow_faces knows more.
+  std::fill(label.begin(), label.end(), 1);
+  EXPECT_TRUE(feet({{&image, &label, nullptr, {}}}).empty());
+}
+
 TEST_F(ColumnBehindAWall, curtains_go_on_beyond_its_ends_where_no_scan_sees_through) {
   const auto curtains = stages::hang_curtains({{&hiding, nullptr, nullptr, {}, &columns}});
   EXPECT_EQ(curtains.size(), 192u);  // 24 sides, 4 slices at either end
