@@ -8,6 +8,7 @@
 #include "stages/rendering/column_backs.hpp"
 #include "stages/rendering/column_ends.hpp"
 #include "stages/rendering/far_flanks.hpp"
+#include "stages/rendering/opening_contents.hpp"
 #include "stages/rendering/shadow_faces.hpp"
 
 namespace hybrid::batch {
@@ -35,7 +36,8 @@ Face shifted(Face face, std::uint32_t by) {
 
 // What the scans' evidence says of sides and places that none of them has seen.
 void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct>& products,
-                   const std::vector<std::optional<ScanRegistration>>& registrations, WorldContours& all) {
+                   const std::vector<std::optional<ScanRegistration>>& registrations,
+                   const std::vector<stages::GlazedOpening>& openings, WorldContours& all) {
   std::vector<std::uint32_t> product_of;
   std::vector<std::size_t> scan_of(products.size());
   for (std::size_t i = 0; i < products.size(); ++i) {
@@ -46,6 +48,7 @@ void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct
   for (const std::uint32_t product : all.scan) scan_of_face.push_back(scan_of[product]);
   const auto ends = stages::column_ends(sight, all.model);
   const auto shadows = stages::shadow_faces(sight, all.model, scan_of_face);
+  const auto contents = stages::opening_contents(sight, all.model, openings);
   std::vector<std::size_t> part_of(all.model.faces.size());
   std::iota(part_of.begin(), part_of.end(), std::size_t{0});
   const auto add = [&](std::size_t scan, std::string name, const Face& face, const auto& vertices) {
@@ -63,6 +66,8 @@ void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct
     add(back.scan, column(back.scan, back.cylinder), quadrilateral, back.corners);
   for (const auto& [scan, cylinder, polygon] : ends)
     add(scan, column(scan, cylinder), polygon.faces[0], polygon.vertices);
+  for (const auto& [face, polygon] : contents)
+    add(scan_of_face[face], all.model.faces[face].name + "-alike", polygon.faces[0], polygon.vertices);
   part_of.resize(all.model.faces.size(), stages::kPartOfNone);
   for (const auto& [face, polygon] : shadows) {
     add(scan_of_face[face], all.model.faces[face].name + "-shadow", polygon.faces[0], polygon.vertices);
@@ -105,12 +110,13 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
 
 WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                    const std::vector<std::optional<ScanRegistration>>& registrations,
+                                   const std::vector<stages::GlazedOpening>& openings,
                                    std::vector<ScanProduct>& products) {
   WorldContours contours = world_contours(products, registrations);
   const double worst_sigma_m = largest_sigma(products);
   const auto scans = sight_scans(products, registrations);
   const stages::ScanSight sight(scans, kSightTolerance_m);
-  if (options.render.unseen_m > 0) append_unseen(sight, products, registrations, contours);
+  if (options.render.unseen_m > 0) append_unseen(sight, products, registrations, openings, contours);
   std::size_t scan = 0;
   for (std::size_t p = 0; p < products.size(); ++p) {
     if (!registrations[p]) continue;

@@ -1,6 +1,7 @@
 #pragma once
 #include "batch/registration/registration_unit.hpp"
 #include "stages/rendering/curtains.hpp"
+#include "stages/rendering/opening_contents.hpp"
 
 namespace hybrid::batch {
 
@@ -11,8 +12,9 @@ std::vector<stages::SightScan> sight_scans(const std::vector<ScanProduct>& produ
 // The contour polygons of all registered scans in the world frame, faces named <scan>-<supercluster id>, and
 // the faces that close what no scan has seen: sides of columns (column_backs.hpp, column_ends.hpp), named
 // <scan>-column-<cylinder id>, what something hides of the polygons (shadow_faces.hpp), named
-// <scan>-<supercluster id>-shadow, and their far flanks (far_flanks.hpp), named <scan>-<supercluster
-// id>-flank.
+// <scan>-<supercluster id>-shadow, their far flanks (far_flanks.hpp), named <scan>-<supercluster id>-flank,
+// and what stands in openings as in others of their design (opening_contents.hpp), named <scan>-<supercluster
+// id>-alike.
 struct WorldContours {
   PolygonModel model;
   std::vector<std::uint32_t> scan;  // per face: index of its product
@@ -27,10 +29,11 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
 // has moved away), and those that lie on a contour polygon. Drawn only without the proxy: those that
 // a proxy face stands for, as it stands for the discarded interior: planar ones within explain_m of a face,
 // others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on.
-// Returns the scene's contours; with `unseen_m` (RenderOptions) 0 all that no scan has seen is empty, and
-// nothing closes it.
+// `openings` were cut. Returns the scene's contours; with `unseen_m` (RenderOptions) 0 all that no scan has
+// seen is empty, and nothing closes it.
 WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                    const std::vector<std::optional<ScanRegistration>>& registrations,
+                                   const std::vector<stages::GlazedOpening>& openings,
                                    std::vector<ScanProduct>& products);
 
 }  // namespace hybrid::batch

@@ -212,7 +212,9 @@ class Run {
     if (run_.model && wants("edit"))
       unit("edit", [&] { editing_.write(queue_, request_.out, run_.products, *run_.model); });
     progress_.step("drawn samples", all);
-    run_.contours = choose_drawn_samples(queue_, options_, run_.registrations, run_.products);
+    const auto glazed =
+        run_.model ? editing_.glazed_openings(*run_.model) : std::vector<stages::GlazedOpening>();
+    run_.contours = choose_drawn_samples(queue_, options_, run_.registrations, glazed, run_.products);
     if (!run_.model) return;
     if (needs_photographs()) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;

@@ -94,6 +94,14 @@ void SceneEditing::openings(const stages::OpeningOptions& options,
                                       {"measured_m2", map.measured_m2}});
 }
 
+std::vector<stages::GlazedOpening> SceneEditing::glazed_openings(const PolygonModel& model) const {
+  std::vector<stages::GlazedOpening> glazed;
+  for (const auto& opening : found_.openings)
+    if (opening.cut && opening.pane_m)
+      glazed.push_back({face_frame(model, model.faces[opening.face]), opening.ring, *opening.pane_m});
+  return glazed;
+}
+
 void SceneEditing::write_displacements(const fs::path& out, const PolygonModel& model) const {
   fs::remove_all(out / "model" / "displacement");
   for (const auto& map : displacements_) {

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "batch/editing/edit_unit.hpp"
+#include "stages/rendering/opening_contents.hpp"
 
 namespace hybrid::batch {
 
@@ -24,6 +25,8 @@ class SceneEditing {
   void openings(const stages::OpeningOptions& options, const stages::DisplacementOptions& displacement,
                 std::vector<ScanProduct>& products,
                 const std::vector<std::optional<ScanRegistration>>& registrations, PolygonModel& model);
+  // Those that were cut and have glass, of the model that they were cut into.
+  std::vector<stages::GlazedOpening> glazed_openings(const PolygonModel& model) const;
 
   // model/edited.obj and edited.png where the model was changed, model/openings.json and
   // model/openings/<face>.png where openings were looked for, model/displacement/<face>.exr,

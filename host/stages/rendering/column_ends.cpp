@@ -10,17 +10,14 @@
 #include "geometry/flat_ring.hpp"
 #include "stages/rendering/column_squares.hpp"
 #include "stages/rendering/flat_polygon.hpp"
+#include "stages/rendering/unseen_polygon.hpp"
 
 namespace hybrid::stages {
 namespace {
 
 constexpr double kEndReach = 2.5, kInwards = 0.3;            // radii from an end, along the axis
 constexpr double kNearestSide = 1.7, kFarthestCorner = 2.5;  // radii from the axis
-constexpr double kPlaces_m = 0.03;                           // of the places that are asked about
-constexpr int kMostSteps = 16;                               // across a polygon
-constexpr double kMostEmpty = 0.1, kLeastUnknown = 0.25;     // of them
-constexpr double kSamePlane_m = 0.05;
-constexpr double kAlikeReach = 4;  // radii from an end: its own may be hidden
+constexpr double kAlikeReach = 4;                            // radii from an end: its own may be hidden
 
 ColumnEndKind end_of(const SpacePolygon& polygon, const Cylinder& column) {
   const Vec3 a = column.axis.unitOrthogonal(), b = column.axis.cross(a);
@@ -55,23 +52,6 @@ SpacePolygon turned(const SpacePolygon& polygon, const Cylinder& about, int quar
   const Mat3 turn = Eigen::AngleAxisd(quarters * std::numbers::pi / 2, about.axis).toRotationMatrix();
   return each_moved(polygon,
                     [&](const Vec3& point) { return Vec3(about.foot + turn * (point - about.foot)); });
-}
-
-// Whether enough of it is new, and little of it seen to be empty.
-bool may_be_there(const ScanSight& sight, const FlatPolygon& polygon,
-                  const std::vector<FlatPolygon>& others) {
-  const auto places = polygon.places(kPlaces_m, kMostSteps);
-  std::size_t empty = 0, unknown = 0;
-  for (const Vec3& place : places)
-    if (sight.is_empty(place))
-      ++empty;
-    else if (!sight.is_known(place) &&
-             std::none_of(others.begin(), others.end(),
-                          [&](const FlatPolygon& other) { return other.covers(place, kSamePlane_m); }))
-      ++unknown;
-  const auto all = static_cast<double>(places.size());
-  return !places.empty() && static_cast<double>(empty) <= kMostEmpty * all &&
-         static_cast<double>(unknown) >= kLeastUnknown * all;
 }
 
 // What was seen at one end of a column.
