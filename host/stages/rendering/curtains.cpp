@@ -116,7 +116,7 @@ class Hanger {
     };
     int below = 1;  // mixed samples may be between
     while (below <= kHiddenReach && !hides(below)) ++below;
-    if (below > kHiddenReach) return;
+    if (below > kHiddenReach || is_beside_a_plane(row, col, range_m, jump_m)) return;
     const Vec3 top = scan_.world_from_scan * point, along = top - scan_.world_from_scan.translation;
     const Vec3 side =
         wide_m * Vec3(-along.y(), along.x(), 0).normalized();  // over its neighbours' halves, too
@@ -125,6 +125,17 @@ class Hanger {
     int count = first;
     while (count * kPiece_m < kTallest_m && !sight_.is_known(down(count + 0.5))) ++count;
     if (count > first) curtains.push_back({top - side, top + side, down(count) + side, down(count) - side});
+  }
+
+  // As at its border, where mixed samples are; what the plane itself does is for shadow_faces to say.
+  bool is_beside_a_plane(int row, int col, double range_m, double jump_m) const {
+    for (const int up : {0, 1})
+      for (const int across : {-1, 0, 1}) {
+        const auto i = node(row - up, col + across);
+        if (i && says(*i) && !is_of_no_plane(*i) && std::abs(image_.point(*i).norm() - range_m) <= jump_m)
+          return true;
+      }
+    return false;
   }
 
   bool is_of_no_plane(std::size_t i) const {

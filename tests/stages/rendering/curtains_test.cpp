@@ -85,7 +85,13 @@ TEST(Curtains, what_a_bench_hides_of_a_passer_by_stands_on_the_ground) {
   // None where another scan shows that nothing is there.
   const RangeImage over = scan_of(wall_alone);
   EXPECT_TRUE(feet({{&image, &label, nullptr, {}}, {&over, nullptr, nullptr, {}}}).empty());
-  // Of planes shadow_faces knows more.
+  // Of planes and their borders shadow_faces knows more: beside one are two or three nodes, or all.
+  std::vector<std::uint32_t> left = label;
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] = image.x[i] < 0;
+  const auto right = feet({{&image, &left, nullptr, {}}});
+  EXPECT_GE(right.size(), alone.size() / 2 - 4);
+  for (const Curtain& curtain : right)
+    for (const Vec3& corner : curtain) EXPECT_GT(corner.x(), 0);
   std::fill(label.begin(), label.end(), 1);
   EXPECT_TRUE(feet({{&image, &label, nullptr, {}}}).empty());
 }
