@@ -23,8 +23,8 @@ struct OpeningContent {
 // What stands in openings where no scan has seen it: builders repeat windows, and their left sides on their
 // right. The contour polygons (`contours`, world frame) between a wall's face and its glass, such as jambs,
 // frames and mullions, stand in every opening of the same design, and, where its outline is symmetric,
-// mirrored in the same opening and in those, too, unless scans know better (may_be_there). The nearest one of
-// which something is seen has it.
+// mirrored in the same opening and in those, too, unless scans know better (may_be_there). Those of the
+// nearest opening first.
 std::vector<OpeningContent> opening_contents(const ScanSight& sight, const PolygonModel& contours,
                                              const std::vector<GlazedOpening>& openings);
 
