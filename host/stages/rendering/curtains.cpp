@@ -17,6 +17,7 @@ constexpr int kReach = 3;          // nodes to the far surface: over mixed sampl
 constexpr double kPiece_m = 0.05;  // that another scan may have seen to be empty
 constexpr double kShortest_m = 0.05;  // shorter ones hide nothing
 constexpr int kHiddenReach = 4;       // nodes down to what hides the foot of a thing
+constexpr int kBesideHider = 32;      // nodes from it to where it may be seen beside that
 constexpr double kHiddenJump = 3;     // range over arc, between the two
 constexpr double kOwnHeight = 1.5;    // spacings: so far down a sample tells of its own surface
 constexpr double kTallest_m = 1.5;    // of feet that are hidden
@@ -116,7 +117,9 @@ class Hanger {
     };
     int below = 1;  // mixed samples may be between
     while (below <= kHiddenReach && !hides(below)) ++below;
-    if (below > kHiddenReach || is_beside_a_plane(row, col, range_m, jump_m)) return;
+    if (below > kHiddenReach || is_beside_a_plane(row, col, range_m, jump_m) ||
+        goes_on_beside(row + below, col, range_m, jump_m))
+      return;
     const Vec3 top = scan_.world_from_scan * point, along = top - scan_.world_from_scan.translation;
     const Vec3 side =
         wide_m * Vec3(-along.y(), along.x(), 0).normalized();  // over its neighbours' halves, too
@@ -134,6 +137,20 @@ class Hanger {
         const auto i = node(row - up, col + across);
         if (i && says(*i) && !is_of_no_plane(*i) && std::abs(image_.point(*i).norm() - range_m) <= jump_m)
           return true;
+      }
+    return false;
+  }
+
+  // Whether what is hidden from this node down is seen beside that which hides it: a wall behind a post.
+  bool goes_on_beside(int row, int col, double range_m, double jump_m) const {
+    for (const int across : {-1, 1})
+      for (int k = 1; k <= kBesideHider; ++k) {
+        const auto i = node(row, col + k * across);
+        if (!i || !says(*i)) continue;
+        const double beside_m = image_.point(*i).norm();
+        if (beside_m < range_m - jump_m) continue;
+        if (beside_m <= range_m + jump_m && is_of_no_plane(*i)) return true;
+        break;
       }
     return false;
   }

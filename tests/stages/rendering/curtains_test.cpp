@@ -82,6 +82,10 @@ TEST(Curtains, what_a_bench_hides_of_a_passer_by_stands_on_the_ground) {
     EXPECT_NEAR(curtain[0].z(), -0.06, 0.05);
     EXPECT_NEAR(curtain[0].z() - curtain[2].z(), 1.5, 1e-9);
   }
+  // None where it goes on beside what hides it, a wall behind a post.
+  const RangeImage wall_and_post = scan_of(thing_and_wall);
+  for (const Curtain& curtain : stages::hang_curtains({{&wall_and_post, &label, nullptr, {}}}))
+    EXPECT_LT(curtain[0].y(), 2.5);
   // None where another scan shows that nothing is there.
   const RangeImage over = scan_of(wall_alone);
   EXPECT_TRUE(feet({{&image, &label, nullptr, {}}, {&over, nullptr, nullptr, {}}}).empty());
