@@ -66,8 +66,10 @@ void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct
     add(back.scan, column(back.scan, back.cylinder), quadrilateral, back.corners);
   for (const auto& [scan, cylinder, polygon] : ends)
     add(scan, column(scan, cylinder), polygon.faces[0], polygon.vertices);
-  for (const auto& [face, polygon] : contents)
-    add(scan_of_face[face], all.model.faces[face].name + "-alike", polygon.faces[0], polygon.vertices);
+  for (const auto& [kind, face, polygon] : contents) {
+    const char* what = kind == stages::OpeningContent::Kind::back ? "-back" : "-alike";
+    add(scan_of_face[face], all.model.faces[face].name + what, polygon.faces[0], polygon.vertices);
+  }
   part_of.resize(all.model.faces.size(), stages::kPartOfNone);
   for (const auto& [face, polygon] : shadows) {
     add(scan_of_face[face], all.model.faces[face].name + "-shadow", polygon.faces[0], polygon.vertices);

@@ -182,6 +182,7 @@ Json opening_json(const PolygonModel& model, const stages::Opening& opening) {
                {"border_seen", opening.border_seen},
                {"depth_m", opening.depth_m}};
   if (opening.pane_m) json["pane_m"] = *opening.pane_m;
+  if (opening.pane_from) json["pane_from"] = model.faces[*opening.pane_from].name;
   if (opening.carried_from) json["carried_from"] = model.faces[*opening.carried_from].name;
   if (opening.completed_from) json["completed_from"] = model.faces[*opening.completed_from].name;
   if (!opening.cut) json["why_not"] = opening.why_not;

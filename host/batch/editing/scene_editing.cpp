@@ -74,6 +74,7 @@ void SceneEditing::openings(const stages::OpeningOptions& options,
         std::count_if(found_.openings.begin(), found_.openings.end(), [](const auto& o) { return o.cut; });
     changed_ = changed_ || cut > 0;
     stages::confirm_panes(model, found_);
+    stages::complete_panes(model, found_);
     const auto panes = stages::add_panes(found_, model);
     for (std::size_t i = 0; i < products.size(); ++i)
       if (registrations[i])

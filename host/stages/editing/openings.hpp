@@ -55,6 +55,7 @@ struct Opening {
   double depth_m = 0;              // median of how far behind the face the rays return
   std::optional<double> pane_m{};  // how far behind the face glass closes it (panes.hpp)
   std::optional<double> likely_pane_m{};      // where it may, if another side of the wall says so, too
+  std::optional<std::size_t> pane_from{};     // the face of the wall's other side that shows the glass
   std::optional<std::size_t> carried_from{};  // the face of the wall's other side that its border was seen on
   std::optional<std::size_t> completed_from{};  // the face of the whole opening whose border it has
   std::string kind;  // "open" | "glass" (some return from one pane) | "recess" (nearly all from one plane)

@@ -76,7 +76,7 @@ struct PaneShape {
 };
 
 bool has_pane(const Opening& opening) {
-  return opening.cut && opening.pane_m && !opening.carried_from;
+  return opening.cut && opening.pane_m && (!opening.carried_from || opening.pane_from);
 }
 
 // The face's frame, moved to where glass closes the opening.
@@ -109,6 +109,48 @@ std::vector<PaneShape> shapes_of(const PolygonModel& model, const std::vector<st
     shapes.push_back({std::move(frame), std::move(ring)});
   }
   return shapes;
+}
+
+struct SurePane {
+  std::size_t opening;
+  PaneShape shape;
+};
+
+std::vector<SurePane> sure_panes(const PolygonModel& model, const Openings& openings) {
+  std::vector<SurePane> sure;
+  for (std::size_t k = 0; k < openings.openings.size(); ++k)
+    if (const Opening& opening = openings.openings[k]; has_pane(opening))
+      sure.push_back({k, {pane_frame(model, opening, *opening.pane_m), opening.ring}});
+  return sure;
+}
+
+// Whether a pane is seen from a wall's other side at `centre`, too, where the front of what is there looks
+// along `normal`.
+bool is_other_side(const PaneShape& pane, const Vec3& centre, const Vec3& normal) {
+  return pane.frame.plane.normal.dot(normal) < 0 && inside(pane.ring, pane.frame.flat(centre));
+}
+
+// Of glass that scans show from both sides of a wall.
+struct GlassThickness {
+  std::size_t face, other_face;
+  std::int64_t rays;  // of the side with fewer
+  double thickness_m;
+};
+
+std::vector<GlassThickness> glass_thicknesses(const Openings& openings, const std::vector<SurePane>& sure) {
+  std::vector<GlassThickness> known;
+  for (const auto& [near, pane] : sure)
+    for (const auto& [far, back] : sure) {
+      const Vec3 centre = back.frame.world(mean(back.ring));
+      const double thickness_m = -pane.frame.plane.distance(centre);
+      if (!is_other_side(pane, centre, back.frame.plane.normal) || thickness_m < kLeastApart_m ||
+          thickness_m > kSamePane_m)
+        continue;
+      const Opening &one = openings.openings[near], &other = openings.openings[far];
+      known.push_back({one.face, other.face, std::min(one.rays, other.rays), thickness_m});
+    }
+  std::stable_sort(known.begin(), known.end(), [](const auto& a, const auto& b) { return a.rays > b.rays; });
+  return known;
 }
 
 bool behind(const PaneShape& pane, const Vec3& eye, const Vec3& point) {
@@ -151,19 +193,38 @@ PaneDepths pane_depths(const std::vector<PassedRay>& rays, double area_m2) {
 }
 
 void confirm_panes(const PolygonModel& model, Openings& openings) {
-  std::vector<PaneShape> sure;
-  for (const Opening& opening : openings.openings)
-    if (has_pane(opening)) sure.push_back({pane_frame(model, opening, *opening.pane_m), opening.ring});
+  const std::vector<SurePane> sure = sure_panes(model, openings);
   for (Opening& opening : openings.openings) {
     if (!opening.cut || opening.carried_from || opening.pane_m || !opening.likely_pane_m) continue;
     const FaceFrame frame = pane_frame(model, opening, *opening.likely_pane_m);
     const Vec3 centre = frame.world(mean(opening.ring));
-    if (std::any_of(sure.begin(), sure.end(), [&](const PaneShape& pane) {
-          return pane.frame.plane.normal.dot(frame.plane.normal) < 0 &&
-                 std::abs(pane.frame.plane.distance(centre)) < kSamePane_m &&
-                 inside(pane.ring, pane.frame.flat(centre));
+    if (std::any_of(sure.begin(), sure.end(), [&](const SurePane& pane) {
+          return is_other_side(pane.shape, centre, frame.plane.normal) &&
+                 std::abs(pane.shape.frame.plane.distance(centre)) < kSamePane_m;
         }))
       opening.pane_m = opening.likely_pane_m;
+  }
+}
+
+void complete_panes(const PolygonModel& model, Openings& openings) {
+  const std::vector<SurePane> sure = sure_panes(model, openings);
+  const std::vector<GlassThickness> known = glass_thicknesses(openings, sure);
+  for (Opening& opening : openings.openings) {
+    if (!opening.cut || has_pane(opening)) continue;
+    const FaceFrame wall = face_frame(model, model.faces[opening.face]);
+    const Vec3 centre = wall.world(mean(opening.ring));
+    for (const auto& [seen, pane] : sure) {
+      const std::size_t face = openings.openings[seen].face;
+      const auto glass = std::find_if(known.begin(), known.end(), [&](const GlassThickness& one) {
+        return one.face == face && one.other_face == opening.face;
+      });
+      if (glass == known.end() || !is_other_side(pane, centre, wall.plane.normal)) continue;
+      const double pane_m = -wall.plane.distance(pane.frame.world(mean(pane.ring))) - glass->thickness_m;
+      if (pane_m <= 0) continue;
+      opening.pane_m = pane_m;
+      opening.pane_from = face;
+      break;
+    }
   }
 }
 

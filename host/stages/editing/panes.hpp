@@ -29,6 +29,11 @@ PaneDepths pane_depths(const std::vector<PassedRay>& rays, double area_m2);
 // stands there. Sets `pane_m`.
 void confirm_panes(const PolygonModel& model, Openings& openings);
 
+// Gives openings that were cut and in which no scan has seen glass from this side of their wall (with those
+// carried from its other side) that which is seen from its other side, as thick as between the same two faces
+// it is in the opening that most rays show from both. Sets `pane_m` and `pane_from`.
+void complete_panes(const PolygonModel& model, Openings& openings);
+
 // Puts the panes of openings that were cut into the model, as faces of the opening's outline named
 // "<face>-pane-1", "-2" ...: photographs show what is on the glass, not what is behind it. Of panes seen
 // through both sides of a wall the one with more rays, unless the glass is a centimetre thick and more: then

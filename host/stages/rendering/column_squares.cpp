@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 namespace hybrid::stages {
 namespace {
@@ -16,6 +18,8 @@ constexpr double kSameWidth_m = 0.06;
 constexpr double kSameTurn_rad = 0.07;
 constexpr double kSideLevel = 0.98;     // of a level's normal, along the axis
 constexpr double kSameHeight_m = 0.04;  // a side's border and the level it ends at
+constexpr double kHalfWide = 0.5;       // of a side's width: above and below it is spurs of its contour
+constexpr int kHeights = 64;            // at which its width is taken
 constexpr int kShaftCorners = 24;
 constexpr double kQuarter = std::numbers::pi / 2;
 
@@ -36,6 +40,26 @@ struct Around {
   Vec3 towards(double turn_rad) const { return std::cos(turn_rad) * a + std::sin(turn_rad) * b; }
 };
 
+// Where a side is at least half as wide as where it is widest, from and to, along the axis.
+std::pair<double, double> ends_of(const Cylinder& column, const SpacePolygon& side) {
+  const FlatPolygon flat(side, column.axis);
+  std::array<double, kHeights> width{};
+  const auto height = [&](double k) {
+    return flat.low().y() + k / kHeights * (flat.high().y() - flat.low().y());
+  };
+  for (int k = 0; k < kHeights; ++k)
+    for (const auto& [from, to] : flat.spans(height(k + 0.5)))
+      width[static_cast<std::size_t>(k)] += to - from;
+  const double least = kHalfWide * *std::max_element(width.begin(), width.end());
+  const auto wide = [&](double one) { return one >= least; };
+  const auto first = std::find_if(width.begin(), width.end(), wide) - width.begin();
+  const auto last = width.rend() - std::find_if(width.rbegin(), width.rend(), wide);
+  const auto along = [&](std::ptrdiff_t k) {
+    return column.along(flat.lifted({0, height(static_cast<double>(k))}));
+  };
+  return {along(first), along(last)};
+}
+
 std::optional<Square> square_of(const Cylinder& column, const Around& around, const SpacePolygon& side) {
   const FlatPolygon flat(side);
   const Vec3 out = flat.normal() - flat.normal().dot(column.axis) * column.axis;
@@ -46,13 +70,11 @@ std::optional<Square> square_of(const Cylinder& column, const Around& around, co
   Square square;
   square.turn_rad = turn_rad - quarters * kQuarter;
   double apart = 0, left = 0, right = 0;
-  square.low_m = square.high_m = column.along(side.outer[0]);
+  std::tie(square.low_m, square.high_m) = ends_of(column, side);
   for (const Vec3& point : side.outer) {
     apart += normal.dot(point - column.foot) / static_cast<double>(side.outer.size());
     left = std::min(left, across.dot(point - column.foot));
     right = std::max(right, across.dot(point - column.foot));
-    square.low_m = std::min(square.low_m, column.along(point));
-    square.high_m = std::max(square.high_m, column.along(point));
   }
   const double reach = std::max(right, -left);
   if (reach < kReachesCorner * apart || reach > apart + kPastCorner_m) return {};
