@@ -120,6 +120,51 @@ TEST(Panes, a_likely_pane_stands_where_the_other_side_of_the_wall_is_sure_of_one
   EXPECT_FALSE(inside.pane_m.has_value());
 }
 
+// Two windows beside each other; both sides of the first one's glass were seen, of the other's the outer one.
+Openings two_windows() {
+  Openings openings;
+  openings.openings = {glazed(0, 100, 0.15), glazed(1, 900, 0.22), glazed(0, 100, 0.14), glazed(1, 90, 0)};
+  openings.openings[2].ring = {{3.2, 1}, {3.8, 1}, {3.8, 2}, {3.2, 2}};
+  openings.openings[3].ring = {{0.2, 1}, {0.8, 1}, {0.8, 2}, {0.2, 2}};  // as the inner face counts
+  openings.openings[3].pane_m.reset();
+  return openings;
+}
+
+TEST(Panes, glass_seen_from_one_side_is_as_thick_as_in_another_window_of_the_wall) {
+  PolygonModel model = two_sided_wall();
+  Openings openings = two_windows();
+  Opening& inside = openings.openings[3];
+  inside.carried_from = 0;
+  inside.pane_m = 0.1;  // of a few rays that passed an outline which this side has not seen
+  stages::complete_panes(model, openings);
+  ASSERT_TRUE(inside.pane_m.has_value());
+  EXPECT_NEAR(*inside.pane_m, 0.4 - 0.14 - 0.03, 1e-9);
+  EXPECT_EQ(inside.pane_from, 0u);
+  EXPECT_EQ(*openings.openings[1].pane_m, 0.22);  // what was seen stays
+  EXPECT_FALSE(openings.openings[1].pane_from.has_value());
+  const auto added = stages::add_panes(openings, model);
+  ASSERT_EQ(added.size(), 4u);
+  EXPECT_EQ(model.faces[added[3]].name, "inside-pane-2");
+  EXPECT_NEAR(model.vertices[model.faces[added[3]].outer[0]].y(), 0.17, 1e-9);
+}
+
+TEST(Panes, glass_of_unknown_thickness_has_one_side) {
+  const PolygonModel model = two_sided_wall();
+  Openings none_known = two_windows();
+  none_known.openings[1].pane_m.reset();
+  stages::complete_panes(model, none_known);
+  EXPECT_FALSE(none_known.openings[3].pane_m.has_value());
+  EXPECT_FALSE(none_known.openings[1].pane_m.has_value());
+  Openings elsewhere = two_windows();  // nor is there glass where the other side shows none
+  elsewhere.openings[2].ring = {{2, 1}, {2.6, 1}, {2.6, 2}, {2, 2}};
+  stages::complete_panes(model, elsewhere);
+  EXPECT_FALSE(elsewhere.openings[3].pane_m.has_value());
+  Openings uncut = two_windows();
+  uncut.openings[3].cut = false;
+  stages::complete_panes(model, uncut);
+  EXPECT_FALSE(uncut.openings[3].pane_m.has_value());
+}
+
 TEST(Panes, glass_that_is_thicker_than_a_centimetre_has_a_face_on_either_side) {
   PolygonModel model = two_sided_wall();
   Openings openings;

@@ -235,6 +235,31 @@ TEST_F(ColumnBehindAWall, an_abacus_ends_at_the_level_that_was_seen) {
   }
 }
 
+TEST_F(ColumnBehindAWall, a_spur_of_its_contour_makes_no_plinth_higher) {
+  PolygonModel spurred = plinth(-0.45, 0.45, 0.45);
+  double top_m = -1;
+  for (const Vec3& vertex : spurred.vertices) top_m = std::max(top_m, vertex.z());
+  // A tooth of 5 cm on the upper border, a tenth as wide as that.
+  auto& ring = spurred.faces[0].outer;
+  std::vector<std::uint32_t> toothed;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Vec3 a = spurred.vertices[ring[k]], b = spurred.vertices[ring[(k + 1) % ring.size()]];
+    toothed.push_back(ring[k]);
+    if (std::min(a.z(), b.z()) < top_m) continue;
+    for (const auto& [share, up_m] : {std::pair{0.4, 0.0}, {0.4, 0.05}, {0.5, 0.05}, {0.5, 0.0}}) {
+      toothed.push_back(static_cast<std::uint32_t>(spurred.vertices.size()));
+      spurred.vertices.push_back(a + share * (b - a) + up_m * Vec3::UnitZ());
+    }
+  }
+  ring = toothed;
+  const auto ends = ends_of({{&hiding, nullptr, nullptr, {}, &columns}}, spurred);
+  ASSERT_FALSE(ends.empty());
+  double highest_m = -1;
+  for (const stages::ColumnEnd& end : ends)
+    for (const Vec3& corner : end.polygon.vertices) highest_m = std::max(highest_m, corner.z());
+  EXPECT_NEAR(highest_m, top_m, 0.003);
+}
+
 // Two columns on round bases; of the right one a low wall hides the base and the foot of the shaft.
 class ColumnsOfOneDesign : public ::testing::Test {
  protected:

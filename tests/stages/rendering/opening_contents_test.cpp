@@ -8,6 +8,7 @@ namespace hybrid::testing::opening_contents_test {
 namespace {
 
 using stages::GlazedOpening;
+using Kind = stages::OpeningContent::Kind;
 
 constexpr double kWall_m = 6, kPane_m = 0.5;
 
@@ -36,14 +37,26 @@ PolygonModel jamb(double x) {
   return model;
 }
 
+// A bar before the glass, along the left jamb of the window about x, and its side: from the bar's front to
+// `end_m` behind the wall's face.
+PolygonModel barred(double x, double end_m) {
+  PolygonModel model;
+  const double left = x - 0.5, right = x - 0.38, front = kWall_m + 0.3, end = kWall_m + end_m;
+  model.vertices = {{left, front, -0.5},  {right, front, -0.5}, {right, front, 0.5}, {left, front, 0.5},
+                    {right, front, -0.5}, {right, end, -0.5},   {right, end, 0.5},   {right, front, 0.5}};
+  model.faces = {{"bar", {0, 1, 2, 3}, {}}, {"side", {4, 5, 6, 7}, {}}};
+  return model;
+}
+
 class OpeningContents : public ColumnBehindAWall {
  protected:
   static std::vector<PolygonModel> found(const RangeImage& image, const PolygonModel& contours,
-                                         const std::vector<GlazedOpening>& openings) {
+                                         const std::vector<GlazedOpening>& openings,
+                                         Kind kind = Kind::alike) {
     const std::vector<stages::SightScan> scans = {{&image, nullptr, nullptr, {}}};
     std::vector<PolygonModel> polygons;
     for (auto& content : stages::opening_contents(stages::ScanSight(scans, 0.02), contours, openings))
-      polygons.push_back(std::move(content.polygon));
+      if (content.kind == kind) polygons.push_back(std::move(content.polygon));
     return polygons;
   }
 };
@@ -99,6 +112,32 @@ TEST_F(OpeningContents, what_is_not_between_wall_and_glass_stands_in_no_window) 
   EXPECT_TRUE(found(hiding, before, {window(-1.2), window(1.2)}).empty());
   glass.vertices = {{-1.6, 6.5, -0.4}, {-0.8, 6.5, -0.4}, {-0.8, 6.5, 0.4}, {-1.6, 6.5, 0.4}};
   EXPECT_TRUE(found(hiding, glass, {window(-1.2), window(1.2)}).empty());
+}
+
+TEST_F(OpeningContents, a_frame_that_goes_on_behind_its_glass_has_a_back) {
+  const auto backs = found(hiding, barred(-1.2, 0.62), {window(-1.2), window(1.2)}, Kind::back);
+  ASSERT_EQ(backs.size(), 4u);  // of both sides of both windows, one of which shows how deep they are
+  for (const PolygonModel& back : backs) {
+    EXPECT_NEAR(face_area_m2(back, back.faces[0]), 0.12, 1e-9);
+    EXPECT_GT(face_plane(back, back.faces[0]).normal.y(), 0.99);
+    for (const Vec3& corner : back.vertices) EXPECT_NEAR(corner.y(), kWall_m + 0.62, 1e-9);
+  }
+  EXPECT_NEAR(backs[0].vertices[0].x(), -1.6, 0.1 + 1e-9);
+}
+
+TEST_F(OpeningContents, no_back_where_the_side_ends_at_the_glass_or_the_back_is_known_or_empty) {
+  const std::vector<GlazedOpening> windows = {window(-1.2)};
+  EXPECT_TRUE(found(hiding, barred(-1.2, 0.51), windows, Kind::back).empty());
+  EXPECT_TRUE(found(hiding, barred(-1.2, 1.2), windows, Kind::back).empty());  // a wall's, of no frame
+  EXPECT_TRUE(found(through, barred(-1.2, 0.62), windows, Kind::back).empty());
+  PolygonModel known = barred(-1.2, 0.62);
+  for (const double left : {-1.7, -0.82}) {
+    const auto first = static_cast<std::uint32_t>(known.vertices.size());
+    for (const auto& [x, z] : {std::pair{0.0, -0.5}, {0.0, 0.5}, {0.12, 0.5}, {0.12, -0.5}})
+      known.vertices.emplace_back(left + x, kWall_m + 0.62, z);
+    known.faces.push_back({"back", {first, first + 1, first + 2, first + 3}, {}});
+  }
+  EXPECT_TRUE(found(hiding, known, windows, Kind::back).empty());
 }
 
 }  // namespace hybrid::testing::opening_contents_test
