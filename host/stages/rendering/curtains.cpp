@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -22,6 +23,8 @@ constexpr double kHiddenJump = 3;     // range over arc, between the two
 constexpr double kOwnHeight = 1.5;    // spacings: so far down a sample tells of its own surface
 constexpr double kTallest_m = 1.5;    // of feet that are hidden
 constexpr double kBeyondEnds = 1.5;   // radii: so far a column's base and head may go on
+constexpr double kThinnest_m = 0.05, kThickest_m = 0.4;  // radius of what stands free and has a back
+constexpr double kFlattest = 0.3;  // of the radius, by which its middle stands out at least
 
 // One scan among all.
 class Hanger {
@@ -34,7 +37,10 @@ class Hanger {
     for (int col = 0; col < image_.cols; ++col)
       for (const auto& [down, across] : {std::pair{0, 1}, {0, -1}, {1, 0}, {-1, 0}})
         hang(row, col, down, across, curtains);
-    for (int col = 0; col < image_.cols; ++col) stand(row, col, curtains);
+    for (int col = 0; col < image_.cols; ++col) {
+      stand(row, col, curtains);
+      close(row, col, curtains);
+    }
     return curtains;
   }
 
@@ -128,6 +134,67 @@ class Hanger {
     int count = first;
     while (count * kPiece_m < kTallest_m && !sight_.is_known(down(count + 0.5))) ++count;
     if (count > first) curtains.push_back({top - side, top + side, down(count) + side, down(count) - side});
+  }
+
+  // Whether what is seen on this side of a node is behind the thing that it is the last sample of.
+  bool ends_at(int row, int col, int across) const {
+    const double range_m = image_.point(image_.index(row, col)).norm();
+    const auto far = beyond(row, col, 0, across);
+    return far && image_.point(*far).norm() - range_m > std::max(kSteepestJump * arc_m(range_m), kShortest_m);
+  }
+
+  double arc_m(double range_m) const {
+    return range_m * std::max(image_.elevation_step_rad(), image_.azimuth_step_rad());
+  }
+
+  // The samples from this one on to the other outline of what stands free and has no flat side; or none.
+  std::vector<Vec3> from_outline(int row, int col) const {
+    std::vector<Vec3> across;
+    std::size_t at = image_.index(row, col);
+    if (!says(at) || !is_of_no_plane(at) || !ends_at(row, col, -1)) return across;
+    for (;;) {
+      const Vec3 point = image_.point(at);
+      across.push_back(scan_.world_from_scan * point);
+      if ((across.back() - across.front()).norm() > 2 * kThickest_m) return {};
+      const auto next = beyond(row, col, 0, 1);
+      if (!next) return {};
+      const double jump_m = image_.point(*next).norm() - point.norm();
+      if (jump_m > kSteepestJump * arc_m(point.norm())) return across;
+      if (jump_m < -kSteepestJump * arc_m(point.norm()) || !is_of_no_plane(*next)) return {};
+      at = *next;
+      col = static_cast<int>(at % static_cast<std::size_t>(image_.cols));
+    }
+  }
+
+  // What stands free and is round is as deep as it is wide, and behind as it is before: a cylinder whose
+  // nearest line and whose two outlines are seen is thicker by their angle.
+  void close(int row, int col, std::vector<Curtain>& curtains) const {
+    const std::vector<Vec3> front = from_outline(row, col);
+    if (front.size() < 3) return;
+    const Vec3& scanner = scan_.world_from_scan.translation;
+    const auto level = [](Vec3 along) {
+      along.z() = 0;
+      return along;
+    };
+    const Vec3 left = level(front.front() - scanner).normalized(),
+               right = level(front.back() - scanner).normalized(), away = (left + right).normalized();
+    double nearest_m = std::numeric_limits<double>::max(), farthest_m = 0;
+    for (const Vec3& point : front) {
+      nearest_m = std::min(nearest_m, away.dot(point - scanner));
+      farthest_m = std::max(farthest_m, away.dot(point - scanner));
+    }
+    const double sine = std::sin(std::acos(std::min(1.0, away.dot(left))) + 0.5 * image_.azimuth_step_rad());
+    const double radius_m = nearest_m * sine / (1 - sine);
+    if (radius_m < kThinnest_m || radius_m > kThickest_m || farthest_m - nearest_m < kFlattest * radius_m)
+      return;
+    const Vec3 centre = scanner + (nearest_m + radius_m) * away;
+    const Vec3 half = 0.5 * image_.elevation_step_rad() * (front[0] - scanner).norm() * Vec3::UnitZ();
+    for (std::size_t k = 0; k + 1 < front.size(); ++k) {
+      const auto behind = [&](std::size_t at) -> Vec3 { return front[at] + 2 * level(centre - front[at]); };
+      const Vec3 from = behind(k), to = behind(k + 1);
+      if (!sight_.is_known(0.5 * (from + to)))
+        curtains.push_back({from - half, to - half, to + half, from + half});
+    }
   }
 
   // As at its border, where mixed samples are; what the plane itself does is for shadow_faces to say.

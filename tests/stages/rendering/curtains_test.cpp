@@ -100,6 +100,47 @@ TEST(Curtains, what_a_bench_hides_of_a_passer_by_stands_on_the_ground) {
   EXPECT_TRUE(feet({{&image, &label, nullptr, {}}}).empty());
 }
 
+// A post, round and 50 cm thick, at y = 3 before a wall at y = 6.
+double post_and_wall(const Vec3& ray) {
+  const double level = ray.head<2>().norm(), along = 3 * ray.y() / level;  // of the ray, to beside the axis
+  const double beside = 3 * std::abs(ray.x()) / level;
+  if (beside < 0.25) return (along - std::sqrt(0.25 * 0.25 - beside * beside)) / level;
+  return 6 / ray.y();
+}
+
+TEST(Curtains, what_stands_free_and_is_round_is_as_deep_as_it_is_wide) {
+  const RangeImage image = scan_of(post_and_wall);
+  const std::vector<std::uint32_t> of_none(image.count(), 0);
+  std::vector<std::uint8_t> stray(image.count(), 0);
+  // Those on the post's back, not those that hang along the rays from its outline.
+  const auto on_back = [&](const std::vector<SightScan>& scans) {
+    std::vector<Curtain> found;
+    for (const Curtain& curtain : stages::hang_curtains(scans))
+      if (std::all_of(curtain.begin(), curtain.end(), [](const Vec3& corner) {
+            return corner.y() > 3.1 && std::abs(std::hypot(corner.x(), corner.y() - 3) - 0.25) < 0.03;
+          }))
+        found.push_back(curtain);
+    return found;
+  };
+  const auto backs = on_back({{&image, &of_none, &stray, {}}});
+  EXPECT_GT(backs.size(), 80u * 10);  // 80 rows, 16 nodes across
+  for (std::size_t i = 0; i < image.count(); i += 7) stray[i] = 1;
+  EXPECT_GT(on_back({{&image, &of_none, &stray, {}}}).size(), 80u * 8);
+  // What is flat, or part of a plane, has none.
+  EXPECT_TRUE(on_back({{&image, nullptr, nullptr, {}}}).empty());
+  const RangeImage board = scan_of(
+      [](const Vec3& ray) { return std::abs(ray.x()) < 0.25 / 3 * ray.y() ? 2.75 / ray.y() : 6 / ray.y(); });
+  for (const Curtain& curtain : stages::hang_curtains({{&board, &of_none, nullptr, {}}}))
+    EXPECT_GT((curtain[2] - curtain[1]).norm(), 0.09);  // from outlines on, 10 cm
+  // Nor has what is hidden on one side, or where another scan sees that it is empty.
+  const RangeImage beside =
+      scan_of([](const Vec3& ray) { return ray.x() < -0.03 * ray.y() ? 1 / ray.y() : post_and_wall(ray); });
+  EXPECT_TRUE(on_back({{&beside, &of_none, nullptr, {}}}).empty());
+  const RangeImage through = scan_of([](const Vec3& ray) { return 6 / ray.y(); });
+  const Pose opposite{1, Eigen::Quaterniond(Eigen::AngleAxisd(std::acos(-1.0), Vec3::UnitZ())), {0, 6, 0}};
+  EXPECT_TRUE(on_back({{&image, &of_none, nullptr, {}}, {&through, nullptr, nullptr, opposite}}).empty());
+}
+
 TEST_F(ColumnBehindAWall, curtains_go_on_beyond_its_ends_where_no_scan_sees_through) {
   const auto curtains = stages::hang_curtains({{&hiding, nullptr, nullptr, {}, &columns}});
   EXPECT_EQ(curtains.size(), 192u);  // 24 sides, 4 slices at either end
