@@ -13,8 +13,8 @@ std::vector<stages::SightScan> sight_scans(const std::vector<ScanProduct>& produ
 // the faces that close what no scan has seen: sides of columns (column_backs.hpp, column_ends.hpp), named
 // <scan>-column-<cylinder id>, what something hides of the polygons (shadow_faces.hpp), named
 // <scan>-<supercluster id>-shadow, their far flanks (far_flanks.hpp), named <scan>-<supercluster id>-flank,
-// and what stands in openings as in others of their design (opening_contents.hpp), named <scan>-<supercluster
-// id>-alike.
+// and what stands in openings as in others of their design, named <scan>-<supercluster id>-alike, and the
+// backs of frames there (opening_contents.hpp), named <scan>-<supercluster id>-back.
 struct WorldContours {
   PolygonModel model;
   std::vector<std::uint32_t> scan;  // per face: index of its product

@@ -19,7 +19,7 @@ constexpr double kBeforeWall_m = 0.05;
 constexpr double kOnGlass_m = 0.02;
 constexpr double kThroughGlass_m = 0.03;  // behind it: no longer on it
 constexpr double kDeepest_m = 0.5;        // behind the glass, of a frame
-constexpr double kAcross = 0.1;           // cosine of a frame's side to its wall's normal
+constexpr double kSideAcross = 0.1;       // cosine of a frame's side to its wall's normal
 constexpr double kLevel_m = 0.03;         // of a frame's front, and of fronts that are alike
 constexpr double kAtFrame_m = 0.05;       // from its front's border, its side
 constexpr double kLeastSide_m2 = 0.05;    // to tell where it ends
@@ -83,10 +83,10 @@ class OpeningShape {
     const auto [nearest, farthest] = depths(side);
     if (nearest > level_m + kAtFrame_m || farthest < opening_.pane_m + kThroughGlass_m ||
         farthest > opening_.pane_m + kDeepest_m ||
-        std::abs(FlatPolygon(side).normal().dot(opening_.frame.plane.normal)) > kAcross)
+        std::abs(FlatPolygon(side).normal().dot(opening_.frame.plane.normal)) > kSideAcross)
       return {};
     const PolygonModel model = model_of(side);
-    if (face_area_m2(model, model.faces[0]) < kLeastSide_m2) return {};
+    if (!can_be_triangulated(model) || face_area_m2(model, model.faces[0]) < kLeastSide_m2) return {};
     for (const Vec3& point : side.outer)
       if (from_border(front, opening_.frame.flat(point)) > kAtFrame_m) return {};
     return farthest;
@@ -131,32 +131,36 @@ struct FrameDepth {
   double front_m, back_m;
 };
 
+template <typename Move>
+SpacePolygon moved(const SpacePolygon& polygon, const Move& move, bool turned) {
+  const auto ring = [&](std::vector<Vec3> points) {
+    for (Vec3& point : points) point = move(point);
+    if (turned) std::reverse(points.begin(), points.end());
+    return points;
+  };
+  SpacePolygon result{ring(polygon.outer), {}};
+  for (const auto& hole : polygon.holes) result.holes.push_back(ring(hole));
+  return result;
+}
+
 SpacePolygon copied(const SpacePolygon& polygon, const OpeningShape& from, const OpeningShape& to,
                     bool mirrored) {
-  const auto moved = [&](std::vector<Vec3> ring) {
-    for (Vec3& point : ring) {
-      Place place = from.place(point);
-      if (mirrored) place.at.x() = -place.at.x();
-      point = to.world(place);
-    }
-    if (mirrored) std::reverse(ring.begin(), ring.end());
-    return ring;
+  const auto move = [&](const Vec3& point) {
+    Place place = from.place(point);
+    if (mirrored) place.at.x() = -place.at.x();
+    return to.world(place);
   };
-  SpacePolygon copy{moved(polygon.outer), {}};
-  for (const auto& hole : polygon.holes) copy.holes.push_back(moved(hole));
-  return copy;
+  return moved(polygon, move, mirrored);
 }
 
 // A frame's front, where its back is, looking the other way.
 SpacePolygon back_of(const SpacePolygon& front, const OpeningShape& opening, double depth_m) {
-  const auto moved = [&](std::vector<Vec3> ring) {
-    for (Vec3& point : ring) point = opening.world({opening.place(point).at, -depth_m});
-    std::reverse(ring.begin(), ring.end());
-    return ring;
-  };
-  SpacePolygon back{moved(front.outer), {}};
-  for (const auto& hole : front.holes) back.holes.push_back(moved(hole));
-  return back;
+  return moved(
+      front,
+      [&](const Vec3& point) {
+        return opening.world({opening.place(point).at, -depth_m});
+      },
+      true);
 }
 
 class ContentSearch {
