@@ -152,7 +152,7 @@ class Hanger {
     std::vector<Vec3> across;
     std::size_t at = image_.index(row, col);
     if (!says(at) || !is_of_no_plane(at) || !ends_at(row, col, -1)) return across;
-    for (;;) {
+    while (across.size() < static_cast<std::size_t>(image_.cols)) {  // a scanner may stand inside a thing
       const Vec3 point = image_.point(at);
       across.push_back(scan_.world_from_scan * point);
       if ((across.back() - across.front()).norm() > 2 * kThickest_m) return {};
@@ -164,6 +164,7 @@ class Hanger {
       at = *next;
       col = static_cast<int>(at % static_cast<std::size_t>(image_.cols));
     }
+    return {};
   }
 
   // What stands free and is round is as deep as it is wide, and behind as it is before: a cylinder whose
