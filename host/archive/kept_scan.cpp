@@ -124,10 +124,10 @@ void pass(File& file, stages::Decimation& decimation) {
 template <typename File>
 void pass(File& file, batch::ScanProduct& product) {
   auto& [id, input_samples, input_returns, image, segmentation, boundary, intersections, decimation, stray,
-         contour_faces, drawn, drawn_counts, clipped, extra_clipped, sigma_m, recorded_pose, sample_file,
-         notes] = product;
-  if (!contour_faces.fits.empty() || !drawn.empty() || drawn_counts.retained != 0 || !clipped.empty() ||
-      !extra_clipped.empty() || sample_file)
+         contour_faces, drawn, radius_limits, drawn_counts, clipped, extra_clipped, sigma_m, recorded_pose,
+         sample_file, notes] = product;
+  if (!contour_faces.fits.empty() || !drawn.empty() || !radius_limits.empty() || drawn_counts.retained != 0 ||
+      !clipped.empty() || !extra_clipped.empty() || sample_file)
     fail(ErrorKind::failed, "scan {}: registered or written already; a scan is kept before", id);
   pass(file, id);
   pass(file, input_samples);

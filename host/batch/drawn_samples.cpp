@@ -18,7 +18,20 @@ constexpr double kOnPolygonDeg = 30;  // normals of a sample's plane and of a po
 constexpr double kNoiseSigmas = 3;    // of the difference of two scans
 constexpr double kSightTolerance_m = 0.02;
 constexpr double kFiner = 2;  // times closer together are the samples of another scan that stand for one
+constexpr double kAtFinerEdge = 1;      // of that scan's steps: the radius of one that stays at an edge
 constexpr double kSeenThrough_m = 0.1;  // by which another scan sees past a sample that is in the air
+
+// Of a block of nodes.
+struct ChosenSamples {
+  DrawnCounts counts;
+  std::vector<stages::RadiusLimit> radius_limits;
+
+  ChosenSamples& operator+=(const ChosenSamples& next) {
+    counts += next.counts;
+    radius_limits.insert(radius_limits.end(), next.radius_limits.begin(), next.radius_limits.end());
+    return *this;
+  }
+};
 
 double largest_sigma(const std::vector<ScanProduct>& products) {
   double sigma_m = 0;
@@ -143,34 +156,39 @@ WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& opt
     const double step_rad = product.image.step_rad();
     const auto& world = registrations[p]->world_from_scan();
     product.drawn.assign(product.image.count(), stages::kNotDrawn);
-    product.drawn_counts =
-        sum_blocks<DrawnCounts>(product.image.count(), [&](std::size_t begin, std::size_t end) {
-          DrawnCounts counts;
-          for (std::size_t i = begin; i < end; ++i) {
-            if (!retained[i]) continue;
-            counts.retained += 1;
-            if (!on_contour.empty() && on_contour[i]) {
-              counts.on_contours += 1;
-              continue;
-            }
-            const bool planar = product.segmentation.sample_label[i] != 0;
-            const Vec3 point = product.image.point(i);
-            if (!planar && sight.is_seen_through(world * point, through_m, step_rad * point.norm(), scan)) {
-              counts.in_the_air += 1;
-              continue;
-            }
-            if (!planar && sight.is_seen_finer(world * point, scan, kFiner)) {
-              counts.seen_finer += 1;
-              continue;
-            }
-            const bool on_face =
-                !to_face.empty() &&
-                std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
-            counts.on_faces += on_face;
-            product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
-          }
-          return counts;
-        });
+    auto chosen = sum_blocks<ChosenSamples>(product.image.count(), [&](std::size_t begin, std::size_t end) {
+      ChosenSamples block;
+      DrawnCounts& counts = block.counts;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!retained[i]) continue;
+        counts.retained += 1;
+        if (!on_contour.empty() && on_contour[i]) {
+          counts.on_contours += 1;
+          continue;
+        }
+        const bool planar = product.segmentation.sample_label[i] != 0;
+        const Vec3 point = product.image.point(i);
+        if (!planar && sight.is_seen_through(world * point, through_m, step_rad * point.norm(), scan)) {
+          counts.in_the_air += 1;
+          continue;
+        }
+        const auto finer = planar ? std::nullopt : sight.seen_finer(world * point, scan, kFiner);
+        if (finer && !finer->at_edge) {
+          counts.seen_finer += 1;
+          continue;
+        }
+        if (finer)
+          block.radius_limits.push_back(
+              {static_cast<std::uint32_t>(i), static_cast<float>(kAtFinerEdge * finer->spacing_m)});
+        const bool on_face = !to_face.empty() &&
+                             std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
+        counts.on_faces += on_face;
+        product.drawn[i] = on_face ? stages::kDrawnOffFaces : stages::kDrawn;
+      }
+      return block;
+    });
+    product.drawn_counts = chosen.counts;
+    product.radius_limits = std::move(chosen.radius_limits);
     ++scan;
   }
   return contours;

@@ -216,9 +216,9 @@ stages::RenderScene build_render_scene(const PolygonModel& model, const std::vec
     if (!registrations[i]) continue;
     const auto& product = products[i];
     scene.scanners.push_back(registrations[i]->world_from_scan().translation);
-    auto splats =
-        stages::make_splats(product.image, product.segmentation, product.drawn,
-                            registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i), every);
+    auto splats = stages::make_splats(product.image, product.segmentation, product.drawn,
+                                      registrations[i]->world_from_scan(), static_cast<std::uint32_t>(i),
+                                      every, product.radius_limits);
     if (scene.splats.empty())
       scene.splats = std::move(splats);
     else

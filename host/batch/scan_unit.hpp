@@ -15,6 +15,7 @@
 #include "io/samples/sample_file.hpp"
 #include "stages/contours/contour_faces.hpp"
 #include "stages/contours/intersections.hpp"
+#include "stages/scan/sample_surface.hpp"
 #include "stages/scan/stray_samples.hpp"
 
 namespace hybrid::batch {
@@ -47,15 +48,16 @@ struct ScanProduct {
   std::vector<std::uint8_t> boundary;  // per node, from trace_contours
   std::vector<stages::Intersection> intersections;
   stages::Decimation decimation;
-  std::vector<std::uint8_t> stray;                // per node: stages::Stray
-  stages::ContourFaces contour_faces;             // after registration: what no proxy face explains
-  std::vector<std::uint8_t> drawn;                // per node: stages::Drawn; after registration
-  DrawnCounts drawn_counts{};                     // of them
-  std::vector<std::uint8_t> clipped{};            // per node, 1: dropped by [edit] clip; or empty
-  std::vector<std::uint8_t> extra_clipped{};      // the same per extra sample of the image
-  double sigma_m = 0;                             // range noise used
-  std::optional<Pose> recorded_pose;              // as the file gave it
-  std::optional<io::SampleFileSize> sample_file;  // lossless = true
+  std::vector<std::uint8_t> stray;                   // per node: stages::Stray
+  stages::ContourFaces contour_faces;                // after registration: what no proxy face explains
+  std::vector<std::uint8_t> drawn;                   // per node: stages::Drawn; after registration
+  std::vector<stages::RadiusLimit> radius_limits{};  // of drawn nodes, ascending
+  DrawnCounts drawn_counts{};                        // of them
+  std::vector<std::uint8_t> clipped{};               // per node, 1: dropped by [edit] clip; or empty
+  std::vector<std::uint8_t> extra_clipped{};         // the same per extra sample of the image
+  double sigma_m = 0;                                // range noise used
+  std::optional<Pose> recorded_pose;                 // as the file gave it
+  std::optional<io::SampleFileSize> sample_file;     // lossless = true
   std::vector<std::string> notes;
 };
 

@@ -26,6 +26,12 @@ constexpr double kBeyondEnds = 1.5;   // radii: so far a column's base and head 
 constexpr double kThinnest_m = 0.05, kThickest_m = 0.4;  // radius of what stands free and has a back
 constexpr double kFlattest = 0.3;  // of the radius, by which its middle stands out at least
 
+// What a node of a range image covers at its sample: along the columns, along the rows.
+struct NodeArc {
+  double high_m, wide_m;
+  double longer_m() const { return std::max(high_m, wide_m); }
+};
+
 // One scan among all.
 class Hanger {
  public:
@@ -96,16 +102,14 @@ class Hanger {
     if (!far || one_surface(near, *far)) return;
     const Vec3 from = image_.point(near);
     const double begin_m = from.norm(), end_m = image_.point(*far).norm() - options_.tolerance_m;
-    const double elevation = image_.elevation_step_rad(),
-                 azimuth = image_.azimuth_step_rad() * from.head<2>().norm() / std::max(begin_m, 1e-9);
-    const double arc_m = begin_m * std::max(elevation, azimuth);
-    if (!(end_m - begin_m > std::max(kSteepestJump * arc_m, kShortest_m))) return;
+    const NodeArc arc = arc_at(from);
+    if (!(end_m - begin_m > std::max(kSteepestJump * arc.longer_m(), kShortest_m))) return;
     // The outline runs half-way to the next node.
-    const Vec3 east = Vec3(-from.y(), from.x(), 0).normalized();
-    const Vec3 up = from.cross(east) / begin_m;
-    const Vec3 middle = from / begin_m + 0.5 * (across * azimuth * east - down * elevation * up);
-    const Vec3 side = 0.5 * (across ? Vec3(elevation * up) : Vec3(azimuth * east));
-    pieces(middle, side, begin_m, std::min(end_m, begin_m + options_.length_m), curtains);
+    const Vec3 east = Vec3(-from.y(), from.x(), 0).normalized(), up = from.cross(east) / begin_m;
+    const Vec3 node_east = arc.wide_m * east, node_up = arc.high_m * up;
+    const Vec3 middle = from + 0.5 * (across * node_east - down * node_up);
+    const Vec3 side = 0.5 * (across ? node_up : node_east);
+    pieces(middle / begin_m, side / begin_m, begin_m, std::min(end_m, begin_m + options_.length_m), curtains);
   }
 
   // What has no flat side and goes on behind something nearer below it goes down to where it stands, as far
@@ -114,9 +118,9 @@ class Hanger {
     const std::size_t own = image_.index(row, col);
     if (!says(own) || !is_of_no_plane(own)) return;
     const Vec3 point = image_.point(own);
-    const double range_m = point.norm(), high_m = range_m * image_.elevation_step_rad(),
-                 wide_m = image_.azimuth_step_rad() * point.head<2>().norm();
-    const double jump_m = std::max(kHiddenJump * std::max(high_m, wide_m), kShortest_m);
+    const double range_m = point.norm();
+    const NodeArc arc = arc_at(point);
+    const double jump_m = std::max(kHiddenJump * arc.longer_m(), kShortest_m);
     const auto hides = [&](int below) {
       const auto i = node(row + below, col);
       return i && says(*i) && image_.point(*i).norm() < range_m - jump_m;
@@ -128,9 +132,9 @@ class Hanger {
       return;
     const Vec3 top = scan_.world_from_scan * point, along = top - scan_.world_from_scan.translation;
     const Vec3 side =
-        wide_m * Vec3(-along.y(), along.x(), 0).normalized();  // over its neighbours' halves, too
+        arc.wide_m * Vec3(-along.y(), along.x(), 0).normalized();  // over its neighbours' halves, too
     const auto down = [&](double pieces) { return Vec3(top - pieces * kPiece_m * Vec3::UnitZ()); };
-    const int first = static_cast<int>(std::ceil(kOwnHeight * high_m / kPiece_m));
+    const int first = static_cast<int>(std::ceil(kOwnHeight * arc.high_m / kPiece_m));
     int count = first;
     while (count * kPiece_m < kTallest_m && !sight_.is_known(down(count + 0.5))) ++count;
     if (count > first) curtains.push_back({top - side, top + side, down(count) + side, down(count) - side});
@@ -138,13 +142,14 @@ class Hanger {
 
   // Whether what is seen on this side of a node is behind the thing that it is the last sample of.
   bool ends_at(int row, int col, int across) const {
-    const double range_m = image_.point(image_.index(row, col)).norm();
+    const Vec3 point = image_.point(image_.index(row, col));
     const auto far = beyond(row, col, 0, across);
-    return far && image_.point(*far).norm() - range_m > std::max(kSteepestJump * arc_m(range_m), kShortest_m);
+    return far && image_.point(*far).norm() - point.norm() >
+                      std::max(kSteepestJump * arc_at(point).longer_m(), kShortest_m);
   }
 
-  double arc_m(double range_m) const {
-    return range_m * std::max(image_.elevation_step_rad(), image_.azimuth_step_rad());
+  NodeArc arc_at(const Vec3& point) const {
+    return {point.norm() * image_.elevation_step_rad(), point.head<2>().norm() * image_.azimuth_step_rad()};
   }
 
   // The samples from this one on to the other outline of what stands free and has no flat side; or none.
@@ -158,9 +163,10 @@ class Hanger {
       if ((across.back() - across.front()).norm() > 2 * kThickest_m) return {};
       const auto next = beyond(row, col, 0, 1);
       if (!next) return {};
-      const double jump_m = image_.point(*next).norm() - point.norm();
-      if (jump_m > kSteepestJump * arc_m(point.norm())) return across;
-      if (jump_m < -kSteepestJump * arc_m(point.norm()) || !is_of_no_plane(*next)) return {};
+      const double jump_m = image_.point(*next).norm() - point.norm(),
+                   steepest_m = kSteepestJump * arc_at(point).longer_m();
+      if (jump_m > steepest_m) return across;
+      if (jump_m < -steepest_m || !is_of_no_plane(*next)) return {};
       at = *next;
       col = static_cast<int>(at % static_cast<std::size_t>(image_.cols));
     }

@@ -17,6 +17,7 @@
 #include "geometry/superclusters.hpp"
 #include "stages/rendering/atlas.hpp"
 #include "stages/rendering/curtains.hpp"
+#include "stages/scan/sample_surface.hpp"
 
 namespace hybrid::stages {
 
@@ -188,10 +189,11 @@ enum Drawn : std::uint8_t {
 // nodes that `drawn` (Drawn, per node) does not rule out become splats in the world frame. scan_index colours
 // plain views. After them, splats for nodes without a sample that lie between two such nodes of one surface
 // in a row or a column: a dropout is no window. Of every so many rows and columns one is taken, whose spheres
-// are as many times larger, and gaps stay.
+// are as many times larger, and gaps stay. `limits`: ascending by node.
 std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation& segmentation,
                                const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan,
-                               std::uint32_t scan_index, int every = 1);
+                               std::uint32_t scan_index, int every = 1,
+                               const std::vector<RadiusLimit>& limits = {});
 
 // Image quality against a reference photograph (METHOD, how results are scored).
 struct ImageQuality {

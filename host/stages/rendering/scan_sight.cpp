@@ -53,8 +53,11 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spaci
   return false;
 }
 
-bool ScanSight::is_seen_finer(const Vec3& place, std::size_t scan, double times) const {
+std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t scan, double times) const {
+  const Vec3 own = scan_from_world_[scan] * place;
+  const double own_step_m = own.norm() * scans_[scan].image->step_rad();
   std::optional<double> own_m;  // asked for only where another scan shows the place
+  std::optional<FinerSamples> closest;
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (s == scan || scans_[s].image->count() == 0) continue;
     const Vec3 point = scan_from_world_[s] * place;
@@ -63,15 +66,18 @@ bool ScanSight::is_seen_finer(const Vec3& place, std::size_t scan, double times)
     const auto range = range_m(s, node.row, node.col);
     if (!range || std::abs(*range - point.norm()) > tolerance_m_) continue;
     if (!own_m) {
-      const Vec3 own = scan_from_world_[scan] * place;
       const auto at = lookups_[scan].towards(own);
-      own_m = spacing_m(scan, at.row, at.col).value_or(own.norm() * scans_[scan].image->step_rad());
+      own_m = spacing_m(scan, at.row, at.col).value_or(own_step_m);
     }
-    if (times * point.norm() * scans_[s].image->step_rad() > *own_m) continue;
+    const double step_m = point.norm() * scans_[s].image->step_rad();
+    if (times * step_m > *own_m) continue;
     if (const auto spacing = spacing_m(s, node.row, node.col); spacing && times * *spacing <= *own_m)
-      return true;
+      return FinerSamples{false, step_m};
+    // There a sample's spacing is that to what is behind the edge.
+    if (times * step_m <= own_step_m && !(closest && closest->spacing_m <= step_m))
+      closest = FinerSamples{true, step_m};
   }
-  return false;
+  return closest;
 }
 
 bool ScanSight::is_hidden(const Vec3& place, std::size_t scan) const {

@@ -26,6 +26,12 @@ struct SightColumn {
   Cylinder cylinder;
 };
 
+// What another scan has of a surface that a scan shows, too, of which its samples are closer together.
+struct FinerSamples {
+  bool at_edge = false;  // it has none of that surface on some side
+  double spacing_m = 0;  // its steps there
+};
+
 // What registered scans say of places in the world.
 class ScanSight {
  public:
@@ -41,9 +47,9 @@ class ScanSight {
   // more; one that has a sample at least every `spacing_m` there, for others miss what is thin.
   bool is_seen_through(const Vec3& place, double margin_m, double spacing_m, std::size_t but) const;
 
-  // Whether a scan other than `scan` shows the surface at a place that this one has a sample of, and its
-  // samples there lie at least `times` closer together.
-  bool is_seen_finer(const Vec3& place, std::size_t scan, double times) const;
+  // Of the scans but `scan` that show the surface at a place that this one has a sample of, the first whose
+  // samples there lie at least `times` closer together; where all those are at an edge of it the closest one.
+  std::optional<FinerSamples> seen_finer(const Vec3& place, std::size_t scan, double times) const;
 
   // Whether this scan sees something before the place.
   bool is_hidden(const Vec3& place, std::size_t scan) const;

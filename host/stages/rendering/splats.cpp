@@ -18,20 +18,21 @@ class SplatMaker {
  public:
   SplatMaker(const RangeImage& image, const PlaneSegmentation& segmentation,
              const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan, std::uint32_t scan_index,
-             int every)
+             int every, const std::vector<RadiusLimit>& limits)
       : image_(image),
         segmentation_(segmentation),
         surfaces_(image, segmentation),
         drawn_(drawn),
         world_from_scan_(world_from_scan),
         scan_index_(scan_index),
-        every_(every) {}
+        every_(every),
+        limits_(limits) {}
 
   std::vector<Splat> samples(int row) const {
     std::vector<Splat> splats;
     for (int col = 0; col < image_.cols; col += every_)
       if (const std::size_t i = image_.index(row, col); is_drawn(i))
-        splats.push_back(splat(image_.point(i), surfaces_.at(row, col), drawn_[i]));
+        splats.push_back(splat(image_.point(i), surface_at(row, col), drawn_[i]));
     return splats;
   }
 
@@ -45,6 +46,16 @@ class SplatMaker {
 
  private:
   bool is_drawn(std::size_t i) const { return drawn_[i] != kNotDrawn && image_.mask[i] == kMeasured; }
+
+  SampleSurface surface_at(int row, int col) const {
+    SampleSurface surface = surfaces_.at(row, col);
+    const std::size_t node = image_.index(row, col);
+    const auto limit =
+        std::ranges::lower_bound(limits_, node, {}, [](const RadiusLimit& of) { return of.node; });
+    if (limit != limits_.end() && limit->node == node)
+      surface.radius_m = std::min(surface.radius_m, static_cast<double>(limit->radius_m));
+    return surface;
+  }
 
   Splat splat(const Vec3& point, const SampleSurface& surface, std::uint8_t drawn) const {
     const Vec3f centre = (world_from_scan_ * point).cast<float>();
@@ -66,8 +77,8 @@ class SplatMaker {
     const auto before = next_drawn(row, col, -down, -across), after = next_drawn(row, col, down, across);
     if (!before || !after || drawn_[before->node] != drawn_[after->node]) return std::nullopt;
     const Vec3 one = image_.point(before->node), other = image_.point(after->node);
-    SampleSurface surface = surfaces_.at(before->row, before->col);
-    const SampleSurface beside = surfaces_.at(after->row, after->col);
+    SampleSurface surface = surface_at(before->row, before->col);
+    const SampleSurface beside = surface_at(after->row, after->col);
     const std::uint32_t plane = label(before->node);
     const int apart = before->steps + after->steps;
     if (plane != label(after->node) || apart > (plane != 0 ? kWidestGap : 2)) return std::nullopt;
@@ -108,17 +119,18 @@ class SplatMaker {
   const Pose& world_from_scan_;
   std::uint32_t scan_index_;
   int every_;
+  const std::vector<RadiusLimit>& limits_;
 };
 
 }  // namespace
 
 std::vector<Splat> make_splats(const RangeImage& image, const PlaneSegmentation& segmentation,
                                const std::vector<std::uint8_t>& drawn, const Pose& world_from_scan,
-                               std::uint32_t scan_index, int every) {
+                               std::uint32_t scan_index, int every, const std::vector<RadiusLimit>& limits) {
   if (drawn.size() != image.count())
     fail(ErrorKind::failed, "make_splats: expected a flag for each of {} nodes, found {}", image.count(),
          drawn.size());
-  const SplatMaker maker(image, segmentation, drawn, world_from_scan, scan_index, every);
+  const SplatMaker maker(image, segmentation, drawn, world_from_scan, scan_index, every, limits);
   // Samples first.
   const auto taken = static_cast<std::size_t>((image.rows + every - 1) / every);
   std::vector<std::vector<Splat>> rows(taken + (every == 1 ? taken : 0));

@@ -10,6 +10,12 @@ struct SampleSurface {
   double radius_m = 0;         // half the patch's diagonal: spheres of this radius close up
 };
 
+// A node whose patch has no larger radius than this, whatever its neighbours say.
+struct RadiusLimit {
+  std::uint32_t node = 0;
+  float radius_m = 0;
+};
+
 // Of the samples of a range image, which is kept by reference, as the segmentation is; that may be empty.
 class SampleSurfaces {
  public:

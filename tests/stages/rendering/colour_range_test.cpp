@@ -176,6 +176,17 @@ struct GapsInAWall {
   }
 };
 
+TEST(Splats, are_no_larger_than_their_limits) {
+  const GapsInAWall wall;
+  const auto whole = stages::make_splats(wall.image, wall.segmentation, wall.drawn, {}, 0);
+  const std::uint32_t first = 3, second = 7;
+  const auto limited = stages::make_splats(wall.image, wall.segmentation, wall.drawn, {}, 0, 1,
+                                           {{first, 0.25f * whole[first].radius_m}, {second, 1.0f}});
+  ASSERT_EQ(limited.size(), whole.size());
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    EXPECT_FLOAT_EQ(limited[i].radius_m, (i == first ? 0.25f : 1.0f) * whole[i].radius_m) << i;
+}
+
 TEST(Splats, close_what_is_missing_between_samples_of_one_surface) {
   GapsInAWall wall;
   EXPECT_EQ(wall.gaps(), 0u);

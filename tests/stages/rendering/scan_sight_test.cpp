@@ -112,11 +112,16 @@ TEST(ScanSight, what_another_scan_shows_with_closer_samples) {
   scans[1].world_from_scan.translation = {0, 3, 0};
   const ScanSight sight(scans, 0.02);
   const Vec3 place(0.1, 4, 0.1);
-  EXPECT_TRUE(sight.is_seen_finer(place, 0, 2));
-  EXPECT_FALSE(sight.is_seen_finer(place, 0, 5));            // it is four times as near
-  EXPECT_FALSE(sight.is_seen_finer(place, 1, 2));            // the other one is coarser
-  EXPECT_FALSE(sight.is_seen_finer({0.1, 3.9, 0.1}, 0, 2));  // before the wall
-  EXPECT_FALSE(sight.is_seen_finer({1.5, 4, 0}, 0, 2));      // beside what the second one sees
+  const auto is_seen_finer = [&](const Vec3& at, std::size_t scan, double times) {
+    return sight.seen_finer(at, scan, times).has_value();
+  };
+  EXPECT_TRUE(is_seen_finer(place, 0, 2));
+  EXPECT_FALSE(sight.seen_finer(place, 0, 2)->at_edge);
+  EXPECT_NEAR(sight.seen_finer(place, 0, 2)->spacing_m, kSmallScanStep_rad * Vec3(0.1, 1, 0.1).norm(), 1e-9);
+  EXPECT_FALSE(is_seen_finer(place, 0, 5));            // it is four times as near
+  EXPECT_FALSE(is_seen_finer(place, 1, 2));            // the other one is coarser
+  EXPECT_FALSE(is_seen_finer({0.1, 3.9, 0.1}, 0, 2));  // before the wall
+  EXPECT_FALSE(is_seen_finer({1.5, 4, 0}, 0, 2));      // beside what the second one sees
 }
 
 TEST(ScanSight, at_an_edge_the_coarse_sample_stays) {
@@ -127,8 +132,13 @@ TEST(ScanSight, at_an_edge_the_coarse_sample_stays) {
   auto scans = bare_scans(images);
   scans[1].world_from_scan.translation = {0, 3, 0};
   const ScanSight sight(scans, 0.02);
-  EXPECT_TRUE(sight.is_seen_finer({0.1, 4, 0}, 0, 2));
-  EXPECT_FALSE(sight.is_seen_finer({0.197, 4, 0}, 0, 2));
+  const auto inside = sight.seen_finer({0.1, 4, 0}, 0, 2),
+             beside_edge = sight.seen_finer({0.197, 4, 0}, 0, 2);
+  ASSERT_TRUE(inside && beside_edge);
+  EXPECT_FALSE(inside->at_edge);
+  EXPECT_TRUE(beside_edge->at_edge);
+  EXPECT_NEAR(beside_edge->spacing_m, kSmallScanStep_rad * Vec3(0.197, 1, 0).norm(), 1e-9);
+  EXPECT_FALSE(sight.seen_finer({0.197, 4, 0}, 0, 5));
 }
 
 TEST_F(ColumnBehindAWall, columns_stand_in_the_world) {
