@@ -23,6 +23,7 @@ constexpr double kNarrowHole_m = 0.14;    // in which nothing was measured
 constexpr double kStairs = 0.75;          // of a cell: what is left of stairs is straight
 constexpr double kSquareCorner = 0.1;     // cosine between the normals of polygons that meet at a corner
 constexpr double kCorner_m = 0.2;         // between them, and of their borders: samples stop short of edges
+constexpr double kOneNormal = 1 - 1e-6, kOnePlane_m = 1e-3;  // of polygons of one plane
 constexpr std::array<std::pair<int, int>, 4> kFourBeside = {{{0, 1}, {0, -1}, {1, 0}, {-1, 0}}};
 
 // What the scans say of a cell of a polygon's plane.
@@ -215,6 +216,12 @@ double goes_down_m(const FlatPolygon& own, const FlatPolygon& other) {
   return 0;
 }
 
+bool are_in_one_plane(const FlatPolygon& own, const FlatPolygon& other) {
+  const Vec3 apart = other.lifted(other.low()) - own.lifted(own.low());
+  return !own.is_level() && own.normal().dot(other.normal()) > kOneNormal &&
+         std::abs(own.normal().dot(apart)) < kOnePlane_m;
+}
+
 }  // namespace
 
 std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel& contours,
@@ -226,12 +233,22 @@ std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel&
     polygons.emplace_back(polygon);
     boxes.emplace_back(polygon);
   }
-  const auto foot_m = [&](std::size_t face) {
-    double most = 0;
+  std::vector<double> own_foot_m(polygons.size(), 0.0);
+  parallel_for(polygons.size(), [&](std::size_t face) {
     for (std::size_t other = 0; other < polygons.size(); ++other)
       if (boxes[face].is_near(boxes[other], kCorner_m))
-        most = std::max(most, goes_down_m(polygons[face], polygons[other]));
-    return most;
+        own_foot_m[face] = std::max(own_foot_m[face], goes_down_m(polygons[face], polygons[other]));
+  });
+  // Parts of one surface stand on the same ground.
+  const auto foot_m = [&](std::size_t face) {
+    double most_m = own_foot_m[face];
+    for (std::size_t other = 0; other < polygons.size(); ++other)
+      if (scan_of_face[other] == scan_of_face[face] && boxes[face].is_near(boxes[other], kCorner_m) &&
+          are_in_one_plane(polygons[face], polygons[other])) {
+        const Vec3 foot = polygons[other].lifted(polygons[other].low() - Vec2(0, own_foot_m[other]));
+        most_m = std::max(most_m, polygons[face].low().y() - polygons[face].flat(foot).y());
+      }
+    return most_m;
   };
   std::vector<std::vector<ShadowFace>> of_face(contours.faces.size());
   parallel_for(of_face.size(), [&](std::size_t face) {
