@@ -122,6 +122,25 @@ TEST(ShadowFaces, AnUprightOneGoesDownToTheFootOfTheOneItMeets) {
   }
 }
 
+// A bench hides the lower half of the front but for a strip on the right, of which the contour is another
+// polygon.
+TEST(ShadowFaces, PartsOfOneSurfaceStandOnTheSameGround) {
+  const auto image = scan_of([](const Vec3& ray) {
+    const Vec3 at = kWall_m / ray.y() * ray;
+    if (at.x() > -1 && at.x() < 0.45 && at.z() < 0) return kPost_m / ray.y();
+    return (is_on(ray, -1.5, 1.5) ? kWall_m : 9) / ray.y();
+  });
+  PolygonModel model;
+  model.vertices = {{-1, kWall_m, 0},     {0.4, kWall_m, 0},  {0.4, kWall_m, 1.5}, {-1, kWall_m, 1.5},
+                    {0.5, kWall_m, -1.5}, {1, kWall_m, -1.5}, {1, kWall_m, 1.5},   {0.5, kWall_m, 1.5}};
+  model.faces = {{"front", {0, 1, 2, 3}, {}}};
+  EXPECT_TRUE(shadows({image}, model).empty());
+  model.faces.push_back({"front", {4, 5, 6, 7}, {}});
+  EXPECT_NEAR(area(shadows({image}, model)), 1.4 * 1.5, 0.2);
+  for (const std::size_t corner : {4, 5, 6, 7}) model.vertices[corner].y() += 0.05;  // a surface of its own
+  EXPECT_TRUE(shadows({image}, model).empty());
+}
+
 TEST(ShadowFaces, WhatAnyScanLooksThroughStaysOpen) {
   const auto image = scan_of([](const Vec3& ray) { return behind_post(ray, -0.5, 0.5); });
   const auto through = scan_of([](const Vec3& ray) { return 9 / ray.y(); });
@@ -138,22 +157,44 @@ TEST(ShadowFaces, AnOpeningHalfHiddenStaysOpen) {
   EXPECT_TRUE(shadows({image}, with_hole(-0.5, 0.5)).empty());
 }
 
-// No return in a square of it.
-RangeImage nothing_measured(double half_width) {
+// No return in a rectangle of it.
+RangeImage nothing_measured(double half_width, double half_height) {
   RangeImage image = scan_of([](const Vec3& ray) { return behind_post(ray, 2, 2); });
   for (std::size_t i = 0; i < image.count(); ++i)
-    if (std::abs(image.point(i).x()) <= half_width && std::abs(image.point(i).z()) <= half_width)
+    if (std::abs(image.point(i).x()) <= half_width && std::abs(image.point(i).z()) <= half_height)
       image.mask[i] = kEmpty;
   return image;
 }
 
 TEST(ShadowFaces, WhatLacksAFewSamplesIsNoOpening) {
-  const auto few = nothing_measured(0.06);
+  const auto few = nothing_measured(0.06, 0.06);
   EXPECT_NEAR(area(shadows({few}, with_hole(-0.06, 0.06, 0.06))), 0.16 * 0.16, 0.012);
-  const auto window = nothing_measured(0.4);
+  const auto window = nothing_measured(0.4, 0.4);
   EXPECT_TRUE(shadows({window}, with_hole(-0.4, 0.4)).empty());
   const auto through = scan_of([](const Vec3& ray) { return 9 / ray.y(); });
   EXPECT_TRUE(shadows({few, through}, with_hole(-0.06, 0.06, 0.06)).empty());
+}
+
+TEST(ShadowFaces, ADarkBandIsNoOpening) {
+  const PolygonModel contours = with_hole(-0.05, 0.05, 0.8);
+  const auto band = nothing_measured(0.8, 0.05);
+  EXPECT_NEAR(area(shadows({band}, contours)), 1.64 * 0.14, 0.02);
+  // Beams of a scanner 1.8 m before it that return from far behind: single ones did not pass, some side by
+  // side did.
+  const auto beside = [&](const std::vector<double>& passing) {
+    std::vector<RangeImage> images = {band, scan_of([](const Vec3& ray) { return 9 / ray.y(); })};
+    RangeImage& near = images[1];
+    std::fill(near.mask.begin(), near.mask.end(), kEmpty);
+    for (const double x : passing) {
+      const auto node = NodeLookup(near).towards({x, 1.8, 0});
+      near.mask[near.index(node.row, node.col)] = kMeasured;
+    }
+    auto scans = bare_scans(images);
+    scans[1].world_from_scan.translation = {0, kWall_m - 1.8, 0};
+    return shadow_faces(ScanSight(scans, 0.02), contours, {0});
+  };
+  EXPECT_NEAR(area(beside({-0.3, 0.3})), 1.64 * 0.14, 0.02);
+  EXPECT_TRUE(beside({0.3, 0.318, 0.336, 0.354}).empty());
 }
 
 TEST(ShadowFaces, NothingBesideItGoesOn) {
