@@ -178,8 +178,8 @@ WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& opt
           continue;
         }
         if (finer)
-          block.radius_limits.push_back(
-              {static_cast<std::uint32_t>(i), static_cast<float>(kAtFinerEdge * finer->spacing_m)});
+          block.radius_limits.push_back({static_cast<std::uint32_t>(i),
+                                         static_cast<float>(kAtFinerEdge * finer->spacing_m / world.scale)});
         const bool on_face = !to_face.empty() &&
                              std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
         counts.on_faces += on_face;

@@ -28,9 +28,10 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
 // Not drawn: stray samples, those of no plane that another scan looks through (mixed pixels in the air, what
 // has moved away), and those that lie on a contour polygon. Drawn only without the proxy: those that
 // a proxy face stands for, as it stands for the discarded interior: planar ones within explain_m of a face,
-// others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on.
-// `openings` were cut. Returns the scene's contours; with `unseen_m` (RenderOptions) 0 all that no scan has
-// seen is empty, and nothing closes it.
+// others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on. A
+// sample of no plane where another scan has samples twice as close gives way to those; at their edge it
+// stays, as small as they are. `openings` were cut. Returns the scene's contours; with `unseen_m`
+// (RenderOptions) 0 all that no scan has seen is empty, and nothing closes it.
 WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                    const std::vector<std::optional<ScanRegistration>>& registrations,
                                    const std::vector<stages::GlazedOpening>& openings,

@@ -56,8 +56,8 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spaci
 std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t scan, double times) const {
   const Vec3 own = scan_from_world_[scan] * place;
   const double own_step_m = own.norm() * scans_[scan].image->step_rad();
-  std::optional<double> own_m;  // asked for only where another scan shows the place
-  std::optional<FinerSamples> closest;
+  std::optional<double> own_m;          // asked for only where another scan shows the place
+  std::optional<FinerSamples> closest;  // at its edge
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (s == scan || scans_[s].image->count() == 0) continue;
     const Vec3 point = scan_from_world_[s] * place;
@@ -71,11 +71,12 @@ std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t
     }
     const double step_m = point.norm() * scans_[s].image->step_rad();
     if (times * step_m > *own_m) continue;
+    const double world_m = step_m * scans_[s].world_from_scan.scale;
     if (const auto spacing = spacing_m(s, node.row, node.col); spacing && times * *spacing <= *own_m)
-      return FinerSamples{false, step_m};
+      return FinerSamples{false, world_m};
     // There a sample's spacing is that to what is behind the edge.
-    if (times * step_m <= own_step_m && !(closest && closest->spacing_m <= step_m))
-      closest = FinerSamples{true, step_m};
+    if (times * step_m <= own_step_m && !(closest && closest->spacing_m <= world_m))
+      closest = FinerSamples{true, world_m};
   }
   return closest;
 }

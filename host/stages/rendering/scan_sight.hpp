@@ -29,7 +29,7 @@ struct SightColumn {
 // What another scan has of a surface that a scan shows, too, of which its samples are closer together.
 struct FinerSamples {
   bool at_edge = false;  // it has none of that surface on some side
-  double spacing_m = 0;  // its steps there
+  double spacing_m = 0;  // its steps there, world frame
 };
 
 // What registered scans say of places in the world.

@@ -40,7 +40,7 @@ class Shadow {
     rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / step_)));
     cells_.resize(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(cols_), Cell::kUnsure);
     for (int row = 0; row < rows_; ++row) look(sight, scan, row);
-    if (!getenv("XI")) doubt_single_beams();
+    doubt_single_beams();
   }
 
   std::vector<PolygonModel> polygons() const {
@@ -216,6 +216,7 @@ double goes_down_m(const FlatPolygon& own, const FlatPolygon& other) {
   return 0;
 }
 
+// Upright ones.
 bool are_in_one_plane(const FlatPolygon& own, const FlatPolygon& other) {
   const Vec3 apart = other.lifted(other.low()) - own.lifted(own.low());
   return !own.is_level() && own.normal().dot(other.normal()) > kOneNormal &&
