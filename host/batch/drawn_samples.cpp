@@ -18,7 +18,6 @@ constexpr double kOnPolygonDeg = 30;  // normals of a sample's plane and of a po
 constexpr double kNoiseSigmas = 3;    // of the difference of two scans
 constexpr double kSightTolerance_m = 0.02;
 constexpr double kFiner = 2;  // times closer together are the samples of another scan that stand for one
-constexpr double kAtFinerEdge = 1;      // of that scan's steps: the radius of one that stays at an edge
 constexpr double kSeenThrough_m = 0.1;  // by which another scan sees past a sample that is in the air
 
 // Of a block of nodes.
@@ -50,7 +49,8 @@ Face shifted(Face face, std::uint32_t by) {
 // What the scans' evidence says of sides and places that none of them has seen.
 void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct>& products,
                    const std::vector<std::optional<ScanRegistration>>& registrations,
-                   const std::vector<stages::GlazedOpening>& openings, WorldContours& all) {
+                   const std::vector<stages::GlazedOpening>& openings, const PolygonModel& model,
+                   WorldContours& all) {
   std::vector<std::uint32_t> product_of;
   std::vector<std::size_t> scan_of(products.size());
   for (std::size_t i = 0; i < products.size(); ++i) {
@@ -60,7 +60,7 @@ void append_unseen(const stages::ScanSight& sight, const std::vector<ScanProduct
   std::vector<std::size_t> scan_of_face;
   for (const std::uint32_t product : all.scan) scan_of_face.push_back(scan_of[product]);
   const auto ends = stages::column_ends(sight, all.model);
-  const auto shadows = stages::shadow_faces(sight, all.model, scan_of_face);
+  const auto shadows = stages::shadow_faces(sight, all.model, scan_of_face, model);
   const auto contents = stages::opening_contents(sight, all.model, openings);
   std::vector<std::size_t> part_of(all.model.faces.size());
   std::iota(part_of.begin(), part_of.end(), std::size_t{0});
@@ -126,12 +126,12 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
 WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                    const std::vector<std::optional<ScanRegistration>>& registrations,
                                    const std::vector<stages::GlazedOpening>& openings,
-                                   std::vector<ScanProduct>& products) {
+                                   const PolygonModel& model, std::vector<ScanProduct>& products) {
   WorldContours contours = world_contours(products, registrations);
   const double worst_sigma_m = largest_sigma(products);
   const auto scans = sight_scans(products, registrations);
   const stages::ScanSight sight(scans, kSightTolerance_m);
-  if (options.render.unseen_m > 0) append_unseen(sight, products, registrations, openings, contours);
+  if (options.render.unseen_m > 0) append_unseen(sight, products, registrations, openings, model, contours);
   std::size_t scan = 0;
   for (std::size_t p = 0; p < products.size(); ++p) {
     if (!registrations[p]) continue;
@@ -178,8 +178,8 @@ WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& opt
           continue;
         }
         if (finer)
-          block.radius_limits.push_back({static_cast<std::uint32_t>(i),
-                                         static_cast<float>(kAtFinerEdge * finer->spacing_m / world.scale)});
+          block.radius_limits.push_back(
+              {static_cast<std::uint32_t>(i), static_cast<float>(finer->spacing_m / world.scale)});
         const bool on_face = !to_face.empty() &&
                              std::abs(to_face[i]) <= (planar ? static_cast<float>(options.explain_m) : near);
         counts.on_faces += on_face;

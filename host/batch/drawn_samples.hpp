@@ -30,11 +30,12 @@ WorldContours world_contours(const std::vector<ScanProduct>& products,
 // a proxy face stands for, as it stands for the discarded interior: planar ones within explain_m of a face,
 // others within the noise. So nothing is drawn twice, and no sphere bulges out of the face it lies on. A
 // sample of no plane where another scan has samples twice as close gives way to those; at their edge it
-// stays, as small as they are. `openings` were cut. Returns the scene's contours; with `unseen_m`
-// (RenderOptions) 0 all that no scan has seen is empty, and nothing closes it.
+// stays, as small as they are. `openings` were cut from `model`, the edited proxy, which is empty where there
+// is none. Returns the scene's contours; with `unseen_m` (RenderOptions) 0 all that no scan has seen is
+// empty, and nothing closes it.
 WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& options,
                                    const std::vector<std::optional<ScanRegistration>>& registrations,
                                    const std::vector<stages::GlazedOpening>& openings,
-                                   std::vector<ScanProduct>& products);
+                                   const PolygonModel& model, std::vector<ScanProduct>& products);
 
 }  // namespace hybrid::batch

@@ -214,7 +214,8 @@ class Run {
     progress_.step("drawn samples", all);
     const auto glazed =
         run_.model ? editing_.glazed_openings(*run_.model) : std::vector<stages::GlazedOpening>();
-    run_.contours = choose_drawn_samples(queue_, options_, run_.registrations, glazed, run_.products);
+    run_.contours = choose_drawn_samples(queue_, options_, run_.registrations, glazed,
+                                         run_.model ? *run_.model : PolygonModel(), run_.products);
     if (!run_.model) return;
     if (needs_photographs()) place_photographs(*run_.scene.photographs, placed_scans(), run_.photographs);
     if (!wants("register")) return;

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "core/parallel.hpp"
 #include "stages/rendering/cell_outlines.hpp"
-#include "stages/rendering/flat_polygon.hpp"
+#include "stages/rendering/shadow_corners.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -20,9 +21,9 @@ constexpr double kMostSeenThrough = 0.2;  // of a part's border
 constexpr double kLeastHidden = 0.5;      // of a part: of the rest no scan says anything
 constexpr int kLeastCells = 4;            // of a part
 constexpr double kNarrowHole_m = 0.14;    // in which nothing was measured
+constexpr double kLeastBars = 0.25;       // of a narrow hole's border, where others lie beside it
 constexpr double kStairs = 0.75;          // of a cell: what is left of stairs is straight
-constexpr double kSquareCorner = 0.1;     // cosine between the normals of polygons that meet at a corner
-constexpr double kCorner_m = 0.2;         // between them, and of their borders: samples stop short of edges
+constexpr double kSameGround_m = 0.2;     // between parts of one surface
 constexpr double kOneNormal = 1 - 1e-6, kOnePlane_m = 1e-3;  // of polygons of one plane
 constexpr std::array<std::pair<int, int>, 4> kFourBeside = {{{0, 1}, {0, -1}, {1, 0}, {-1, 0}}};
 
@@ -31,20 +32,30 @@ enum class Cell : std::uint8_t { kUnsure, kSeen, kHidden, kEmpty };
 
 class Shadow {
  public:
-  // `foot_m`: how far below the polygon it may go on.
-  Shadow(const ScanSight& sight, const FlatPolygon& polygon, double foot_m, std::size_t scan)
-      : polygon_(polygon), low_(polygon.low() - Vec2(0, foot_m)) {
+  // `foot_m`: how far below the polygon it may go on. `before`, `beyond`: what may hide the scan's view of
+  // its plane at its sides.
+  Shadow(const ScanSight& sight, const FlatPolygon& polygon, double foot_m, std::size_t scan,
+         const std::optional<BodyBeside>& before, const std::optional<BodyBeside>& beyond)
+      : polygon_(polygon),
+        eye_(sight.scans()[scan].world_from_scan.translation),
+        low_(polygon.low() - Vec2(0, foot_m)) {
     const Vec2 size = polygon.high() - low_;
     step_ = std::max(kCell_m, size.maxCoeff() / kMostCells);
-    cols_ = std::max(1, static_cast<int>(std::ceil(size.x() / step_)));
-    rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / step_)));
+    const auto steps = [&](double length) { return std::ceil(length / step_); };
+    if (before) low_.x() -= step_ * steps(low_.x() - before->corner);
+    const double right = beyond ? beyond->corner : polygon.high().x();
+    cols_ = std::max(1, static_cast<int>(steps(right - low_.x())));
+    rows_ = std::max(1, static_cast<int>(steps(size.y())));
     cells_.resize(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(cols_), Cell::kUnsure);
     for (int row = 0; row < rows_; ++row) look(sight, scan, row);
     doubt_single_beams();
+    between();
+    if (before) pass_behind(*before, 0, 1);
+    if (beyond) pass_behind(*beyond, cols_ - 1, -1);
   }
 
   std::vector<PolygonModel> polygons() const {
-    auto filled = between();
+    auto filled = unseen_;
     keep_shadows(filled);
     overlap(filled);
     std::vector<PolygonModel> found;
@@ -66,6 +77,8 @@ class Shadow {
   }
   bool is_in(int row, int col) const { return row >= 0 && col >= 0 && row < rows_ && col < cols_; }
 
+  Vec3 place_at(int row, int col) const { return polygon_.lifted(low_ + step_ * Vec2(col + 0.5, row + 0.5)); }
+
   void look(const ScanSight& sight, std::size_t scan, int row) {
     const double y = low_.y() + (row + 0.5) * step_;
     for (const auto& [from, to] : polygon_.spans(y)) {
@@ -77,7 +90,7 @@ class Shadow {
     for (int col = 0; col < cols_; ++col) {
       Cell& cell = cells_[at(row, col)];
       if (cell == Cell::kSeen) continue;
-      const Vec3 place = polygon_.lifted({low_.x() + (col + 0.5) * step_, y});
+      const Vec3 place = place_at(row, col);
       if (sight.is_hidden(place, scan)) cell = Cell::kHidden;
       if (sight.is_empty(place)) cell = Cell::kEmpty;
     }
@@ -105,26 +118,43 @@ class Shadow {
     return Cell::kUnsure;
   }
 
-  std::vector<std::uint8_t> between() const {
-    std::vector<std::uint8_t> filled(cells_.size(), 0);
+  void between() {
+    unseen_.assign(cells_.size(), 0);
     for (int row = 0; row < rows_; ++row)
       for (int col = 0; col < cols_; ++col) {
         const Cell cell = cells_[at(row, col)];
         if (cell == Cell::kSeen || cell == Cell::kEmpty) continue;
         const auto seen = [&](int up, int across) { return end_of(row, col, up, across) == Cell::kSeen; };
         const bool stands = !polygon_.is_level() && end_of(row, col, -1, 0) == Cell::kUnsure;
-        filled[at(row, col)] = (seen(0, 1) && seen(0, -1)) || (seen(1, 0) && (stands || seen(-1, 0)));
+        unseen_[at(row, col)] = (seen(0, 1) && seen(0, -1)) || (seen(1, 0) && (stands || seen(-1, 0)));
       }
-    return filled;
+  }
+
+  // From a body's corner to what is seen, where the body hides all between.
+  void pass_behind(const BodyBeside& body, int corner, int across) {
+    for (int row = 0; row < rows_; ++row) {
+      const auto is_behind = [&](int col) {
+        return is_in(row, col) && cells_[at(row, col)] != Cell::kSeen &&
+               cells_[at(row, col)] != Cell::kEmpty && body.hides(place_at(row, col), eye_);
+      };
+      int end =
+          is_behind(corner) ? corner : corner + across;  // of a cell on the corner the middle may be in it
+      while (is_behind(end)) end += across;
+      if (!is_in(row, end) || cells_[at(row, end)] != Cell::kSeen) continue;
+      for (int col = corner; col != end; col += across)
+        if (cells_[at(row, col)] != Cell::kSeen && cells_[at(row, col)] != Cell::kEmpty)
+          unseen_[at(row, col)] = 1;
+    }
   }
 
   // Of the connected parts those that something hides and nothing looks through beside them.
   void keep_shadows(std::vector<std::uint8_t>& filled) const {
+    const auto between = filled;
     std::vector<std::uint8_t> done(filled.size(), 0);
     std::vector<std::pair<int, int>> part;
     for (int row = 0; row < rows_; ++row)
       for (int col = 0; col < cols_; ++col) {
-        if (!filled[at(row, col)] || done[at(row, col)]) continue;
+        if (!between[at(row, col)] || done[at(row, col)]) continue;
         std::size_t seen = 0, empty = 0, hidden = 0;
         part = {{row, col}};
         done[at(row, col)] = 1;
@@ -136,20 +166,38 @@ class Shadow {
             if (!is_in(y, x)) continue;
             seen += cells_[at(y, x)] == Cell::kSeen;
             empty += cells_[at(y, x)] == Cell::kEmpty;
-            if (!filled[at(y, x)] || done[at(y, x)]) continue;
+            if (!between[at(y, x)] || done[at(y, x)]) continue;
             done[at(y, x)] = 1;
             part.emplace_back(y, x);
           }
         }
-        const auto share = [](std::size_t some, std::size_t all) {
-          return static_cast<double>(some) / static_cast<double>(std::max<std::size_t>(all, 1));
-        };
         if (part.size() >= kLeastCells && share(hidden, part.size()) >= kLeastHidden &&
             share(empty, empty + seen) <= kMostSeenThrough)
           continue;
-        if (empty == 0 && mean_width_m(part) <= kNarrowHole_m) continue;
+        if (empty == 0 && mean_width_m(part) <= kNarrowHole_m && !is_between_bars(part, between)) continue;
         for (const auto& [r, c] : part) filled[at(r, c)] = 0;
       }
+  }
+
+  static double share(std::size_t some, std::size_t all) {
+    return static_cast<double>(some) / static_cast<double>(std::max<std::size_t>(all, 1));
+  }
+
+  // Whether what parts it from other holes is no wider than itself: a grille or a railing before the sky,
+  // which returns no more than dark paint does.
+  bool is_between_bars(const std::vector<std::pair<int, int>>& part,
+                       const std::vector<std::uint8_t>& holes) const {
+    const int widest = static_cast<int>(std::lround(mean_width_m(part) / step_));
+    std::size_t seen = 0, bars = 0;
+    for (const auto& [row, col] : part)
+      for (const auto& [up, across] : kFourBeside) {
+        int wide = 0, y = row + up, x = col + across;
+        for (; wide <= widest && is_in(y, x) && cells_[at(y, x)] == Cell::kSeen; y += up, x += across) ++wide;
+        if (wide == 0) continue;
+        ++seen;
+        bars += wide <= widest && is_in(y, x) && holes[at(y, x)];
+      }
+    return share(bars, seen) >= kLeastBars;
   }
 
   // Of a part's cells, its area over its longer side.
@@ -192,29 +240,13 @@ class Shadow {
   }
 
   const FlatPolygon& polygon_;
+  Vec3 eye_;  // the scan that shows it
   Vec2 low_;
   double step_ = kCell_m;
   int rows_ = 0, cols_ = 0;
-  std::vector<Cell> cells_;  // the lowest row first
+  std::vector<Cell> cells_;           // the lowest row first
+  std::vector<std::uint8_t> unseen_;  // of them, where the plane may go on
 };
-
-// How far below an upright polygon an upright one goes that it meets at a corner, border at border, in the
-// first one's coordinates; 0 where it meets none there.
-double goes_down_m(const FlatPolygon& own, const FlatPolygon& other) {
-  if (own.is_level() || other.is_level() || std::abs(own.normal().dot(other.normal())) > kSquareCorner)
-    return 0;
-  for (const double x : {own.low().x(), own.high().x()}) {
-    const Vec3 corner = own.lifted(Vec2(x, own.low().y()));
-    const Vec2 at = other.flat(corner);
-    const double within = std::min(at.x() - other.low().x(), other.high().x() - at.x());
-    if (std::abs(within) > kCorner_m || at.y() < other.low().y() || at.y() > other.high().y() + kCorner_m ||
-        (other.lifted(at) - corner).norm() > kCorner_m)
-      continue;
-    const double steep = own.lifted(Vec2(0, 1)).z() - own.lifted(Vec2(0, 0)).z();
-    return (corner.z() - other.lifted(Vec2(0, other.low().y())).z()) / steep;
-  }
-  return 0;
-}
 
 // Upright ones.
 bool are_in_one_plane(const FlatPolygon& own, const FlatPolygon& other) {
@@ -226,35 +258,36 @@ bool are_in_one_plane(const FlatPolygon& own, const FlatPolygon& other) {
 }  // namespace
 
 std::vector<ShadowFace> shadow_faces(const ScanSight& sight, const PolygonModel& contours,
-                                     const std::vector<std::size_t>& scan_of_face) {
-  std::vector<FlatPolygon> polygons;
-  std::vector<PolygonBox> boxes;
-  for (const Face& face : contours.faces) {
-    const SpacePolygon polygon = polygon_of(contours, face);
-    polygons.emplace_back(polygon);
-    boxes.emplace_back(polygon);
-  }
-  std::vector<double> own_foot_m(polygons.size(), 0.0);
-  parallel_for(polygons.size(), [&](std::size_t face) {
-    for (std::size_t other = 0; other < polygons.size(); ++other)
-      if (boxes[face].is_near(boxes[other], kCorner_m))
-        own_foot_m[face] = std::max(own_foot_m[face], goes_down_m(polygons[face], polygons[other]));
+                                     const std::vector<std::size_t>& scan_of_face,
+                                     const PolygonModel& model) {
+  std::vector<BoxedPolygon> faces;  // the contours first
+  for (const PolygonModel* some : {&contours, &model})
+    for (const Face& face : some->faces) faces.emplace_back(polygon_of(*some, face));
+  const std::size_t count = contours.faces.size();
+  std::vector<double> own_foot_m(count, 0.0);
+  parallel_for(count, [&](std::size_t face) {
+    for (std::size_t other = 0; other < count; ++other)
+      own_foot_m[face] = std::max(own_foot_m[face], goes_down_m(faces[face], faces[other]));
   });
   // Parts of one surface stand on the same ground.
   const auto foot_m = [&](std::size_t face) {
+    const FlatPolygon& own = faces[face].flat;
     double most_m = own_foot_m[face];
-    for (std::size_t other = 0; other < polygons.size(); ++other)
-      if (scan_of_face[other] == scan_of_face[face] && boxes[face].is_near(boxes[other], kCorner_m) &&
-          are_in_one_plane(polygons[face], polygons[other])) {
-        const Vec3 foot = polygons[other].lifted(polygons[other].low() - Vec2(0, own_foot_m[other]));
-        most_m = std::max(most_m, polygons[face].low().y() - polygons[face].flat(foot).y());
+    for (std::size_t other = 0; other < count; ++other)
+      if (scan_of_face[other] == scan_of_face[face] &&
+          faces[face].box.is_near(faces[other].box, kSameGround_m) &&
+          are_in_one_plane(own, faces[other].flat)) {
+        const FlatPolygon& part = faces[other].flat;
+        const Vec3 foot = part.lifted(part.low() - Vec2(0, own_foot_m[other]));
+        most_m = std::max(most_m, own.low().y() - own.flat(foot).y());
       }
     return most_m;
   };
-  std::vector<std::vector<ShadowFace>> of_face(contours.faces.size());
-  parallel_for(of_face.size(), [&](std::size_t face) {
-    for (auto& polygon : Shadow(sight, polygons[face], foot_m(face), scan_of_face[face]).polygons())
-      of_face[face].push_back({face, std::move(polygon)});
+  std::vector<std::vector<ShadowFace>> of_face(count);
+  parallel_for(count, [&](std::size_t face) {
+    const Shadow shadow(sight, faces[face].flat, foot_m(face), scan_of_face[face],
+                        body_beside(faces[face], -1, faces), body_beside(faces[face], 1, faces));
+    for (auto& polygon : shadow.polygons()) of_face[face].push_back({face, std::move(polygon)});
   });
   std::vector<ShadowFace> all;
   for (auto& some : of_face)

@@ -63,10 +63,11 @@ double area(const std::vector<ShadowFace>& faces) {
   return sum;
 }
 
-std::vector<ShadowFace> shadows(const std::vector<RangeImage>& images, const PolygonModel& contours) {
+std::vector<ShadowFace> shadows(const std::vector<RangeImage>& images, const PolygonModel& contours,
+                                const PolygonModel& model = {}) {
   const std::vector<SightScan> scans = bare_scans(images);
   const ScanSight sight(scans, 0.02);
-  return shadow_faces(sight, contours, std::vector<std::size_t>(contours.faces.size(), 0));
+  return shadow_faces(sight, contours, std::vector<std::size_t>(contours.faces.size(), 0), model);
 }
 
 TEST(ShadowFaces, ThePlaneGoesOnBehindWhatHidesIt) {
@@ -191,10 +192,83 @@ TEST(ShadowFaces, ADarkBandIsNoOpening) {
     }
     auto scans = bare_scans(images);
     scans[1].world_from_scan.translation = {0, kWall_m - 1.8, 0};
-    return shadow_faces(ScanSight(scans, 0.02), contours, {0});
+    return shadow_faces(ScanSight(scans, 0.02), contours, {0}, {});
   };
   EXPECT_NEAR(area(beside({-0.3, 0.3})), 1.64 * 0.14, 0.02);
   EXPECT_TRUE(beside({0.3, 0.318, 0.336, 0.354}).empty());
+}
+
+// Gaps before the sky, from which nothing returns, as wide as the dark band and 1.6 m high; bars between
+// them.
+TEST(ShadowFaces, BetweenBarsItStaysOpen) {
+  constexpr double kGap_m = 0.1, kHigh_m = 0.8;
+  const auto gaps = [&](const std::vector<double>& middles) {
+    PolygonModel contours = upright();
+    RangeImage image = nothing_measured(0, 0);
+    for (const double middle : middles) {
+      const auto first = static_cast<std::uint32_t>(contours.vertices.size());
+      const double left = middle - kGap_m / 2, right = middle + kGap_m / 2;
+      for (const auto& [x, z] :
+           {std::pair{left, -kHigh_m}, {left, kHigh_m}, {right, kHigh_m}, {right, -kHigh_m}})
+        contours.vertices.emplace_back(x, kWall_m, z);
+      contours.faces[0].holes.push_back({first, first + 1, first + 2, first + 3});
+      for (std::size_t i = 0; i < image.count(); ++i)
+        if (std::abs(image.point(i).x() - middle) <= kGap_m / 2 && std::abs(image.point(i).z()) <= kHigh_m)
+          image.mask[i] = kEmpty;
+    }
+    return area(shadows({image}, contours));
+  };
+  const double one = (kGap_m + 0.02) * 2 * (kHigh_m + 0.01);  // of cells: four inside, with the overlap six
+  EXPECT_NEAR(gaps({0}), one, 0.02);
+  EXPECT_NEAR(gaps({-0.4, 0.4}), 2 * one, 0.04);  // a door's bands
+  EXPECT_EQ(gaps({-0.16, 0, 0.16}), 0);
+  EXPECT_EQ(gaps({-0.07, 0.07}), 0);
+}
+
+// A wall 3 m before the scanner, of which the left side goes back to the plane, hides the plane from where
+// its edge is in the way to where they meet.
+TEST(ShadowFaces, BehindABodysEdgeItGoesOnToTheCorner) {
+  constexpr double kLeft_m = -0.6, kSeen_m = kLeft_m / kPost_m * kWall_m;
+  const auto image = scan_of([](const Vec3& ray) {
+    const double before = kPost_m / ray.y() * ray.x(), on = kWall_m / ray.y() * ray.x();
+    if (before > kLeft_m && before < 1) return kPost_m / ray.y();
+    return (on > -2 && std::abs(kWall_m / ray.y() * ray.z()) < 1.5 ? kWall_m : 9) / ray.y();
+  });
+  const auto buttress = [&](double left) {
+    PolygonModel model = upright();
+    for (const std::size_t corner : {0, 3}) model.vertices[corner].x() = left;
+    for (const std::size_t corner : {1, 2}) model.vertices[corner].x() = kSeen_m;
+    return model;
+  };
+  const auto side = [&](double from, double to) {
+    PolygonModel model;
+    model.vertices = {{kLeft_m, to, -2}, {kLeft_m, from, -2}, {kLeft_m, from, 2}, {kLeft_m, to, 2}};
+    model.faces = {{"left", {0, 1, 2, 3}, {}}};
+    return model;
+  };
+  const auto faces = shadows({image}, buttress(-2), side(kPost_m, 8));
+  ASSERT_EQ(faces.size(), 1u);
+  EXPECT_NEAR(area(faces), (kLeft_m - kSeen_m) * 3, 0.12);
+  for (const Vec3& corner : faces[0].polygon.vertices) {
+    EXPECT_NEAR(corner.y(), kWall_m, 1e-9);
+    EXPECT_GT(corner.x(), kSeen_m - 0.05);
+    EXPECT_LT(corner.x(), kLeft_m + 0.025);
+  }
+  const auto is_open = [&](const PolygonModel& contours, const PolygonModel& model) {
+    return shadows({image}, contours, model).empty();
+  };
+  EXPECT_TRUE(is_open(buttress(-2), {}));                           // no corner
+  EXPECT_TRUE(is_open(buttress(-2), side(8, kPost_m)));             // its front is the other side
+  EXPECT_TRUE(is_open(buttress(-2), side(4.6, 8)));                 // another body hides it
+  EXPECT_TRUE(is_open(buttress(kSeen_m - 0.3), side(kPost_m, 8)));  // less is seen than hidden
+  PolygonModel both = buttress(-2);
+  const PolygonModel left = side(kPost_m, 8);
+  for (const Vec3& vertex : left.vertices) both.vertices.push_back(vertex);
+  both.faces.push_back({"left", {4, 5, 6, 7}, {}});  // another scan has the wall's side
+  double of_front = 0;
+  for (const auto& face : shadows({image}, both))
+    if (face.face == 0) of_front += area_of(face).norm();
+  EXPECT_NEAR(of_front, (kLeft_m - kSeen_m) * 3, 0.12);
 }
 
 TEST(ShadowFaces, NothingBesideItGoesOn) {
