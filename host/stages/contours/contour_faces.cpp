@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel_blocks.hpp"
+#include "stages/contours/border_lines.hpp"
 #include "stages/contours/contour_polygons.hpp"
 #include "stages/contours/widened_rings.hpp"
 #include "stages/scan/stray_samples.hpp"
@@ -225,7 +226,8 @@ ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentati
       polygons[i] = polygons_of(as);
       return !polygons[i].faces.empty() && can_be_triangulated(moved(world_from_scan, polygons[i]));
     };
-    if (take(widened_rings(image, supercluster, intersections, options.widen, rings)) || take(rings))
+    const auto lines = with_border_lines(image, supercluster, rings, options.border_rms, options.border_most);
+    if (take(widened_rings(image, supercluster, intersections, options.widen, lines)) || take(rings))
       judge.weigh(supercluster, extents[unexplained[i]], rings, result.fits[i], result.covered);
   });
   for (std::size_t i = 0; i < polygons.size(); ++i)

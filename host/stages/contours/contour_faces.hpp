@@ -15,7 +15,9 @@ struct ContourFaceOptions {
   double seen_through = 0.03;      // of the rays that meet the polygon, at most, return from behind it
   double behind_sigmas = 4;        // a sample this far behind the plane, along its ray, was seen through it
   double straighten = 0.75;        // vertices this near the line of their neighbours go, in sample spacings
-  double widen = 0.5;              // steps of the scan's grid from its outermost samples to the plane's end
+  double border_rms = 0.36;  // steps of its outermost samples from a straight border: 0.29 without noise
+  double border_most = 1;    // steps of each of them
+  double widen = 0.5;        // steps of the scan's grid from its outermost samples to the plane's end
 };
 
 // One supercluster that no proxy face explains, and the evidence.
@@ -39,10 +41,10 @@ struct ContourFaces {
 // polygons, where the polygon is faithful; the others keep their samples, so that nothing becomes a hole.
 // `explained`: per node, as for keep_unexplained. `stray` (per node, stages::Stray) is no evidence of being
 // seen through. `sigma_m`: range noise. Vertices are dropped where the ring stays simple without them. What
-// is covered and seen through is asked of the contours, whose vertices are samples; the polygons are wider
-// (widened_rings, which is given `intersections`). A polygon that can be triangulated in the scan's frame and
-// not in the world's, where rounding is another, is none. Throws ErrorKind::failed when the vectors are not
-// the image's.
+// is covered and seen through is asked of the contours, whose vertices are samples; the polygons have
+// straight borders where those are (with_border_lines) and are wider (widened_rings, which is given
+// `intersections`). A polygon that can be triangulated in the scan's frame and not in the world's, where
+// rounding is another, is none. Throws ErrorKind::failed when the vectors are not the image's.
 ContourFaces unexplained_contours(const RangeImage& image, const PlaneSegmentation& segmentation,
                                   const std::vector<Intersection>& intersections,
                                   const std::vector<std::uint8_t>& explained,

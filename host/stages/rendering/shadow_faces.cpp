@@ -137,8 +137,8 @@ class Shadow {
         return is_in(row, col) && cells_[at(row, col)] != Cell::kSeen &&
                cells_[at(row, col)] != Cell::kEmpty && body.hides(place_at(row, col), eye_);
       };
-      int end =
-          is_behind(corner) ? corner : corner + across;  // of a cell on the corner the middle may be in it
+      // Of a cell on the corner the middle may be in the body.
+      int end = is_behind(corner) ? corner : corner + across;
       while (is_behind(end)) end += across;
       if (!is_in(row, end) || cells_[at(row, end)] != Cell::kSeen) continue;
       for (int col = corner; col != end; col += across)
