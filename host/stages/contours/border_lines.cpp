@@ -5,14 +5,15 @@
 #include <limits>
 #include <optional>
 
+#include "stages/contours/widened_rings.hpp"
+
 namespace hybrid::stages {
 namespace {
 
-constexpr std::size_t kLeastPoints = 8;   // of a contour along a line
-constexpr double kLeastSine = 1. / 3;     // of a border's normal and the line of sight, as in widened_rings
-constexpr double kLongSide = 2.5;         // steps without a point between: two planes meet there
-constexpr double kLeastCornerSine = 0.2;  // of lines that meet in a corner
-constexpr double kMostToCorner = 2;       // steps from the contour's point there
+constexpr std::size_t kLeastPoints = 8;    // of a contour along a line
+constexpr double kLongSide = 2.5;          // steps without a point between: two planes meet there
+constexpr double kLeastMeetingSine = 0.2;  // of lines that meet in a corner
+constexpr double kMostToCorner = 2;        // steps from the contour's point there
 constexpr double kSamePlace_m = 1e-6;
 
 // The line through a run of points.
@@ -58,10 +59,7 @@ class Border {
 
   // Of the scan's grid at a point, across a direction.
   double step_m(std::size_t i, const Vec2& along) const {
-    const Vec3& point = points_[i % points_.size()];
-    const Vec3 out = -along.y() * u_ + along.x() * v_;
-    const double range = point.norm();
-    return step_rad_ * range / std::max(out.cross(point / range).norm(), kLeastSine);
+    return step_rad_ * step_across(points_[i % points_.size()], -along.y() * u_ + along.x() * v_);
   }
 
   // Through the points between its ends, which are corners; through its ends where it is exact.
@@ -194,7 +192,7 @@ FlatRing lined(const FlatRing& ring, const ContourRing& contour, const std::vect
       add(corner);
     } else if (before && after) {
       const double sine = before->along.x() * after->along.y() - before->along.y() * after->along.x();
-      if (std::abs(sine) >= kLeastCornerSine) {
+      if (std::abs(sine) >= kLeastMeetingSine) {
         const Vec2 apart = after->middle - before->middle;
         const Vec2 met = before->middle +
                          (apart.x() * after->along.y() - apart.y() * after->along.x()) / sine * before->along;

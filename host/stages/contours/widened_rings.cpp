@@ -45,8 +45,7 @@ FlatRing widened(const FlatRing& ring, const Plane& plane, const std::vector<Int
     });
     // Material is on the left of a ring as the plane's normal has it.
     const Vec3 out = (to - from).cross(plane.normal).normalized(), middle = 0.5 * (from + to);
-    const double sine = std::max(out.cross(middle.normalized()).norm(), kLeastSine);
-    sides.push_back({out, known ? 0 : step_rad * middle.norm() / sine});
+    sides.push_back({out, known ? 0 : step_rad * step_across(middle, out)});
   }
   FlatRing result{{}, ring.outer};
   for (std::size_t i = 0; i < n; ++i)
@@ -56,6 +55,10 @@ FlatRing widened(const FlatRing& ring, const Plane& plane, const std::vector<Int
 }
 
 }  // namespace
+
+double step_across(const Vec3& point, const Vec3& out) {
+  return point.norm() / std::max(out.cross(point.normalized()).norm(), kLeastSine);
+}
 
 std::vector<FlatRing> widened_rings(const RangeImage& image, const Supercluster& supercluster,
                                     const std::vector<Intersection>& intersections, double steps,

@@ -8,6 +8,10 @@
 
 namespace hybrid::stages {
 
+// How far apart samples are at a point along a direction, times the radians between them as the scanner, at
+// the origin, sees it; at most three times the point's range.
+double step_across(const Vec3& point, const Vec3& out);
+
 // The rings of a supercluster's contours, whose vertices are its outermost samples, moved out to where its
 // plane ends: anywhere before the next sample, on the mean half a step of the scan's grid farther. Sides that
 // lie on one of the plane's intersections (those of `intersections` that name it) are known and stay.
