@@ -231,16 +231,7 @@ std::vector<FlatRing> with_border_lines(const RangeImage& image, const Superclus
       break;
     }
   }
-  std::vector<bool> moved(rings.size(), true);
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const std::size_t r : touching_rings(result, 0)) {
-      if (!moved[r]) continue;
-      moved[r] = false;
-      changed = true;
-      result[r] = rings[r];
-    }
-  }
+  restore_touching(result, rings);
   return result;
 }
 

@@ -241,6 +241,19 @@ std::vector<std::size_t> touching_rings(const std::vector<FlatRing>& rings, std:
   return touching;
 }
 
+void restore_touching(std::vector<FlatRing>& rings, const std::vector<FlatRing>& before) {
+  std::vector<bool> moved(rings.size(), true);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const std::size_t r : touching_rings(rings, 0)) {
+      if (!moved[r]) continue;
+      moved[r] = false;
+      changed = true;
+      rings[r] = before[r];
+    }
+  }
+}
+
 void make_simple(std::vector<FlatRing>& rings) {
   std::vector<std::size_t> budget;  // vertices a ring may still lose
   for (const FlatRing& ring : rings) budget.push_back(8 + ring.vertices.size() / 4);

@@ -39,6 +39,10 @@ bool are_simple(const std::vector<FlatRing>& rings);
 // that edges that lie over each other need not meet.
 std::vector<std::size_t> touching_rings(const std::vector<FlatRing>& rings, std::int64_t reach_nm);
 
+// Of rings that were `before`, and simple, and have moved since, those become as they were that touch
+// themselves or another one, until none does.
+void restore_touching(std::vector<FlatRing>& rings, const std::vector<FlatRing>& before);
+
 // Drops the vertices at which rings cross themselves or each other, until none does: the shorter loop a
 // crossing cuts off, or the ends of the crossing edges. A ring that would lose more than a quarter of its
 // vertices is given up: an outer one becomes its convex hull, an inner one is dropped. Rings whose area

@@ -74,16 +74,7 @@ std::vector<FlatRing> widened_rings(const RangeImage& image, const Supercluster&
     const bool turned = (signed_area2(wide) > 0) != (signed_area2(ring) > 0);
     result.push_back(turned ? ring : std::move(wide));
   }
-  std::vector<bool> moved(rings.size(), true);
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const std::size_t r : touching_rings(result, 0)) {
-      if (!moved[r]) continue;
-      moved[r] = false;
-      changed = true;
-      result[r] = rings[r];
-    }
-  }
+  restore_touching(result, rings);
   return result;
 }
 
