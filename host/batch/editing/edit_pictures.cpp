@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
+#include <string_view>
 
 #include "batch/overview_camera.hpp"
 #include "batch/picture_marks.hpp"
@@ -125,12 +127,11 @@ Ink ink_of(stages::CellEvidence evidence) {
 
 // The faces of the model that are no longer as they were, alone: what the pictures look at.
 PolygonModel changed_faces(const PolygonModel& before, const PolygonModel& after) {
+  std::set<std::pair<std::string_view, std::size_t>> kept;  // name and number of holes
+  for (const Face& face : after.faces) kept.emplace(face.name, face.holes.size());
   PolygonModel changed;
   for (const Face& face : before.faces) {
-    const auto same = std::find_if(after.faces.begin(), after.faces.end(), [&](const Face& other) {
-      return other.name == face.name && other.holes.size() == face.holes.size();
-    });
-    if (same != after.faces.end()) continue;
+    if (kept.count({face.name, face.holes.size()}) > 0) continue;
     for (const std::uint32_t vertex : face.outer) changed.vertices.push_back(before.vertices[vertex]);
   }
   return changed;

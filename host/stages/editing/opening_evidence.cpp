@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -19,10 +19,73 @@ constexpr double kLeastTolerance_m = 0.02;      // about the surface, to be on i
 constexpr std::size_t kLeastSamples = 100;      // parallel ones that tell where a surface is
 constexpr double kLeastArea = 0.01;             // share of the face that they stand for
 
+constexpr std::size_t kRunPoints = 128;
+constexpr float kConeSlack = 1e-5f;  // of cosines, for rounding
+
 // Every n-th row and column.
 int stride_of(const RangeImage& image) {
   return static_cast<int>(
       std::ceil(std::sqrt(static_cast<double>(image.count()) / static_cast<double>(kMostPoints))));
+}
+
+EvidenceRun run_of(const EvidenceCloud& cloud, std::size_t first, std::size_t count) {
+  EvidenceRun run{first, count};
+  const Vec3 scanner = cloud.scanners[cloud.points[first].scan] - cloud.origin;
+  const auto ray = [&](std::size_t i) -> Vec3 { return cloud.points[i].point.cast<double>() - scanner; };
+  Vec3 sum = Vec3::Zero();
+  double far_m = 0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    sum += ray(i).normalized();
+    far_m = std::max(far_m, ray(i).norm());
+  }
+  run.far_m = static_cast<float>(far_m);
+  const Vec3 axis = sum.normalized();
+  double cosine = 1;
+  for (std::size_t i = first; i < first + count; ++i)
+    cosine = std::min(cosine, axis.dot(ray(i).normalized()));
+  if (!(cosine > 0)) return run;
+  run.axis = axis.cast<float>();
+  run.cosine = static_cast<float>(cosine);
+  run.sine = static_cast<float>(std::sqrt(std::max(0.0, 1 - cosine * cosine)));
+  return run;
+}
+
+// `row_end`: of each row's points, the first one's beginning at the cloud's end before this scan's.
+void append_runs(const std::vector<std::size_t>& row_end, EvidenceCloud& cloud) {
+  std::vector<std::pair<std::size_t, std::size_t>> parts;  // first, count
+  for (std::size_t r = 1; r < row_end.size(); ++r)
+    for (std::size_t first = row_end[r - 1]; first < row_end[r]; first += kRunPoints)
+      parts.emplace_back(first, std::min(kRunPoints, row_end[r] - first));
+  const std::size_t before = cloud.runs.size();
+  cloud.first_run.push_back(before);
+  cloud.runs.resize(before + parts.size());
+  parallel_for(parts.size(), [&](std::size_t i) {
+    cloud.runs[before + i] = run_of(cloud, parts[i].first, parts[i].second);
+  });
+}
+
+// The runs with points of whose rays some may pass the face, or that may lie near it: those that reach the
+// sphere about the face and what is near it. In their order.
+std::vector<std::size_t> runs_towards(const EvidenceCloud& cloud, const FaceFrame& frame) {
+  const Vec3 centre = frame.origin + 0.5 * frame.size.x() * frame.u + 0.5 * frame.size.y() * frame.v;
+  const double radius = 0.5 * frame.size.norm() + kNear_m;
+  std::vector<std::size_t> towards;
+  for (std::size_t s = 0; s < cloud.scanners.size(); ++s) {
+    const Vec3 to = centre - cloud.scanners[s];
+    const double far_m = to.norm(), sine = radius / far_m;
+    const bool is_inside = !(sine < 1);
+    const Vec3f axis = (to / far_m).cast<float>();
+    const auto face_sine = static_cast<float>(sine);
+    const auto least_m = static_cast<float>(far_m - radius);
+    const auto face_cosine = is_inside ? 0.0f : static_cast<float>(std::sqrt(1 - sine * sine));
+    for (std::size_t i = cloud.first_run[s]; i < cloud.first_run[s + 1]; ++i) {
+      const EvidenceRun& run = cloud.runs[i];
+      if (run.far_m < least_m) continue;
+      if (is_inside || axis.dot(run.axis) >= run.cosine * face_cosine - run.sine * face_sine - kConeSlack)
+        towards.push_back(i);
+    }
+  }
+  return towards;
 }
 
 void append_scan(const OpeningScan& scan, std::uint16_t index, EvidenceCloud& cloud) {
@@ -65,6 +128,7 @@ void append_scan(const OpeningScan& scan, std::uint16_t index, EvidenceCloud& cl
       point.area_m2 = static_cast<float>(row_sr * range * range / cosine);
     }
   });
+  append_runs(first, cloud);
 }
 
 double median_of(std::vector<std::pair<double, double>>& weighted) {
@@ -98,6 +162,7 @@ EvidenceCloud gather_points(const PolygonModel& model, const std::vector<Opening
   EvidenceCloud cloud;
   cloud.origin = model.vertices.empty() ? Vec3(Vec3::Zero()) : model.vertices[0];
   for (std::size_t s = 0; s < scans.size(); ++s) append_scan(scans[s], static_cast<std::uint16_t>(s), cloud);
+  cloud.first_run.push_back(cloud.runs.size());
   return cloud;
 }
 
@@ -110,10 +175,11 @@ FaceSamples samples_of_face(const EvidenceCloud& cloud, const FaceFrame& frame) 
   const Vec3f u = frame.u.cast<float>(), v = frame.v.cast<float>(), n = frame.plane.normal.cast<float>();
   const Vec3f shift = (cloud.origin - frame.origin).cast<float>();
   const auto parallel_cosine = static_cast<float>(std::cos(kParallelDeg * std::numbers::pi / 180));
-  constexpr std::size_t kBlock = 1 << 16;
-  std::vector<std::vector<FaceSample>> blocks((cloud.points.size() + kBlock - 1) / kBlock);
-  parallel_for(blocks.size(), [&](std::size_t b) {
-    for (std::size_t i = b * kBlock; i < std::min(cloud.points.size(), (b + 1) * kBlock); ++i) {
+  const std::vector<std::size_t> towards = runs_towards(cloud, frame);
+  constexpr std::size_t kBlock = 512;
+  std::vector<std::vector<FaceSample>> blocks((towards.size() + kBlock - 1) / kBlock);
+  const auto take = [&](const EvidenceRun& run, std::vector<FaceSample>& samples) {
+    for (std::size_t i = run.first; i < run.first + run.count; ++i) {
       const EvidencePoint& p = cloud.points[i];
       const Vec3f local = p.point + shift;
       const float height = n.dot(local);
@@ -131,9 +197,12 @@ FaceSamples samples_of_face(const EvidenceCloud& cloud, const FaceFrame& frame) 
       const float cosine = std::abs(scanner - height) / length;
       if (cosine < kGrazing) continue;
       const float spacing = static_cast<float>(cloud.step_rad[p.scan]) * length * t / std::sqrt(cosine);
-      blocks[b].push_back({foot.x(), foot.y(), height, p.area_m2, spacing, p.scan,
-                           n.dot(p.normal) * (scanner > 0 ? 1.0f : -1.0f) > parallel_cosine});
+      samples.push_back({foot.x(), foot.y(), height, p.area_m2, spacing, p.scan,
+                         n.dot(p.normal) * (scanner > 0 ? 1.0f : -1.0f) > parallel_cosine});
     }
+  };
+  for_blocks(towards.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) take(cloud.runs[towards[i]], blocks[block]);
   });
   for (const auto& block : blocks) face.samples.insert(face.samples.end(), block.begin(), block.end());
   return face;

@@ -28,14 +28,24 @@ struct EvidencePoint {
   float area_m2;
   std::uint16_t scan;
 };
+// Successive points of a row of a scan and the cone that they lie in.
+struct EvidenceRun {
+  std::size_t first = 0, count = 0;  // of `points`
+  Vec3f axis = Vec3f::Zero();        // from the scanner; zero: wider than half of all directions
+  float cosine = 0, sine = 1;        // of the angle between it and the cone's side
+  float far_m = 0;                   // the farthest point, from the scanner
+};
 struct EvidenceCloud {
   Vec3 origin;
   std::vector<EvidencePoint> points;
-  std::vector<Vec3> scanners;    // world
-  std::vector<double> step_rad;  // per scan, of the thinned grid
+  std::vector<EvidenceRun> runs;       // of all points, in their order
+  std::vector<std::size_t> first_run;  // per scan, and the end
+  std::vector<Vec3> scanners;          // world
+  std::vector<double> step_rad;        // per scan, of the thinned grid
 };
 EvidenceCloud gather_points(const PolygonModel& model, const std::vector<OpeningScan>& scans);
 
+// Its time follows the samples in the directions of the face, not all samples: a model may have many faces.
 FaceSamples samples_of_face(const EvidenceCloud& cloud, const FaceFrame& frame);
 
 // Offset, spread and status ("as modelled" or "displaced", "unseen") of a face's surface.
