@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/parallel.hpp"
 #include "geometry/tiles.hpp"
@@ -38,6 +38,25 @@ std::vector<float> tile_surface(const AtlasChart& chart, const std::vector<std::
   return planes;
 }
 
+// The photographs before the chart's plane whose field of view it meets: no other sees a texel of it. Most
+// charts of a model of many faces are behind most photographs.
+std::vector<std::size_t> photographs_towards(const AtlasChart& chart, const std::vector<SightCone>& sights) {
+  constexpr double kRounding_m = 0.01;
+  const Vec3 middle = chart.point(0.5 * chart.cols, 0.5 * chart.rows);
+  const double radius_m = 0.5 * chart.texel_m * std::hypot(chart.cols, chart.rows);
+  std::vector<std::size_t> towards;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    if (chart.normal.dot(sights[i].apex - middle) > -kRounding_m &&
+        sights[i].meets_ball(middle, radius_m + kRounding_m))
+      towards.push_back(i);
+  return towards;
+}
+
+void fill_unseen(const std::vector<std::uint8_t>& mask, std::vector<float>& colour) {
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i]) colour[3 * i] = 1.0f;
+}
+
 }  // namespace
 
 Renderer::BakedChart Renderer::bake(const AtlasChart& chart, const std::vector<std::uint8_t>& mask) {
@@ -47,9 +66,12 @@ Renderer::BakedChart Renderer::bake(const AtlasChart& chart, const std::vector<s
   out.colour.assign(3 * mask.size(), 0.0f);
   out.coverage.assign(mask.size(), 0);
   out.best.assign(mask.size(), -1);
+  const std::vector<std::size_t> used = photographs_towards(chart, s.sights);
+  if (used.empty()) {
+    fill_unseen(mask, out.colour);
+    return out;
+  }
   const DeviceBvh& occluders = s.geometry("both");
-  std::vector<std::size_t> used(s.scene.photographs.size());
-  std::iota(used.begin(), used.end(), std::size_t{0});
   const double far_m = kFar * s.diagonal_m;
   const Vec3f eye =
       (chart.point(0.5 * chart.cols, 0.5 * chart.rows) - s.origin + far_m * chart.normal).cast<float>();

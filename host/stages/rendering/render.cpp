@@ -402,7 +402,8 @@ RenderState::RenderState(device::Queue& q, const RenderScene& s, const RenderOpt
       options(o),
       origin(scene_box(s).isEmpty() ? Vec3(Vec3::Zero()) : Vec3(scene_box(s).center())),
       diagonal_m(scene_box(s).isEmpty() ? 1.0 : scene_box(s).diagonal().norm()),
-      store(q, s, o, origin, !band_sigmas(o).empty()) {}
+      store(q, s, o, origin, !band_sigmas(o).empty()),
+      sights(s.photographs.begin(), s.photographs.end()) {}
 
 void RenderState::use_sigma(double sigma_px) {
   options.sigma_px = sigma_px;

@@ -6,6 +6,7 @@
 #include "stages/rendering/photograph_store.hpp"
 #include "stages/rendering/render.hpp"
 #include "stages/rendering/render_geometry.hpp"
+#include "stages/rendering/sight_cone.hpp"
 
 namespace hybrid::stages {
 
@@ -17,6 +18,7 @@ struct RenderState {
   Vec3 origin;        // of the local frame, world
   double diagonal_m;  // of the scene's box
   PhotographStore store;
+  std::vector<SightCone> sights;                // per photograph
   std::map<std::string, DeviceBvh> geometries;  // by what is shown
   std::vector<std::array<double, 3>> gains;     // per photograph and channel
   std::optional<SigmaChoice> sigma;
