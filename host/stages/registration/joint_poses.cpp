@@ -165,7 +165,10 @@ class JointProblem {
 
   const std::vector<Step>& solve() {
     ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_QR;
+    // Priors hold every direction, so that normal equations do; rows have 12 entries however many scans there
+    // are.
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     options.num_threads = 1;
     options.max_num_iterations = 20;
     options.function_tolerance = 1e-12;
@@ -181,19 +184,16 @@ class JointProblem {
   std::vector<std::array<double, 36>> covariances(const std::vector<bool>& fixed,
                                                   const std::vector<Pose>& poses) {
     std::vector<std::array<double, 36>> result(steps_.size(), std::array<double, 36>{});
-    ceres::Covariance::Options options;
-    options.algorithm_type = ceres::DENSE_SVD;
-    options.null_space_rank = -1;  // directions that nothing holds are left out
-    options.num_threads = 1;
-    std::vector<std::pair<const double*, const double*>> blocks;
+    ceres::Problem::EvaluateOptions options;
     for (const std::size_t i : used_)
-      if (!fixed[i]) blocks.emplace_back(steps_[i].data(), steps_[i].data());
-    ceres::Covariance covariance(options);
-    if (blocks.empty() || !covariance.Compute(blocks, &problem_)) return result;
+      if (!fixed[i]) options.parameter_blocks.push_back(steps_[i].data());
+    if (options.parameter_blocks.empty()) return result;
+    const Eigen::MatrixXd inverse = inverse_information(options);
+    Eigen::Index at = 0;
     for (const std::size_t i : used_) {
       if (fixed[i]) continue;
-      Matrix6 at_scanner;
-      covariance.GetCovarianceBlock(steps_[i].data(), steps_[i].data(), at_scanner.data());
+      const Matrix6 at_scanner = inverse.block<6, 6>(at, at);
+      at += 6;
       const Matrix6 back = moves_about(-poses[i].translation);
       Eigen::Map<Matrix6>(result[i].data()) = back * at_scanner * back.transpose();
     }
@@ -201,6 +201,26 @@ class JointProblem {
   }
 
  private:
+  // Of the steps of some scans, in their order. Directions that nothing holds are left out.
+  Eigen::MatrixXd inverse_information(const ceres::Problem::EvaluateOptions& options) {
+    constexpr double kLeastOfLargest = 1e-14;
+    ceres::CRSMatrix jacobian;
+    problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+    for (std::size_t row = 0; row < static_cast<std::size_t>(jacobian.num_rows); ++row)
+      for (int a = jacobian.rows[row]; a < jacobian.rows[row + 1]; ++a)
+        for (int b = jacobian.rows[row]; b < jacobian.rows[row + 1]; ++b) {
+          const auto left = static_cast<std::size_t>(a), right = static_cast<std::size_t>(b);
+          information(jacobian.cols[left], jacobian.cols[right]) +=
+              jacobian.values[left] * jacobian.values[right];
+        }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information);
+    const Eigen::VectorXd& held = solver.eigenvalues();
+    const double least = kLeastOfLargest * held.maxCoeff();
+    const Eigen::VectorXd inverse = (held.array() > least).select(held.cwiseInverse(), 0.0);
+    return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+  }
+
   void add(const std::vector<JointScan>& scans, const std::vector<Pose>& poses, const JointMatch& match,
            double sigma_m) {
     const PlaneTile& tile = scans[match.from].evidence->tiles[match.tile];
