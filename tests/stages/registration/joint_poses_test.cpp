@@ -133,6 +133,13 @@ TEST(JointPoses, six_scans_fall_together_without_a_model) {
     EXPECT_LT(turn, 0.005 * kDegree) << kind;
     if (std::getenv("TRIALS")) printf("%s: %.3f mm %.5f deg\n", kind, 1000 * shift, turn / kDegree);
     EXPECT_EQ(row_major(joint.world_from_scan[0]), row_major(scans[0].start));
+    EXPECT_EQ(joint.covariance[0], (std::array<double, 36>{}));
+    for (std::size_t k = 1; k < seen.size(); ++k) {
+      const Eigen::Matrix<double, 6, 6> covariance =
+          Eigen::Map<const Eigen::Matrix<double, 6, 6>>(joint.covariance[k].data());
+      EXPECT_GT((Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(covariance).eigenvalues()(0)), 0);
+      EXPECT_LT(std::sqrt(covariance.diagonal().tail<3>().maxCoeff()), 0.002);
+    }
     EXPECT_EQ(joint.pairs.size(), 15u);
     for (const auto& pair : joint.pairs) {
       EXPECT_GT(pair.overlap, 0.3);
@@ -166,6 +173,12 @@ TEST(JointPoses, a_scan_that_is_known_stays_and_the_one_that_is_not_comes_to_it)
   // What is known of `a` bounds what is known of `b`.
   EXPECT_GT(joint.covariance[0][21], joint.covariance[1][21]);
   EXPECT_LT(joint.covariance[0][21], 1e-4);
+  // Each scan has its own, wherever it stands in the list.
+  const auto turned = stages::refine_jointly({a, b});
+  for (std::size_t k = 0; k < 36; ++k) {
+    EXPECT_NEAR(turned.covariance[0][k], joint.covariance[1][k], 1e-6 * joint.covariance[1][21]) << k;
+    EXPECT_NEAR(turned.covariance[1][k], joint.covariance[0][k], 1e-6 * joint.covariance[0][21]) << k;
+  }
 }
 
 TEST(JointPoses, scans_that_share_nothing_stay_where_they_are) {
