@@ -50,11 +50,51 @@ std::vector<Camera> photographs(const Plan& plan, const Options& options) {
   return cameras;
 }
 
-ScannerPose scanner(const std::string& id, std::uint64_t index, const Vec3& place, bool grid,
-                    std::uint64_t seed) {
+struct Station {
+  std::string id;
+  Vec3 place;
+  bool grid;
+};
+
+// In the order in which a survey takes them: the three of the small scenes; what ties them together (before
+// the door; the corner, which sees front and side wall; an aisle, which sees the other through the arcades);
+// then round the church, near and far in turn, and along its aisles, so that the first n are a survey as
+// well.
+std::vector<Station> stations(const Plan& p) {
+  const double from = p.wall, to = p.wall + p.length, back = p.outer_length(), high = p.floor + 1.6;
+  const double aisle = (p.arcade + p.arcade_thick / 2 + p.half_width) / 2;
+  const double near = p.outer_half() + 3, far = p.outer_half() + 7.5;
+  const auto along = [&](double share) { return from + share * p.length; };
+  return {{"front", {-1.2, -7.2, 1.6}, false},
+          {"nave", {0.15, from + 1.6, high}, false},
+          {"chancel", {-0.2, to - 4.3, high}, true},
+          {"porch", {0.45, -1.4, 1.6}, false},
+          {"corner", {p.outer_half() + 4.5, -4.5, 1.6}, false},
+          {"aisle", {aisle, along(0.45), high}, true},
+          {"north", {-near, along(0.3), 1.6}, false},
+          {"north-aisle", {-aisle, along(0.35), high}, false},
+          {"south", {near, along(0.7), 1.6}, true},
+          {"altar", {-1.6, to - 2.0, high + 0.32}, false},
+          {"east", {0.6, back + 4.0, 1.6}, false},
+          {"crossing", {0.1, along(0.4), high}, true},
+          {"north-corner", {-p.outer_half() - 4.5, -5.0, 1.6}, false},
+          {"south-aisle-east", {aisle, along(0.85), high}, false},
+          {"south-far", {far, along(0.3), 1.6}, false},
+          {"north-aisle-east", {-aisle, along(0.85), high}, true},
+          {"north-east", {-p.outer_half() - 3.5, back + 4.5, 1.6}, false},
+          {"south-aisle-west", {aisle, along(0.24), high}, false},
+          {"front-far", {3.2, -13.5, 1.6}, true},
+          {"north-aisle-middle", {-aisle, along(0.6), high}, false},
+          {"south-east", {p.outer_half() + 3.5, back + 4.5, 1.6}, false},
+          {"north-far", {-far, along(0.75), 1.6}, false},
+          {"nave-middle", {-0.1, along(0.22), high}, false},
+          {"front-south", {3.6, -6.2, 1.6}, true}};
+}
+
+ScannerPose scanner(const Station& station, std::uint64_t index, std::uint64_t seed) {
   Random random(seed, purpose::scan_pose, index);
-  ScannerPose result{id, Eigen::Isometry3d::Identity(), grid};
-  result.world_from_scan.translate(place + 0.08 * random.normal3().cwiseProduct(Vec3(1, 1, 0.3)));
+  ScannerPose result{station.id, Eigen::Isometry3d::Identity(), station.grid};
+  result.world_from_scan.translate(station.place + 0.08 * random.normal3().cwiseProduct(Vec3(1, 1, 0.3)));
   const double tilt_x = kDegree * random.normal(), tilt_y = kDegree * random.normal();
   const double yaw = random.uniform(0, 2 * std::numbers::pi);
   result.world_from_scan.rotate(Eigen::AngleAxisd(tilt_x, Vec3::UnitX()) *
@@ -68,18 +108,10 @@ ScannerPose scanner(const std::string& id, std::uint64_t index, const Vec3& plac
 void place_church_viewpoints(World& world, const Plan& plan, const Options& options) {
   const double from = plan.wall, to = plan.wall + plan.length;
   world.photographs = photographs(plan, options);
-  world.scanners = {scanner("front", 0, {-1.2, -7.2, 1.6}, false, options.seed),
-                    scanner("nave", 1, {0.15, from + 1.6, plan.floor + 1.6}, false, options.seed),
-                    scanner("chancel", 2, {-0.2, to - 4.3, plan.floor + 1.6}, true, options.seed)};
-  // Where a survey would go next: before the door, which ties outside and inside together; the corner, which
-  // sees front and side wall; an aisle, which sees the other through the arcades.
-  const double aisle = (plan.arcade + plan.arcade_thick / 2 + plan.half_width) / 2;
-  const std::vector<ScannerPose> more = {
-      scanner("porch", 3, {0.45, -1.4, 1.6}, false, options.seed),
-      scanner("corner", 4, {plan.outer_half() + 4.5, -4.5, 1.6}, false, options.seed),
-      scanner("aisle", 5, {aisle, from + 0.45 * plan.length, plan.floor + 1.6}, true, options.seed)};
-  for (std::size_t k = world.scanners.size(); k < static_cast<std::size_t>(options.scans); ++k)
-    world.scanners.push_back(more.at(k - 3));
+  world.scanners.clear();
+  const std::vector<Station> all = stations(plan);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(options.scans); ++k)
+    world.scanners.push_back(scanner(all.at(k), k, options.seed));
   const Vec3 eye(-4.6, -11.5, 1.9), target(0.5, 0, 4.7);
   const Vec3 nave(-0.4, from + 0.9, 2.2), altar(0.3, to, 2.8);
   const std::string out = world.photographs[1].name, in = world.photographs[4].name;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <stdexcept>
 
 #include "geometry/random.hpp"
 
@@ -38,8 +37,7 @@ std::vector<Landmark> pick_landmarks(const World& world, const Tracer& tracer, c
     }
     picked.push_back(best);
   }
-  if (picked.size() < 3)
-    throw std::runtime_error("scanner " + pose.id + " sees fewer than three of the proxy's corners");
+  if (picked.size() < 3) return {};
   Random random(seed, purpose::landmarks, scan_index);
   std::vector<Landmark> landmarks;
   for (std::size_t k : picked)

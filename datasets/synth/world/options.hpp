@@ -32,7 +32,7 @@ struct Options {
   std::uint64_t seed = 1;
   Preset preset;
   ScannerModel scanner;
-  int scans = 3;  // of a church, 3 to 6; the first three are the same bytes however many follow
+  int scans = 3;  // of a church, 3 to 24; the first three are the same bytes however many follow
   ScanFormat scan_format = ScanFormat::own;
   double proxy_error_m = 0;         // standard deviation of each proxy face's displacement along its normal
   double camera_error = 0;          // pixels, standard deviation, as the written cameras' directions err

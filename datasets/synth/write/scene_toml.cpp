@@ -45,8 +45,13 @@ void write_scene_toml(const std::filesystem::path& path, const World& world, con
       "truth = \"truth.json\"  # for scoring only\n",
       world.kind, options.seed, options.preset.name);
   for (std::size_t i = 0; i < world.scanners.size(); ++i) {
-    text += fmt::format("\n[[scan]]\nid = \"{}\"\nfile = \"scans/{}\"\nlandmarks = [\n", world.scanners[i].id,
+    text += fmt::format("\n[[scan]]\nid = \"{}\"\nfile = \"scans/{}\"\n", world.scanners[i].id,
                         scan_file_name(world.scanners[i], options));
+    if (landmarks_of_scan[i].empty()) {
+      text += "# no landmarks: fewer than three corners of the model in sight\n";
+      continue;
+    }
+    text += "landmarks = [\n";
     for (const Landmark& l : landmarks_of_scan[i])
       text +=
           fmt::format("  {{ scan = {}, model = {} }},\n", array(l.point_in_scan, 3), exact(l.model_vertex));
