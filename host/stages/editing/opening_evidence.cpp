@@ -242,7 +242,7 @@ std::vector<EvidenceMark> classify(const FaceSamples& samples, const FaceEvidenc
     const double side = scanner > 0 ? 1 : -1;  // the side that the scanner sees
     const double depth = -side * height;
     const Vec2f foot(s.u, s.v), from = samples.scanner_foot[s.scan].cast<float>();
-    EvidenceMark mark{foot, static_cast<float>(depth), CellEvidence::none};
+    EvidenceMark mark{.at = foot, .depth_m = static_cast<float>(depth), .kind = CellEvidence::none};
     const bool crosses = s.area_m2 > 0 && !s.parallel;  // a reveal's edge, a door's open leaf
     if (std::abs(height) <= tolerance)
       mark.kind = crosses ? CellEvidence::none : CellEvidence::closed;
@@ -250,6 +250,7 @@ std::vector<EvidenceMark> classify(const FaceSamples& samples, const FaceEvidenc
       mark.kind = -depth <= kAttached_m && side > 0 ? CellEvidence::attached : CellEvidence::none;
     else {
       mark.at = from + static_cast<float>(scanner / (scanner - height)) * (foot - from);
+      mark.slope = (foot - from) / static_cast<float>(std::abs(scanner - height));
       mark.kind = depth >= face.depth_m ? CellEvidence::through : CellEvidence::behind;
     }
     if (mark.kind != CellEvidence::none) marks.push_back(mark);

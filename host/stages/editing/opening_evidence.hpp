@@ -57,6 +57,7 @@ struct EvidenceMark {
   Vec2f at;       // where the ray passes the face, or the sample's foot
   float depth_m;  // behind the surface, negative before it
   CellEvidence kind;
+  Vec2f slope = Vec2f::Zero();  // of the ray behind the face: its way aside per depth
   // Behind the surface: through, or on a reveal.
   bool passes() const { return kind == CellEvidence::through || kind == CellEvidence::behind; }
 };

@@ -32,7 +32,7 @@ void describe_depths(const std::vector<EvidenceMark>& marks, Opening& opening) {
   for (const EvidenceMark& mark : marks)
     if (mark.kind == CellEvidence::through && inside(opening.ring, mark.at.cast<double>())) {
       depths.push_back(mark.depth_m);
-      passed.push_back({mark.at.cast<double>(), depths.back()});
+      passed.push_back({mark.at.cast<double>(), depths.back(), mark.slope.cast<double>()});
     } else if (mark.kind == CellEvidence::closed && inside(opening.ring, mark.at.cast<double>()))
       ++opening.against;
   opening.rays = static_cast<std::int64_t>(depths.size());

@@ -33,8 +33,9 @@ struct Mixture {
 Mixture mixture_at(const std::vector<PassedRay>& rays, double cell_m, double depth_m) {
   std::map<std::pair<int, int>, int> cells;  // 1: some return, 2: some pass
   for (const PassedRay& ray : rays) {
-    int& cell = cells[{static_cast<int>(std::floor(ray.at.x() / cell_m)),
-                       static_cast<int>(std::floor(ray.at.y() / cell_m))}];
+    const Vec2 at = ray.at + std::min(depth_m, ray.depth_m) * ray.slope;
+    int& cell =
+        cells[{static_cast<int>(std::floor(at.x() / cell_m)), static_cast<int>(std::floor(at.y() / cell_m))}];
     if (std::abs(ray.depth_m - depth_m) <= kThick_m / 2) cell |= 1;
     if (ray.depth_m > depth_m + kThick_m) cell |= 2;
   }

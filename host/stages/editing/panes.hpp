@@ -10,15 +10,16 @@
 
 namespace hybrid::stages {
 
-// A line of sight that passes a face within an opening: where, in the face's coordinates, and how far behind
-// it returns.
+// A line of sight that passes a face within an opening: where, in the face's coordinates, how far behind
+// it returns, and how far aside it goes with every metre that it goes behind the face.
 struct PassedRay {
   Vec2 at;
   double depth_m;
+  Vec2 slope = Vec2::Zero();
 };
 
 // How far behind the face a pane of glass closes an opening: a plane across it from which some beams return
-// while others beside them go through.
+// while others beside them, there and not at the face, go through: rays from many stations cross behind it.
 struct PaneDepths {
   std::optional<double> sure;    // on most of the opening: not a door ajar, whose leaf is in one part of it
   std::optional<double> likely;  // on much of it, which another side of the wall has to confirm

@@ -84,6 +84,25 @@ TEST(Panes, a_door_ajar_and_an_open_window_have_none) {
   EXPECT_FALSE(stages::pane_depths({}, 2).likely.has_value());
 }
 
+// A porch of 2 x 2 m: 58 cm behind the wall's face another wall with a doorway in its middle, and a room
+// behind that. Two scanners 3 m before it see it from both sides, so that rays which pass the face at one
+// place come out of the doorway and of the wall beside it.
+TEST(Panes, rays_of_two_stations_that_cross_on_their_way_to_a_doorway_are_no_glass) {
+  constexpr double kBack_m = 0.58;
+  std::vector<PassedRay> rays;
+  for (const double station : {-3.0, 3.0})
+    for (int row = 0; row < 100; ++row)
+      for (int col = 0; col < 100; ++col) {
+        const Vec2 at(0.01 + 0.02 * col, 0.01 + 0.02 * row);
+        const Vec2 slope((at.x() - 1 - station) / 3, (at.y() - 1) / 3);
+        const Vec2 there = at + kBack_m * slope;
+        rays.push_back({at, there.x() > 0.6 && there.x() < 1.4 ? 5.0 : kBack_m, slope});
+      }
+  EXPECT_FALSE(stages::pane_depths(rays, 4).sure.has_value());
+  for (PassedRay& ray : rays) ray.slope.setZero();  // as if they all met the face squarely
+  EXPECT_TRUE(stages::pane_depths(rays, 4).sure.has_value());
+}
+
 TEST(Panes, glass_behind_a_deep_reveal_is_likely) {
   // On twelve of 28 columns some beams return from the reveal's edge, the others farther in; on eight some
   // from the glass, the others from the room behind it, as all do on the last eight.
