@@ -172,7 +172,7 @@ WorldContours choose_drawn_samples(device::Queue& queue, const StageOptions& opt
           counts.in_the_air += 1;
           continue;
         }
-        const auto finer = planar ? std::nullopt : sight.seen_finer(world * point, scan, kFiner);
+        const auto finer = sight.seen_finer(world * point, scan, kFiner, through_m);
         if (finer && !finer->at_edge) {
           counts.seen_finer += 1;
           continue;

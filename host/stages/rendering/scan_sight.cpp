@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.hpp"
 #include "geometry/angles.hpp"
 
 namespace hybrid::stages {
 namespace {
 
 constexpr double kBeside = 3;  // times the tolerance
+constexpr int kSkyMargin = 2;  // nodes around one that looks at the sky that do so, too
 
 }  // namespace
 
@@ -17,7 +19,27 @@ ScanSight::ScanSight(const std::vector<SightScan>& scans, double tolerance_m)
   for (const SightScan& scan : scans) {
     lookups_.emplace_back(*scan.image);
     scan_from_world_.push_back(scan.world_from_scan.inverse());
+    skies_.push_back(sky_of(*scan.image));
   }
+}
+
+ScanSight::Sky ScanSight::sky_of(const RangeImage& image) {
+  Sky sky;
+  if (!image.wraps) return sky;
+  sky.rows.assign(static_cast<std::size_t>(image.cols), image.rows);
+  std::vector<float> farthest(static_cast<std::size_t>(image.rows), 0.0F);
+  parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t row) {
+    for (int col = 0; col < image.cols; ++col)
+      if (const std::size_t i = image.index(static_cast<int>(row), col); image.mask[i] == kMeasured)
+        farthest[row] = std::max(farthest[row], image.range_m[i]);
+  });
+  sky.farthest_m = *std::max_element(farthest.begin(), farthest.end());
+  for (int col = 0; col < image.cols; ++col) {
+    int row = 0;
+    while (row < image.rows && image.mask[image.index(row, col)] == kEmpty) ++row;
+    sky.rows[static_cast<std::size_t>(col)] = row;
+  }
+  return sky;
 }
 
 bool ScanSight::is_empty(const Vec3& place, std::size_t but) const {
@@ -26,7 +48,7 @@ bool ScanSight::is_empty(const Vec3& place, std::size_t but) const {
     const Vec3 point = scan_from_world_[s] * place;
     const auto node = lookups_[s].towards(point);
     if (!node.within) continue;
-    if (const auto range = range_m(s, node.row, node.col); range && *range > point.norm() + tolerance_m_)
+    if (const auto range = sight_m(s, node.row, node.col); range && *range > point.norm() + tolerance_m_)
       return true;
   }
   return false;
@@ -44,7 +66,7 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spaci
     for (const auto& [x, y] :
          {std::pair{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
       const auto beside = lookups_[s].towards(point + x * side + y * up);
-      const auto range = beside.within ? range_m(s, beside.row, beside.col) : std::nullopt;
+      const auto range = beside.within ? sight_m(s, beside.row, beside.col) : std::nullopt;
       through = range && *range > least_m;
       if (!through) break;
     }
@@ -53,7 +75,8 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spaci
   return false;
 }
 
-std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t scan, double times) const {
+std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t scan, double times,
+                                                  double past_m) const {
   const Vec3 own = scan_from_world_[scan] * place;
   const double own_step_m = own.norm() * scans_[scan].image->step_rad();
   std::optional<double> own_m;          // asked for only where another scan shows the place
@@ -63,8 +86,10 @@ std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t
     const Vec3 point = scan_from_world_[s] * place;
     const auto node = lookups_[s].towards(point);
     if (!node.within) continue;
-    const auto range = range_m(s, node.row, node.col);
-    if (!range || std::abs(*range - point.norm()) > tolerance_m_) continue;
+    const auto range = sight_m(s, node.row, node.col);
+    if (!range) continue;
+    const bool past = *range > point.norm() + past_m;
+    if (!past && std::abs(*range - point.norm()) > tolerance_m_) continue;
     if (!own_m) {
       const auto at = lookups_[scan].towards(own);
       own_m = spacing_m(scan, at.row, at.col).value_or(own_step_m);
@@ -72,7 +97,8 @@ std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t
     const double step_m = point.norm() * scans_[s].image->step_rad();
     if (times * step_m > *own_m) continue;
     const double world_m = step_m * scans_[s].world_from_scan.scale;
-    if (const auto spacing = spacing_m(s, node.row, node.col); spacing && times * *spacing <= *own_m)
+    if (const auto spacing = past ? std::nullopt : spacing_m(s, node.row, node.col);
+        spacing && times * *spacing <= *own_m)
       return FinerSamples{false, world_m};
     // There a sample's spacing is that to what is behind the edge.
     if (times * step_m <= own_step_m && !(closest && closest->spacing_m <= world_m))
@@ -152,7 +178,7 @@ bool ScanSight::reaches(std::size_t scan, const Vec3& point) const {
   const auto node = lookups_[scan].towards(point);
   if (!node.within) return false;
   const double least_m = point.norm() - tolerance_m_;
-  if (const auto range = range_m(scan, node.row, node.col)) return *range > least_m;
+  if (const auto range = sight_m(scan, node.row, node.col)) return *range > least_m;
   for (int k = 0; k < 9; ++k)
     if (const auto range = range_m(scan, node.row + k / 3 - 1, node.col + k % 3 - 1);
         range && std::abs(*range - point.norm()) <= kBeside * tolerance_m_)
@@ -181,6 +207,17 @@ std::optional<double> ScanSight::range_m(std::size_t scan, int row, int col) con
   const auto* stray = scans_[scan].stray;
   if (image.mask[i] != kMeasured || (stray && !stray->empty() && (*stray)[i])) return std::nullopt;
   return image.point(i).norm();
+}
+
+std::optional<double> ScanSight::sight_m(std::size_t scan, int row, int col) const {
+  if (const auto range = range_m(scan, row, col)) return range;
+  const RangeImage& image = *scans_[scan].image;
+  const Sky& sky = skies_[scan];
+  if (sky.rows.empty() || row < 0 || row >= image.rows) return std::nullopt;
+  const int least = std::min(row + kSkyMargin + 1, image.rows);
+  for (int c = col - kSkyMargin; c <= col + kSkyMargin; ++c)
+    if (sky.rows[static_cast<std::size_t>(image.wrapped(c))] < least) return std::nullopt;
+  return sky.farthest_m;
 }
 
 }  // namespace hybrid::stages

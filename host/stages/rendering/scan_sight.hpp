@@ -26,13 +26,15 @@ struct SightColumn {
   Cylinder cylinder;
 };
 
-// What another scan has of a surface that a scan shows, too, of which its samples are closer together.
+// What another scan, whose samples are closer together, has of a surface that a scan shows, too.
 struct FinerSamples {
-  bool at_edge = false;  // it has none of that surface on some side
+  bool at_edge = false;  // it has none of that surface on some side, or none at all: it sees past it
   double spacing_m = 0;  // its steps there, world frame
 };
 
-// What registered scans say of places in the world.
+// What registered scans say of places in the world. A scan sees past a place where it has a sample behind it,
+// and where it looks at the sky: no sample around there nor anywhere above, in a scan all around, no farther
+// away than it has any. (A surface too dark or too smooth to return has others above it.)
 class ScanSight {
  public:
   static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
@@ -48,8 +50,10 @@ class ScanSight {
   bool is_seen_through(const Vec3& place, double margin_m, double spacing_m, std::size_t but) const;
 
   // Of the scans but `scan` that show the surface at a place that this one has a sample of, the first whose
-  // samples there lie at least `times` closer together; where all those are at an edge of it the closest one.
-  std::optional<FinerSamples> seen_finer(const Vec3& place, std::size_t scan, double times) const;
+  // samples there lie at least `times` closer together; where all those are at an edge of it, or see past the
+  // place by `past_m` and more, the closest one.
+  std::optional<FinerSamples> seen_finer(const Vec3& place, std::size_t scan, double times,
+                                         double past_m) const;
 
   // Whether this scan sees something before the place.
   bool is_hidden(const Vec3& place, std::size_t scan) const;
@@ -69,15 +73,24 @@ class ScanSight {
   double tolerance_m() const { return tolerance_m_; }
 
  private:
+  struct Sky {
+    std::vector<int> rows;  // per column: so many from the first one on have no sample; empty: not known
+    double farthest_m = 0;  // sample
+  };
+  static Sky sky_of(const RangeImage& image);
+
   bool reaches(std::size_t scan, const Vec3& point) const;
   std::optional<double> spacing_m(std::size_t scan, int row, int col) const;
   std::optional<double> range_m(std::size_t scan, int row, int col) const;
+  // Of a node's sample; of one that looks at the sky as far as the scan's farthest sample is.
+  std::optional<double> sight_m(std::size_t scan, int row, int col) const;
   std::vector<Vec3> samples_near(std::size_t scan, const Vec3& point, double radius_m, double many) const;
 
   const std::vector<SightScan>& scans_;
   double tolerance_m_;
   std::vector<NodeLookup> lookups_;
   std::vector<Pose> scan_from_world_;
+  std::vector<Sky> skies_;
 };
 
 }  // namespace hybrid::stages

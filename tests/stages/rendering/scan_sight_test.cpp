@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 #include "stages/rendering/small_scans.hpp"
@@ -113,11 +114,12 @@ TEST(ScanSight, what_another_scan_shows_with_closer_samples) {
   const ScanSight sight(scans, 0.02);
   const Vec3 place(0.1, 4, 0.1);
   const auto is_seen_finer = [&](const Vec3& at, std::size_t scan, double times) {
-    return sight.seen_finer(at, scan, times).has_value();
+    return sight.seen_finer(at, scan, times, 0.5).has_value();
   };
   EXPECT_TRUE(is_seen_finer(place, 0, 2));
-  EXPECT_FALSE(sight.seen_finer(place, 0, 2)->at_edge);
-  EXPECT_NEAR(sight.seen_finer(place, 0, 2)->spacing_m, kSmallScanStep_rad * Vec3(0.1, 1, 0.1).norm(), 1e-9);
+  EXPECT_FALSE(sight.seen_finer(place, 0, 2, 0.1)->at_edge);
+  EXPECT_NEAR(sight.seen_finer(place, 0, 2, 0.1)->spacing_m, kSmallScanStep_rad * Vec3(0.1, 1, 0.1).norm(),
+              1e-9);
   EXPECT_FALSE(is_seen_finer(place, 0, 5));            // it is four times as near
   EXPECT_FALSE(is_seen_finer(place, 1, 2));            // the other one is coarser
   EXPECT_FALSE(is_seen_finer({0.1, 3.9, 0.1}, 0, 2));  // before the wall
@@ -132,13 +134,57 @@ TEST(ScanSight, at_an_edge_the_coarse_sample_stays) {
   auto scans = bare_scans(images);
   scans[1].world_from_scan.translation = {0, 3, 0};
   const ScanSight sight(scans, 0.02);
-  const auto inside = sight.seen_finer({0.1, 4, 0}, 0, 2),
-             beside_edge = sight.seen_finer({0.197, 4, 0}, 0, 2);
+  const auto inside = sight.seen_finer({0.1, 4, 0}, 0, 2, 0.1),
+             beside_edge = sight.seen_finer({0.197, 4, 0}, 0, 2, 0.1);
   ASSERT_TRUE(inside && beside_edge);
   EXPECT_FALSE(inside->at_edge);
   EXPECT_TRUE(beside_edge->at_edge);
   EXPECT_NEAR(beside_edge->spacing_m, kSmallScanStep_rad * Vec3(0.197, 1, 0).norm(), 1e-9);
-  EXPECT_FALSE(sight.seen_finer({0.197, 4, 0}, 0, 5));
+  EXPECT_FALSE(sight.seen_finer({0.197, 4, 0}, 0, 5, 0.1));
+}
+
+// The second scanner stands 3 m nearer and sees past a sample of the first; a scan as coarse does not say so.
+TEST(ScanSight, a_closer_scan_that_sees_past_a_sample_makes_it_small) {
+  const std::vector<RangeImage> images = {scan_of(wall_alone),
+                                          scan_of([](const Vec3& ray) { return 1.5 / ray.y(); })};
+  auto scans = bare_scans(images);
+  scans[1].world_from_scan.translation = {0, 3, 0};
+  const ScanSight sight(scans, 0.02);
+  const Vec3 place(0.1, 4, 0.1);
+  const auto past = sight.seen_finer(place, 0, 2, 0.1);
+  ASSERT_TRUE(past.has_value());
+  EXPECT_TRUE(past->at_edge);
+  EXPECT_NEAR(past->spacing_m, kSmallScanStep_rad * Vec3(0.1, 1, 0.1).norm(), 1e-9);
+  EXPECT_FALSE(sight.seen_finer(place, 0, 2, 0.6));  // not by as much
+  EXPECT_FALSE(sight.seen_finer(place, 0, 5, 0.1));  // not as much closer together
+}
+
+TEST(ScanSight, a_scan_all_around_sees_past_a_place_before_the_sky) {
+  RangeImage image = all_around();
+  const auto clear_m = [&](const Vec3& place) {
+    const std::vector<SightScan> scans = {{&image, nullptr, nullptr, {}}};
+    const ScanSight sight(scans, 0.02);
+    return std::array{sight.is_empty(place), sight.is_known(place)};
+  };
+  constexpr std::array kNothing = {false, false}, kClear = {true, true};
+  const double low = 20 * std::numbers::pi / 180, high = 40 * std::numbers::pi / 180;
+  const Vec3 at_20(std::cos(low), 0, std::sin(low)), at_40(std::cos(high), 0, std::sin(high));
+  for (int row = 0; row < 30; ++row)  // 30 degrees above the horizon and more
+    for (int col = 0; col < image.cols; ++col) image.mask[image.index(row, col)] = kEmpty;
+  EXPECT_EQ(clear_m(3 * at_40), kClear);
+  EXPECT_EQ(clear_m(3.9 * at_40), kClear);
+  EXPECT_EQ(clear_m(4.1 * at_40), kNothing);  // farther than it has any sample
+  EXPECT_EQ(clear_m(5 * at_20), kNothing);    // behind what it sees
+  // A window whose glass returns nothing is no sky: there is a wall over it.
+  for (int col = 0; col < image.cols; ++col) image.mask[image.index(10, col)] = kMeasured;
+  EXPECT_EQ(clear_m(3 * at_40), kNothing);
+  for (int col = 0; col < image.cols; ++col) image.mask[image.index(10, col)] = kEmpty;
+  // Nor is the next node beside what is there, or a scan that is not all around.
+  image.mask[image.index(24, 91)] = kMeasured;
+  EXPECT_EQ(clear_m(3 * at_40), kNothing);
+  image.mask[image.index(24, 91)] = kEmpty;
+  image.wraps = false;
+  EXPECT_EQ(clear_m(3 * at_40), kNothing);
 }
 
 TEST_F(ColumnBehindAWall, columns_stand_in_the_world) {
