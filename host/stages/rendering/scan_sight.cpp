@@ -79,26 +79,23 @@ std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t
                                                   double past_m) const {
   const Vec3 own = scan_from_world_[scan] * place;
   const double own_step_m = own.norm() * scans_[scan].image->step_rad();
-  std::optional<double> own_m;          // asked for only where another scan shows the place
+  const auto at = lookups_[scan].towards(own);
+  const double own_m = spacing_m(scan, at.row, at.col).value_or(own_step_m);
   std::optional<FinerSamples> closest;  // at its edge
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (s == scan || scans_[s].image->count() == 0) continue;
     const Vec3 point = scan_from_world_[s] * place;
+    const double step_m = point.norm() * scans_[s].image->step_rad();
+    if (times * step_m > own_m) continue;
     const auto node = lookups_[s].towards(point);
     if (!node.within) continue;
     const auto range = sight_m(s, node.row, node.col);
     if (!range) continue;
     const bool past = *range > point.norm() + past_m;
     if (!past && std::abs(*range - point.norm()) > tolerance_m_) continue;
-    if (!own_m) {
-      const auto at = lookups_[scan].towards(own);
-      own_m = spacing_m(scan, at.row, at.col).value_or(own_step_m);
-    }
-    const double step_m = point.norm() * scans_[s].image->step_rad();
-    if (times * step_m > *own_m) continue;
     const double world_m = step_m * scans_[s].world_from_scan.scale;
     if (const auto spacing = past ? std::nullopt : spacing_m(s, node.row, node.col);
-        spacing && times * *spacing <= *own_m)
+        spacing && times * *spacing <= own_m)
       return FinerSamples{false, world_m};
     // There a sample's spacing is that to what is behind the edge.
     if (times * step_m <= own_step_m && !(closest && closest->spacing_m <= world_m))
