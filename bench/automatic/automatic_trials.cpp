@@ -51,7 +51,8 @@ double margin_of_truth(device::Queue& queue, const stages::ScanEvidence& evidenc
   const auto& shapes = proxy.shapes();
   stages::SightCaster caster(queue, proxy);
   auto search = stages::search_poses(caster, evidence, shapes, 1, options);
-  stages::add_symmetric_rivals(caster, evidence, shapes, truth, options, search);
+  stages::add_symmetric_rivals(caster, evidence, shapes, proxy.motions(options.levelled), truth, options,
+                               search);
   const auto lines = caster.cast(evidence.rays, truth, stages::sight_options(options));
   trial.truth = stages::shares_of(evidence.rays, lines);
   const auto found =

@@ -174,7 +174,7 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
     return result;
   }
   const Pose first = search.finalists[0].fit.world_from_scan;
-  add_symmetric_rivals(caster, scan, shapes, first, options, search);
+  add_symmetric_rivals(caster, scan, shapes, model.motions(options.levelled), first, options, search);
   const std::size_t chosen = choose(scan, search);
   const Finalist& best = search.finalists[chosen];
   result.finalists = static_cast<int>(search.finalists.size());

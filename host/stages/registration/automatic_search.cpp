@@ -137,11 +137,10 @@ Search search_poses(SightCaster& caster, const ScanEvidence& scan, const ModelSh
   return search;
 }
 
-void add_symmetric_rivals(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model,
-                          const Pose& pose, const AutomaticOptions& options, Search& search) {
+std::vector<Pose> motions_onto_itself(const ModelShapes& model, bool levelled) {
   const ScanEvidence itself = as_evidence(model);
   const Vec3 centre = model.box.center();
-  const auto turns = guess_rotations(itself, model, options.levelled);
+  const auto turns = guess_rotations(itself, model, levelled);
   std::vector<std::vector<Pose>> by_turn(turns.size());
   parallel_for(turns.size(), [&](std::size_t t) {
     for (const PoseGuess& guess :
@@ -149,11 +148,19 @@ void add_symmetric_rivals(SightCaster& caster, const ScanEvidence& scan, const M
       if (guess.score < kSymmetricShare * itself.area_m2 && !by_turn[t].empty()) break;
       Pose motion = guess.world_from_scan;  // of points relative to the centre
       motion.translation -= motion.rotation * centre;
-      by_turn[t].push_back(motion * pose);
+      by_turn[t].push_back(motion);
     }
   });
+  std::vector<Pose> motions;
+  for (const auto& some : by_turn) motions.insert(motions.end(), some.begin(), some.end());
+  return motions;
+}
+
+void add_symmetric_rivals(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model,
+                          const std::vector<Pose>& motions, const Pose& pose, const AutomaticOptions& options,
+                          Search& search) {
   std::vector<Pose> starts;
-  for (const auto& some : by_turn) starts.insert(starts.end(), some.begin(), some.end());
+  for (const Pose& motion : motions) starts.push_back(motion * pose);
   add_finalists(caster, scan, model, starts, options, search.finalists);
   sort_by_score(search.finalists);
 }

@@ -24,10 +24,14 @@ struct Search {
 Search search_poses(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model, double scale,
                     const AutomaticOptions& options);
 
+// As ProxyModel::motions().
+std::vector<Pose> motions_onto_itself(const ModelShapes& model, bool levelled);
+
 // Motions that take much of the model onto itself, applied to the pose: rivals the scan's planes may have
 // voted too weakly for, looked at as the finalists were and added to them.
 void add_symmetric_rivals(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model,
-                          const Pose& pose, const AutomaticOptions& options, Search& search);
+                          const std::vector<Pose>& motions, const Pose& pose, const AutomaticOptions& options,
+                          Search& search);
 
 SightOptions sight_options(const AutomaticOptions& options);
 

@@ -1,8 +1,10 @@
 #include "stages/registration/proxy_model.hpp"
 
+#include <array>
 #include <mutex>
 
 #include "core/parallel.hpp"
+#include "stages/registration/automatic_search.hpp"
 #include "stages/registration/proxy_triangles.hpp"
 
 namespace hybrid::stages {
@@ -38,6 +40,8 @@ std::vector<TriangleRecord> corners_of(const PolygonModel& model, const std::vec
 
 struct ProxyModel::Made {
   std::once_flag once_shapes, once_facets, once_sights;
+  std::array<std::once_flag, 2> once_motions;  // of any, of levelled scanners
+  std::array<std::vector<Pose>, 2> motions;
   ModelShapes shapes;
   ProxyFacets facets;  // in the order of the tree's leaves where there is a tree
   ProxyTreePlan plan;
@@ -50,6 +54,13 @@ ProxyModel::~ProxyModel() = default;
 const ModelShapes& ProxyModel::shapes() const {
   std::call_once(made_->once_shapes, [&] { made_->shapes = measure_model(polygons_); });
   return made_->shapes;
+}
+
+const std::vector<Pose>& ProxyModel::motions(bool levelled) const {
+  const std::size_t which = levelled ? 1 : 0;
+  std::call_once(made_->once_motions[which],
+                 [&] { made_->motions[which] = motions_onto_itself(shapes(), levelled); });
+  return made_->motions[which];
 }
 
 ProxyTree ProxyModel::tree_at(const Vec3& origin) const {

@@ -1,7 +1,9 @@
 #pragma once
 #include <memory>
+#include <vector>
 
 #include "geometry/polygon_model.hpp"
+#include "geometry/pose.hpp"
 #include "stages/registration/automatic_scene.hpp"
 #include "stages/registration/proxy_tree.hpp"
 #include "stages/rendering/bvh.hpp"
@@ -23,6 +25,10 @@ class ProxyModel {
 
   const PolygonModel& polygons() const { return polygons_; }
   const ModelShapes& shapes() const;
+
+  // Motions that take much of the model onto itself, about the world's origin: near-symmetries, each of which
+  // makes a rival of a pose. `levelled`: turns about the vertical alone.
+  const std::vector<Pose>& motions(bool levelled) const;
 
   // The triangles of proxy_triangles() about an origin. From kTreeFrom on in a tree; below without nodes,
   // root BVH_EMPTY, in the order of triangulate(). The tree's boxes are the origin's own, their order is not.
