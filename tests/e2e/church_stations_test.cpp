@@ -1,0 +1,63 @@
+// The synthetic church's survey of 24 stations: the first three are what they are without the others, and
+// every scanner stands free.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "io/output.hpp"
+#include "io/read_scan.hpp"
+#include "program.hpp"
+
+namespace hybrid::e2e {
+namespace {
+
+class ChurchStation : public ::testing::TestWithParam<const char*> {};
+
+// The folder's file of the scan, of one scan of a small church.
+std::filesystem::path scan_alone(const Scratch& scratch, const std::string& id, int scans) {
+  const auto folder = scratch / (id + std::to_string(scans));
+  const auto outcome =
+      run("hybrid-synth church --seed 3 --preset tiny --megapixels 0.05 --format ply --quiet --scans " +
+          std::to_string(scans) + " --only-scan " + id + " --out " + folder.string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return folder / "scans" / (id + ".ply");
+}
+
+}  // namespace
+
+TEST_P(ChurchStation, stands_free) {
+  const Scratch scratch;
+  const Scan scan = io::read_scan(scan_alone(scratch, GetParam(), 24), std::size_t{0});
+  double nearest_m = 1e9;
+  std::size_t within_10_m = 0;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const double range_m = scan.point(i).norm();
+    nearest_m = std::min(nearest_m, range_m);
+    within_10_m += range_m < 10;
+  }
+  EXPECT_GT(nearest_m, 0.4);
+  EXPECT_GT(within_10_m, 5000U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Survey, ChurchStation,
+                         ::testing::Values("porch", "corner", "aisle", "north", "north-aisle", "south",
+                                           "altar", "east", "crossing", "north-corner", "south-aisle-east",
+                                           "south-far", "north-aisle-east", "north-east", "south-aisle-west",
+                                           "front-far", "north-aisle-middle", "south-east", "north-far",
+                                           "nave-middle", "front-south"));
+
+TEST(ChurchStations, the_first_three_are_what_they_are_alone) {
+  const Scratch scratch;
+  for (const char* id : {"front", "nave", "chancel"})
+    EXPECT_EQ(io::read_text(scan_alone(scratch, id, 24)), io::read_text(scan_alone(scratch, id, 3))) << id;
+}
+
+TEST(ChurchStations, a_station_beyond_the_survey_asked_for_is_told) {
+  const Scratch scratch;
+  const auto outcome = run("hybrid-synth church --preset tiny --quiet --scans 5 --only-scan altar --out " +
+                           (scratch / "out").string());
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("front, nave, chancel, porch, corner"), std::string::npos) << outcome.err;
+}
+
+}  // namespace hybrid::e2e
