@@ -25,7 +25,7 @@ ScanSight::ScanSight(const std::vector<SightScan>& scans, double tolerance_m)
 
 ScanSight::Sky ScanSight::sky_of(const RangeImage& image) {
   Sky sky;
-  if (!image.wraps) return sky;
+  if (!image.wraps || image.count() == 0) return sky;
   sky.rows.assign(static_cast<std::size_t>(image.cols), image.rows);
   std::vector<float> farthest(static_cast<std::size_t>(image.rows), 0.0F);
   parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t row) {

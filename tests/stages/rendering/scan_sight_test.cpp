@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numbers>
 
 #include "stages/rendering/small_scans.hpp"
@@ -35,6 +36,20 @@ RangeImage all_around() {
     }
   return image;
 }
+
+// A scan and one from 3 m farther ahead, by the range that each has in a direction.
+struct NearerScan {
+  NearerScan(const std::function<double(const Vec3&)>& far, const std::function<double(const Vec3&)>& near)
+      : images{scan_of(far), scan_of(near)}, scans(placed(bare_scans(images))), sight(scans, 0.02) {}
+  static std::vector<SightScan> placed(std::vector<SightScan> scans) {
+    scans[1].world_from_scan.translation = {0, 3, 0};
+    return scans;
+  }
+
+  const std::vector<RangeImage> images;
+  const std::vector<SightScan> scans;
+  const ScanSight sight;
+};
 
 std::size_t count_near(const RangeImage& image, const Vec3& place, double radius_m) {
   std::size_t count = 0;
@@ -107,11 +122,8 @@ TEST(ScanSight, seen_through_by_another_scan_all_around_the_place) {
 
 // A wall 4 m ahead; the second scanner stands 3 m nearer to it.
 TEST(ScanSight, what_another_scan_shows_with_closer_samples) {
-  const std::vector<RangeImage> images = {scan_of(wall_alone),
-                                          scan_of([](const Vec3& ray) { return 1 / ray.y(); })};
-  auto scans = bare_scans(images);
-  scans[1].world_from_scan.translation = {0, 3, 0};
-  const ScanSight sight(scans, 0.02);
+  const NearerScan nearer(wall_alone, [](const Vec3& ray) { return 1 / ray.y(); });
+  const ScanSight& sight = nearer.sight;
   const Vec3 place(0.1, 4, 0.1);
   const auto is_seen_finer = [&](const Vec3& at, std::size_t scan, double times) {
     return sight.seen_finer(at, scan, times, 0.5).has_value();
@@ -130,10 +142,8 @@ TEST(ScanSight, at_an_edge_the_coarse_sample_stays) {
   const auto edge = [](double ahead) {
     return [ahead](const Vec3& ray) { return (ahead / ray.y() * ray.x() < 0.2 ? ahead : 9) / ray.y(); };
   };
-  const std::vector<RangeImage> images = {scan_of(edge(4)), scan_of(edge(1))};
-  auto scans = bare_scans(images);
-  scans[1].world_from_scan.translation = {0, 3, 0};
-  const ScanSight sight(scans, 0.02);
+  const NearerScan nearer(edge(4), edge(1));
+  const ScanSight& sight = nearer.sight;
   const auto inside = sight.seen_finer({0.1, 4, 0}, 0, 2, 0.1),
              beside_edge = sight.seen_finer({0.197, 4, 0}, 0, 2, 0.1);
   ASSERT_TRUE(inside && beside_edge);
@@ -145,11 +155,8 @@ TEST(ScanSight, at_an_edge_the_coarse_sample_stays) {
 
 // The second scanner stands 3 m nearer and sees past a sample of the first; a scan as coarse does not say so.
 TEST(ScanSight, a_closer_scan_that_sees_past_a_sample_makes_it_small) {
-  const std::vector<RangeImage> images = {scan_of(wall_alone),
-                                          scan_of([](const Vec3& ray) { return 1.5 / ray.y(); })};
-  auto scans = bare_scans(images);
-  scans[1].world_from_scan.translation = {0, 3, 0};
-  const ScanSight sight(scans, 0.02);
+  const NearerScan nearer(wall_alone, [](const Vec3& ray) { return 1.5 / ray.y(); });
+  const ScanSight& sight = nearer.sight;
   const Vec3 place(0.1, 4, 0.1);
   const auto past = sight.seen_finer(place, 0, 2, 0.1);
   ASSERT_TRUE(past.has_value());
