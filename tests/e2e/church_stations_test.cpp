@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
@@ -44,7 +45,12 @@ INSTANTIATE_TEST_SUITE_P(Survey, ChurchStation,
                                            "altar", "east", "crossing", "north-corner", "south-aisle-east",
                                            "south-far", "north-aisle-east", "north-east", "south-aisle-west",
                                            "front-far", "north-aisle-middle", "south-east", "north-far",
-                                           "nave-middle", "front-south"));
+                                           "nave-middle", "front-south"),
+                         [](const auto& row) {
+                           std::string name = row.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST(ChurchStations, the_first_three_are_what_they_are_alone) {
   const Scratch scratch;
