@@ -66,4 +66,34 @@ TEST(ChurchStations, a_station_beyond_the_survey_asked_for_is_told) {
   EXPECT_NE(outcome.err.find("front, nave, chancel, porch, corner"), std::string::npos) << outcome.err;
 }
 
+// Before the long walls a scan fits the model in more places than one, along the wall and on the other side:
+// the other scans together tell, where they have seen that side.
+TEST(ChurchStations, a_scan_before_a_long_wall_is_placed_by_the_others_where_they_saw_it) {
+  const Scratch scratch;
+  const auto scene = scratch / "church", out = scratch / "out";
+  ASSERT_EQ(run("hybrid-synth church --seed 5 --preset tiny --megapixels 0.1 --quiet --scans 13 --out " +
+                scene.string())
+                .exit_code,
+            0);
+  const auto outcome = run("hybrid run " + (scene / "scene.toml").string() +
+                           " --only planes,register --quiet --out " + out.string());
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  const auto north = json_of(out / "scans/north/pose.json");
+  EXPECT_EQ(north["how"], "scan-icp");
+  EXPECT_EQ(north["aligned_to"], "north-corner");
+  EXPECT_EQ(north["on_scans"]["start"], "automatic");
+  EXPECT_LT(north["on_scans"]["seen_through"], 0.03);
+  EXPECT_FALSE(north["automatic"]["accepted"]);
+  for (const auto& scan : json_of(out / "summary.json")["scans"]) {
+    if (scan["id"] == "south") continue;
+    EXPECT_LT(scan["truth"]["pose_error_mm"], 1) << scan["id"];  // measured 0.18 of north
+    EXPECT_LT(scan["truth"]["pose_error_deg"], 0.005) << scan["id"];
+  }
+  const auto south = json_of(out / "scans/south/pose.json");
+  EXPECT_EQ(south["status"], "abstained");
+  const std::string why = "contradict neither one place nor another: turned by 180 degrees";
+  EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(out / "scans/south/sheet"));
+}
+
 }  // namespace hybrid::e2e

@@ -85,6 +85,7 @@ NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const stages:
       seen_(products.size()),
       scan_to_scan_(queue, options, products),
       starts_(products.size()),
+      on_all_(products.size()),
       aligned_(products.size()) {}
 
 const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan) {
@@ -170,33 +171,45 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
     }
   }
   if (best == nullptr) return false;
-  ScanRegistration& one = *abstentions[scan];
+  ScanRegistration& abstained = *abstentions[scan];
   if (!best->accepted) {
-    one.neighbour_reason = fmt::format("against scan {}: {}", products_[by].id, best->reason);
-    one.neighbour = *best;
+    abstained.neighbour_reason =
+        fmt::format("{}against scan {}: {}", on_all_[scan], products_[by].id, best->reason);
+    abstained.neighbour = *best;
     return false;
   }
+  ScanRegistration one = std::move(abstained);
   one.how = "neighbour";
   one.on_scans.reset();
   one.carried_by = products_[by].id;
-  one.abstained = false;
   one.start = registrations[by]->world_from_scan() * best->world_from_scan;
   one.neighbour = *best;
   one.icp.world_from_scan = one.start;
   one.icp.converged = true;
+  place(scan, std::move(one), registrations, abstentions);
+  return true;
+}
+
+void NeighbourRegistration::place(std::size_t scan, ScanRegistration one, Registrations& registrations,
+                                  Registrations& abstentions) {
+  one.abstained = false;
   one.held_by_model = false;
   if (model_ != nullptr) {
     // What it sees of the proxy may hold it as well; where it does not, ICP leads away.
+    const Pose found = one.world_from_scan();
     ScanRegistration own = one;
+    own.start = found;
     refine_to_model(queue_, *model_, options_, products_[scan], own);
-    const auto moved = difference(one.start, own.world_from_scan());
+    own.start = one.start;
+    const auto moved = difference(found, own.world_from_scan());
     if (own.icp.degenerate.empty() && own.icp.converged && moved.distance_m < kStays_m &&
         moved.angle_rad < kStaysDeg * M_PI / 180)
       one = std::move(own);
     else
-      assess(queue_, *model_, options_, products_[scan], one.start, one);
+      assess(queue_, *model_, options_, products_[scan], found, one);
   }
-  log::info("scan {}: aligned to scan {}", products_[scan].id, one.carried_by);
+  log::info("scan {}: aligned to {}scan {}", products_[scan].id,
+            one.how == "neighbour" ? "" : "all others, most of it to ", one.carried_by);
   if (!one.refusal.empty()) {
     one.warnings.push_back(fmt::format("{}; it is aligned to scan {} instead", one.refusal, one.carried_by));
     log::warning("scan {}: {}", products_[scan].id, one.warnings.back());
@@ -205,12 +218,39 @@ bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrat
   }
   registrations[scan] = std::move(one);
   abstentions[scan].reset();
+}
+
+bool NeighbourRegistration::lay_one(std::size_t scan, Registrations& registrations,
+                                    Registrations& abstentions) {
+  const ScanRegistration& abstained = *abstentions[scan];
+  if (!abstained.automatic || abstained.automatic->hypotheses.empty()) return false;
+  auto [chosen, others] = scan_to_scan_.choose(scan, abstained.automatic->hypotheses, registrations);
+  if (!chosen.accepted) {
+    on_all_[scan] = fmt::format("against all others at once: {}; ", chosen.reason);
+    return false;
+  }
+  ScanRegistration one = abstained;
+  one.how = "scan-icp";
+  one.start = chosen.start;
+  one.on_scans = OnScans{"automatic", chosen.found, others};
+  one.carried_by = one.on_scans->nearest();
+  one.icp = chosen.found.icp;
+  place(scan, std::move(one), registrations, abstentions);
   return true;
+}
+
+void NeighbourRegistration::lay_all(Registrations& registrations, Registrations& abstentions) {
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < products_.size(); ++i)
+      if (abstentions[i] && count_of(registrations) > 1) again |= lay_one(i, registrations, abstentions);
+  }
 }
 
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
   if (model_ == nullptr) scan_to_scan_.place(starts_, registrations, abstentions);
   if (model_ != nullptr && options_.automatic == "never") return;  // a pose by planes alone is not wanted
+  if (model_ != nullptr) lay_all(registrations, abstentions);
   carry_all(registrations, abstentions);
   if (frame_is_free_) keep_largest_island(registrations, abstentions);
 }
@@ -296,7 +336,7 @@ Json NeighbourRegistration::refine_all(Registrations& registrations) {
     if (model_ != nullptr && one.held_by_model && !one.fixed)
       scan.covariance = prior_of(one, model_->shapes());
     // What samples outside planes know of a pose, planes alone do not: through a door few planes hold a scan.
-    if (one.how == "scan-icp") scan.covariance = one.icp.covariance;
+    if (one.how == "scan-icp") scan.covariance = one.on_scans->icp.icp.covariance;
     scans.push_back(scan);
     index.push_back(i);
     ids.push_back(products_[i].id);

@@ -49,6 +49,12 @@ class NeighbourRegistration {
   const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
                                             std::size_t other);
   bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
+  // On all scans that have a pose at once, by its own hypotheses on the model.
+  bool lay_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
+  void lay_all(Registrations& registrations, Registrations& abstentions);
+  // One without a pose now has one.
+  void place(std::size_t scan, ScanRegistration one, Registrations& registrations,
+             Registrations& abstentions);
   void carry_all(Registrations& registrations, Registrations& abstentions);
   void keep_largest_island(Registrations& registrations, Registrations& abstentions);
   void tell_island(Registrations& island, Registrations& abstentions);
@@ -60,6 +66,7 @@ class NeighbourRegistration {
   std::vector<std::unique_ptr<Seen>> seen_;
   ScanToScan scan_to_scan_;
   std::vector<std::optional<ScanStart>> starts_;
+  std::vector<std::string> on_all_;            // by scan, why lay_one() left it without a pose
   std::vector<std::optional<Pose>> recorded_;  // in the scans' files, without the scene's shift
   std::vector<Registrations> islands_;         // that keep_largest_island() left without a pose
   bool frame_is_free_ = false;  // nothing but its place in the list makes the first scan the frame

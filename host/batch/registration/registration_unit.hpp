@@ -25,10 +25,12 @@ constexpr double kFreeReach_m = 0.5;
 
 // How a scan lies on the other scans of its scene, planar samples and the others.
 struct OnScans {
-  // ICP began at: "given" | "recorded" (in the scan's file) | "coordinates" (of the file); "" = no ICP
+  // ICP began at: "given" | "recorded" (in the scan's file) | "coordinates" (of the file) | "automatic" (a
+  // hypothesis of the alignment to the model); "" = no ICP
   std::string start;
   stages::ScanIcp icp;
-  std::vector<std::string> others;  // whose figures icp.others are
+  std::vector<std::string> others;     // whose figures icp.others are
+  const std::string& nearest() const;  // of the others; there is one
 };
 
 // The scans that a scan without a pose hangs together with, which have none either.

@@ -95,14 +95,14 @@ std::vector<Pose> beside(const Pose& pose, const Vec3& centre, double distance_m
   return starts;
 }
 
-std::string nearest_of(const OnScans& on) {
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < on.others.size(); ++k)
-    if (on.icp.others[k].on_m2 > on.icp.others[best].on_m2) best = k;
-  return on.others[best];
-}
-
 }  // namespace
+
+const std::string& OnScans::nearest() const {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < others.size(); ++k)
+    if (icp.others[k].on_m2 > icp.others[best].on_m2) best = k;
+  return others[best];
+}
 
 std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
                                         const Pose& world_from_frame) {
@@ -218,7 +218,7 @@ bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start
   one.automatic.reset();
   one.start = start.world_from_scan;
   one.on_scans.emplace(*std::move(start.found));
-  one.carried_by = nearest_of(*one.on_scans);
+  one.carried_by = one.on_scans->nearest();
   one.icp = one.on_scans->icp.icp;
   if (is_weak(one.on_scans->icp))
     warn(i,
@@ -312,6 +312,16 @@ void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignm
   }
   found.accepted = true;
   found.reason.clear();
+}
+
+ScanToScan::Chosen ScanToScan::choose(std::size_t i, const std::vector<Pose>& hypotheses,
+                                      const Registrations& registrations) {
+  Others others = others_than(i, registrations);
+  stages::HypothesesOptions options;
+  options.icp = icp_;
+  options.reach_m = icp_.gate_m;
+  return {stages::choose_hypothesis(queue_, scan(i), others.scans, hypotheses, options),
+          std::move(others.ids)};
 }
 
 void ScanToScan::measure_distances(std::size_t i, const Others& others, ScanRegistration& one) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batch/registration/registration_unit.hpp"
+#include "stages/registration/scan_hypotheses.hpp"
 
 namespace hybrid::batch {
 
@@ -45,6 +46,14 @@ class ScanToScan {
   // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the
   // scans see through these, it is accepted.
   void judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
+
+  // Of hypotheses of the scan's pose (world) the one that the scans that have a pose leave (METHOD 7,
+  // stages/registration/scan_hypotheses.hpp); `others`: their ids, in the order of found.others.
+  struct Chosen {
+    stages::ChosenHypothesis hypothesis;
+    std::vector<std::string> others;
+  };
+  Chosen choose(std::size_t i, const std::vector<Pose>& hypotheses, const Registrations& registrations);
 
   // Every scan's figures and distances to the others under its final pose.
   void describe(Registrations& registrations);

@@ -71,6 +71,7 @@ struct AutomaticAlignment {
   std::vector<std::uint32_t> faces;  // that hold 0.2 % of the planar area and more under it, ascending
   double margin = 0;                 // least gap to a rival, share of the planar area; 1 without rivals
   std::vector<RivalPose> rivals;     // closest first, at most 8
+  std::vector<Pose> hypotheses;      // the best pose, and all rivals of strength below 1, closest first
   int rotations = 0, guesses = 0, finalists = 0;
 };
 

@@ -65,10 +65,10 @@ DistancesToScans distances_to_scans(device::Queue& queue, const RangeImage& imag
   SampleAnswers answers(queue, nodes.size());
   std::vector<float> nearest(nodes.size(), std::numeric_limits<float>::infinity());
   for (const PlacedScan& other : others) {
-    if (!other.scan->surface.known()) continue;
+    if (!other.scan->surface->known()) continue;
     const Pose& there = other.world_from_scan;
-    other.scan->surface.find(queries, there.inverse() * world_from_scan, reach_m / there.scale, normal_deg,
-                             answers);
+    other.scan->surface->find(queries, there.inverse() * world_from_scan, reach_m / there.scale, normal_deg,
+                              answers);
     const auto distances = queue.read(answers.distance), heights = queue.read(answers.height);
     const auto scale = static_cast<float>(there.scale);
     for (std::size_t k = 0; k < nodes.size(); ++k) {

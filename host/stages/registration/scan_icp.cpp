@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "shared/params_icp_sums.h"
 #include "stages/registration/icp_pairs.hpp"
@@ -19,27 +18,7 @@ constexpr double kFreePerObservation = 100;
 // Leaves and railings are seen through from elsewhere: where planes are so much of what can be compared, they
 // alone tell what is seen through.
 constexpr double kPlanesTell = 0.2;
-constexpr std::size_t kStepOfFew = 8;
-
-// Every `step`-th of the samples, for as many times its area.
-IcpScan::Samples upload(device::Queue& queue, const PlanarSamples& from, std::size_t step) {
-  IcpScan::Samples samples;
-  for (std::size_t k = 0; k < from.points.size(); k += step) {
-    samples.points.push_back(from.points[k]);
-    samples.normals.push_back(from.normals[k]);
-    samples.area_m2.push_back(from.points[k][3] * static_cast<float>(step));
-    samples.points.back()[3] = samples.area_m2.back();
-  }
-  samples.queries = {samples.points.size(),
-                     column(queue, samples.points, 0),
-                     column(queue, samples.points, 1),
-                     column(queue, samples.points, 2),
-                     column(queue, samples.normals, 0),
-                     column(queue, samples.normals, 1),
-                     column(queue, samples.normals, 2)};
-  samples.area = queue.array(samples.area_m2);
-  return samples;
-}
+constexpr int kSamplesOfPlane = 5;  // seen through, that contradict it
 
 // Samples of one kind of one scan on the surface of another. `forward`: of the scan that moves.
 class Pairs {
@@ -198,13 +177,13 @@ class ScanProblem {
         cutoffs_{KindCutoff(options.scale_floor_m), KindCutoff(options.scale_floor_m)} {
     for (std::size_t other = 0; other < placed.size(); ++other)
       for (std::size_t kind = 0; kind < 2; ++kind) {
-        if (placed[other].scan->surface.known())
+        if (placed[other].scan->surface->known())
           pairs_.push_back(
               {other, kind,
-               Pairs(queue, of(scan)[kind], placed[other].scan->surface, own_spacing(scan, kind), true)});
-        if (scan.surface.known())
+               Pairs(queue, of(scan)[kind], *placed[other].scan->surface, own_spacing(scan, kind), true)});
+        if (scan.surface->known())
           pairs_.push_back({other, kind,
-                            Pairs(queue, of(*placed[other].scan)[kind], scan.surface,
+                            Pairs(queue, of(*placed[other].scan)[kind], *scan.surface,
                                   own_spacing(*placed[other].scan, kind), false)});
       }
   }
@@ -267,9 +246,12 @@ class ScanProblem {
     return options_.few ? scan.few : scan.samples;
   }
   static double own_spacing(const IcpScan& scan, std::size_t kind) {
-    return kind == 1 && scan.surface.known() ? scan.surface.spacing() : 0;
+    return kind == 1 && scan.surface->known() ? scan.surface->spacing() : 0;
   }
   void overlaps(ScanIcp& result);
+  void add_planes(const IcpScan::Samples& samples, const std::vector<float>& heights,
+                  const std::vector<float>& clearances, const Pose& world_from_samples,
+                  ComparedPlanes& planes) const;
   double observations(std::size_t kind) const;
 
   const IcpScan& scan_;
@@ -278,6 +260,29 @@ class ScanProblem {
   std::array<KindCutoff, 2> cutoffs_;
   std::vector<Kind> pairs_;
 };
+
+// The samples of a supercluster follow each other and share its normal.
+void ScanProblem::add_planes(const IcpScan::Samples& samples, const std::vector<float>& heights,
+                             const std::vector<float>& clearances, const Pose& world_from_samples,
+                             ComparedPlanes& planes) const {
+  for (std::size_t begin = 0, end = 0; begin < heights.size(); begin = end) {
+    double on = 0, through = 0;
+    int seen_through = 0;
+    for (end = begin; end < heights.size() && samples.normals[end] == samples.normals[begin]; ++end) {
+      if (std::abs(static_cast<double>(heights[end])) < options_.overlap_m) {
+        on += samples.area_m2[end];
+      } else if (static_cast<double>(clearances[end]) > options_.clear_m) {
+        through += samples.area_m2[end];
+        ++seen_through;
+      }
+    }
+    const auto& n = samples.normals[begin];
+    const Vec3 normal = world_from_samples.rotate(Vec3(n[0], n[1], n[2]));
+    planes.on += on * normal * normal.transpose();
+    planes.through += through * normal * normal.transpose();
+    if (through > on && seen_through >= kSamplesOfPlane) planes.contradicted_m2 += through;
+  }
+}
 
 // What lies on surfaces of the other scans, and what these look through.
 void ScanProblem::overlaps(ScanIcp& result) {
@@ -308,6 +313,10 @@ void ScanProblem::overlaps(ScanIcp& result) {
         seen[kind].through += a;
       }
     }
+    if (kind == IcpScan::kPlanar)
+      add_planes(pairs.samples(), heights, clearances,
+                 pairs.forward() ? result.icp.world_from_scan : placed_[other].world_from_scan,
+                 result.planes);
   }
   for (std::size_t k = 0; k < compared.size(); ++k) {
     const Compared& sums = compared[k];
@@ -322,6 +331,9 @@ void ScanProblem::overlaps(ScanIcp& result) {
   const bool by_planes = seen[0].all() > kPlanesTell * (seen[0].all() + seen[1].all());
   const Seen judge{seen[0].on + (by_planes ? 0 : seen[1].on),
                    seen[0].through + (by_planes ? 0 : seen[1].through)};
+  const Seen& free = seen[1 - IcpScan::kPlanar];
+  result.free_m2 = free.all();
+  if (free.all() > 0) result.free_seen_through = free.through / free.all();
   if (judge.all() > 0) result.seen_through = judge.through / judge.all();
   double own = 0;
   for (std::size_t kind = 0; kind < 2; ++kind)
@@ -379,32 +391,6 @@ void ScanProblem::describe(const Pose& pose, ScanIcp& result) {
 }
 
 }  // namespace
-
-ScanSamples choose_scan_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
-                                const std::vector<std::uint8_t>& stray, int samples_of_each, int seed) {
-  return {choose_planar_samples(image, segmentation, samples_of_each, seed),
-          choose_free_samples(image, segmentation, stray, samples_of_each, seed)};
-}
-
-IcpScan::IcpScan(device::Queue& queue, const ScanSamples& chosen, const RangeImage& image,
-                 const PlaneSegmentation& segmentation, const std::vector<std::uint8_t>& stray)
-    : samples{upload(queue, chosen.planar, 1), upload(queue, chosen.free, 1)},
-      few{upload(queue, chosen.planar, kStepOfFew), upload(queue, chosen.free, kStepOfFew)},
-      surface(queue, image, segmentation, stray) {
-  const auto each = [&](const auto& body) {
-    for (const auto* list : {&chosen.planar.points, &chosen.free.points})
-      for (const auto& p : *list) body(Vec3(p[0], p[1], p[2]), static_cast<double>(p[3]));
-  };
-  each([&](const Vec3& p, double area) {
-    centre += area * p;
-    area_m2 += area;
-  });
-  if (!(area_m2 > 0)) return;
-  centre /= area_m2;
-  double square = 0;
-  each([&](const Vec3& p, double area) { square += area * (p - centre).squaredNorm(); });
-  radius_m = std::sqrt(square / area_m2);
-}
 
 ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                           const Pose& start, const ScanIcpOptions& options) {

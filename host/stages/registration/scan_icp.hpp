@@ -2,38 +2,9 @@
 #include <vector>
 
 #include "stages/registration/icp.hpp"
-#include "stages/registration/scan_surface.hpp"
+#include "stages/registration/icp_scan.hpp"
 
 namespace hybrid::stages {
-
-// What scan-to-scan ICP takes of one scan: some of its samples, evenly by area, and the surface that others'
-// samples are laid on.
-struct ScanSamples {
-  PlanarSamples planar, free;  // choose_planar_samples, choose_free_samples
-};
-ScanSamples choose_scan_samples(const RangeImage& image, const PlaneSegmentation& segmentation,
-                                const std::vector<std::uint8_t>& stray, int samples_of_each, int seed);
-
-class IcpScan {
- public:
-  IcpScan(device::Queue& queue, const ScanSamples& samples, const RangeImage& image,
-          const PlaneSegmentation& segmentation, const std::vector<std::uint8_t>& stray);
-
-  // Samples of superclusters, and the others: their own areas and queries on the device.
-  struct Samples {
-    SearchQueries queries;
-    std::vector<std::array<float, 4>> points;  // and area, square metres
-    device::Array<float> area;
-    std::vector<float> area_m2;
-    std::vector<std::array<float, 4>> normals;
-  };
-  std::array<Samples, 2> samples;
-  std::array<Samples, 2> few;  // every eighth of them, for eight times its area
-  ScanSurface surface;
-  Vec3 centre = Vec3::Zero();  // of the samples, by area
-  double radius_m = 0;         // their rms distance from it
-  double area_m2 = 0;          // of all samples
-};
 
 struct ScanIcpOptions {
   double gate_m = 1;           // between pairs at the start; it narrows with the residuals
@@ -60,12 +31,26 @@ struct ScanOverlap {
   double rms_m = 0;       // of what lies on surfaces
 };
 
+// Of planar samples of all scans compared, sums of area times n nT, square metres; n: their normals, world.
+// Along a direction d, dT sum d is what bears on a shift along it: of ground and walls that the scan slides
+// along nothing, however large they are.
+struct ComparedPlanes {
+  Mat3 on = Mat3::Zero();       // on surfaces
+  Mat3 through = Mat3::Zero();  // seen through
+  // Seen through of planes of which more is seen through by one other scan than lies on its surfaces. Under
+  // right poses it is edges that are seen through, of all planes a little; under wrong ones whole planes.
+  double contradicted_m2 = 0;
+};
+
 struct ScanIcp {
   Registration icp;  // overlap: share of the scan's area on surfaces of any of the others
   std::vector<ScanOverlap> others;
   // Share of all planar samples that lie on surfaces or are seen through, both ways; where planes are less
   // than a fifth of these, of all samples.
   double seen_through = 0;
+  ComparedPlanes planes;
+  // Of samples of no plane alone, both ways, and the area of them that lies on surfaces or is seen through.
+  double free_seen_through = 0, free_m2 = 0;
 };
 
 // METHOD 6, scan to scan: point-to-plane ICP of a scan's samples, planar and not, on the range images of

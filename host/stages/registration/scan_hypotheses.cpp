@@ -1,0 +1,297 @@
+#include "stages/registration/scan_hypotheses.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "geometry/angles.hpp"
+#include "stages/registration/automatic_words.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+// Beside all planar area this share counts for every direction: a window's frame says nothing alone.
+constexpr double kLeastTells = 0.0005;
+// ICP is on the scans of which so much overlaps under the hypothesis, and so is the line of places beside it.
+constexpr double kNearOverlap = 0.1;
+// Places on the line lie so far apart, in what lies on a surface there; first within overlap_m, then within
+// these shares of it: what holds a scan along the line is little, and for robust ICP an outlier unless it
+// starts within the noise.
+constexpr double kStep = 1.5;
+constexpr double kFiner[] = {0.2, 0.04};
+constexpr int kFinerSteps = 6;
+// Samples count there whose normal's component along the line is this or more, at most so many of a scan.
+constexpr double kBears = 0.3;
+constexpr std::size_t kSamplesOnLine = 2000;
+// From there the gate need not be wide, in overlap_m.
+constexpr double kGateOnLine = 4;
+// Ends of ICP this near are one place.
+constexpr double kOnePlace_m = 0.02, kOnePlaceDeg = 0.2;
+// A line holds for hypotheses that lie on it, nearer than this share of its reach.
+constexpr double kOnLine = 0.5;
+// Where what is seen through is too little to contradict either of two places, as of a box turned by half or
+// the sides of a church, whole planes or what is no plane contradict one: so much of either, and so many
+// times as much as of the other; of what is no plane there must be some.
+constexpr double kTimesBest = 4, kFreeThrough = 0.2, kFreeTells = 0.002;
+
+struct Against {
+  double share = 0;  // seen through, of what bears on a shift along `direction`
+  Vec3 direction = Vec3::UnitZ();
+};
+
+// The direction along which most is seen through.
+Against against(const ComparedPlanes& area) {
+  const double total = area.on.trace() + area.through.trace();
+  if (!(total > 0)) return {};
+  const Mat3 all = area.on + area.through + kLeastTells * total * Mat3::Identity();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Mat3> solver(area.through, all);
+  return {solver.eigenvalues()(2), solver.eigenvectors().col(2).normalized()};
+}
+
+struct Held {
+  double share = 0;  // of what lies on surfaces, what bears on a shift along `direction`
+  Vec3 direction = Vec3::UnitZ();
+};
+
+// The direction along which least holds.
+Held held(const ComparedPlanes& area) {
+  const double total = area.on.trace();
+  if (!(total > 0)) return {};
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(area.on);
+  return {solver.eigenvalues()(0) / total, solver.eigenvectors().col(0)};
+}
+
+// Of the planar area that can be compared, that of planes that are contradicted as a whole.
+double contradicted(const ComparedPlanes& planes) {
+  const double total = planes.on.trace() + planes.through.trace();
+  return total > 0 ? planes.contradicted_m2 / total : 0;
+}
+
+// Without what bears on a shift along the direction.
+ComparedPlanes without(const ComparedPlanes& area, const Vec3& direction) {
+  const Mat3 rest = Mat3::Identity() - direction * direction.transpose();
+  return {rest * area.on * rest, rest * area.through * rest, 0};
+}
+
+bool is_one_place(const Pose& a, const Pose& b) {
+  const auto apart = difference(a, b);
+  return apart.distance_m < kOnePlace_m && apart.angle_rad < kOnePlaceDeg * kDegree;
+}
+
+// Where an eighth of the samples ends from a hypothesis.
+struct End {
+  Pose hypothesis;
+  ScanIcp found;
+  std::vector<PlacedScan> on;
+};
+
+class Chooser {
+ public:
+  Chooser(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
+          const HypothesesOptions& options)
+      : queue_(queue),
+        scan_(scan),
+        placed_(placed),
+        options_(options),
+        few_(options.icp),
+        on_line_(options.icp) {
+    few_.few = on_line_.few = true;
+    on_line_.gate_m = kGateOnLine * on_line_.overlap_m;
+  }
+
+  // Nothing where the scans contradict the hypothesis and the places beside it.
+  std::optional<End> end_of(const Pose& hypothesis);
+  // With all samples, on all scans.
+  ScanIcp finish(const End& end);
+  bool is_contradicted(const ScanIcp& found) const {
+    return found.seen_through > options_.most_through || against(found.planes).share > options_.most_along;
+  }
+  std::string doubt(const ScanIcp& found) const;
+  // Whether the scans contradict the one place where they do not contradict the other.
+  bool is_ruled_out(const ScanIcp& other, const ScanIcp& best) const;
+
+ private:
+  struct Line {
+    Pose pose;
+    Vec3 direction;
+  };
+  bool free_tells(const ScanIcp& found) const { return found.free_m2 > kFreeTells * scan_.area_m2; }
+  bool is_hopeless(const ScanIcp& found, const Vec3& direction) const;
+  bool is_on_line(const Pose& pose, const Vec3& direction) const;
+  Pose best_on_line(const Line& line, double within_m, int steps, const std::vector<PlacedScan>& on);
+
+  device::Queue& queue_;
+  const IcpScan& scan_;
+  const std::vector<PlacedScan>& placed_;
+  const HypothesesOptions& options_;
+  ScanIcpOptions few_, on_line_;
+  std::vector<Line> lines_;  // that were gone along
+};
+
+// Whether it is contradicted wherever it lies along the direction.
+bool Chooser::is_hopeless(const ScanIcp& found, const Vec3& direction) const {
+  const ComparedPlanes rest = without(found.planes, direction);
+  return rest.through.trace() > options_.most_through * (rest.on.trace() + rest.through.trace()) ||
+         against(rest).share > options_.most_along;
+}
+
+bool Chooser::is_on_line(const Pose& pose, const Vec3& direction) const {
+  return std::any_of(lines_.begin(), lines_.end(), [&](const Line& line) {
+    if (std::abs(line.direction.dot(direction)) < std::cos(kDegree)) return false;
+    const Vec3 apart = pose.translation - line.pose.translation;
+    const double along = line.direction.dot(apart);
+    return std::abs(along) < kOnLine * options_.reach_m &&
+           (apart - along * line.direction).norm() < options_.icp.overlap_m &&
+           difference(pose, line.pose).angle_rad < kOnePlaceDeg * kDegree;
+  });
+}
+
+// Where most of what bears on a shift along the line lies within `within_m` of surfaces.
+Pose Chooser::best_on_line(const Line& line, double within_m, int steps, const std::vector<PlacedScan>& on) {
+  ScanIcpOptions how = options_.icp;
+  how.overlap_m = within_m;
+  const auto bearing = [&](const IcpScan& scan, const Pose& world_from_scan) {
+    return scan.bearing_on(queue_, world_from_scan.rotation.conjugate() * line.direction, kBears,
+                           kSamplesOnLine);
+  };
+  const IcpScan scan = bearing(scan_, line.pose);
+  std::vector<IcpScan> others;
+  others.reserve(on.size());
+  std::vector<PlacedScan> placed;
+  for (const PlacedScan& other : on) {
+    others.push_back(bearing(*other.scan, other.world_from_scan));
+    placed.push_back({&others.back(), other.world_from_scan});
+  }
+  Pose best = line.pose;
+  std::optional<double> most;
+  for (int k = -steps; k <= steps; ++k) {
+    Pose at = line.pose;
+    at.translation += k * kStep * within_m * line.direction;
+    const ComparedPlanes area = assess_on_scans(queue_, scan, placed, at, how).planes;
+    const double tells = line.direction.dot((area.on - area.through) * line.direction);
+    if (most && tells <= *most) continue;
+    most = tells;
+    best = at;
+  }
+  return best;
+}
+
+std::optional<End> Chooser::end_of(const Pose& hypothesis) {
+  End end{hypothesis, assess_on_scans(queue_, scan_, placed_, hypothesis, few_), {}};
+  for (std::size_t k = 0; k < placed_.size(); ++k)
+    if (end.found.others[k].overlap >= kNearOverlap) end.on.push_back(placed_[k]);
+  if (end.on.empty()) {
+    if (is_contradicted(end.found)) return std::nullopt;
+    return end;
+  }
+  Vec3 direction = held(end.found.planes).direction;
+  Pose pose = hypothesis;
+  if (is_contradicted(end.found)) {
+    direction = against(end.found.planes).direction;
+    if (is_hopeless(end.found, direction) || is_on_line(pose, direction)) return std::nullopt;
+    lines_.push_back({pose, direction});
+    const double step = kStep * few_.overlap_m;
+    pose = best_on_line(lines_.back(), few_.overlap_m, static_cast<int>(options_.reach_m / step), end.on);
+  }
+  for (const double finer : kFiner)
+    pose = best_on_line({pose, direction}, finer * few_.overlap_m, kFinerSteps, end.on);
+  end.found = register_to_scans(queue_, scan_, end.on, pose, on_line_);
+  if (is_contradicted(end.found)) return std::nullopt;
+  return end;
+}
+
+ScanIcp Chooser::finish(const End& end) {
+  const Pose& start = end.found.icp.world_from_scan;
+  const ScanIcp near =
+      register_to_scans(queue_, scan_, end.on.empty() ? placed_ : end.on, start, options_.icp);
+  ScanIcp found = assess_on_scans(queue_, scan_, placed_, near.icp.world_from_scan, options_.icp);
+  found.icp.converged = near.icp.converged;
+  found.icp.iterations = near.icp.iterations;
+  return found;
+}
+
+// Why nothing contradicts the pose's place, but it is not accepted; "" = it is.
+std::string Chooser::doubt(const ScanIcp& found) const {
+  if (is_contradicted(found)) {
+    const Against most = against(found.planes);
+    return fmt::format(
+        "{:.1f} % of all planar area that can be compared are seen through, {:.0f} % of what bears on a "
+        "shift along {}",
+        100 * found.seen_through, 100 * most.share, vector_in_words(most.direction));
+  }
+  if (found.icp.overlap < options_.least_overlap)
+    return fmt::format("only {:.0f} % of the scan's area lie on surfaces of others, at least {:.0f} % should",
+                       100 * found.icp.overlap, 100 * options_.least_overlap);
+  if (const double share = held(found.planes).share; share < options_.least_held)
+    return fmt::format(
+        "of the planar area that lies on surfaces of others {:.2f} % hold the scan along its weakest "
+        "direction, at least {:.2f} % should",
+        100 * share, 100 * options_.least_held);
+  if (const double share = contradicted(found.planes); share > options_.most_contradicted)
+    return fmt::format(
+        "planes of {:.2f} % of the planar area that can be compared are seen through, at most {:.2f} % "
+        "should: has something moved, or is it another place that is alike?",
+        100 * share, 100 * options_.most_contradicted);
+  if (found.free_seen_through > options_.most_free && free_tells(found))
+    return fmt::format(
+        "{:.0f} % of what is no plane are seen through, at most {:.0f} % should: is it another place that is "
+        "alike?",
+        100 * found.free_seen_through, 100 * options_.most_free);
+  if (!found.icp.degenerate.empty()) return "it is " + found.icp.degenerate.front();
+  return "";
+}
+
+bool Chooser::is_ruled_out(const ScanIcp& other, const ScanIcp& best) const {
+  if (contradicted(other.planes) >
+      std::max(options_.most_contradicted, kTimesBest * contradicted(best.planes)))
+    return true;
+  return free_tells(other) && free_tells(best) &&
+         other.free_seen_through > std::max(kFreeThrough, kTimesBest * best.free_seen_through);
+}
+
+}  // namespace
+
+ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
+                                   const std::vector<PlacedScan>& placed, const std::vector<Pose>& hypotheses,
+                                   const HypothesesOptions& options) {
+  Chooser chooser(queue, scan, placed, options);
+  ChosenHypothesis chosen;
+  chosen.tried = static_cast<int>(hypotheses.size());
+  std::vector<End> ends;
+  for (const Pose& hypothesis : hypotheses) {
+    auto end = chooser.end_of(hypothesis);
+    if (!end) continue;
+    const bool known = std::any_of(ends.begin(), ends.end(), [&](const End& other) {
+      return is_one_place(other.found.icp.world_from_scan, end->found.icp.world_from_scan);
+    });
+    if (!known) ends.push_back(std::move(*end));
+  }
+  if (ends.empty()) {
+    chosen.reason =
+        fmt::format("the scans that have a pose contradict all of its {} hypotheses", chosen.tried);
+    return chosen;
+  }
+  for (End& end : ends) end.found = chooser.finish(end);
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const End& a, const End& b) { return a.found.icp.overlap > b.found.icp.overlap; });
+  const End& best = ends.front();
+  chosen.start = best.hypothesis;
+  chosen.found = best.found;
+  chosen.along = against(best.found.planes).share;
+  chosen.held = held(best.found.planes).share;
+  const auto rival = std::find_if(ends.begin() + 1, ends.end(), [&](const End& other) {
+    return !chooser.is_ruled_out(other.found, best.found);
+  });
+  chosen.reason =
+      rival == ends.end()
+          ? chooser.doubt(best.found)
+          : fmt::format("the scans that have a pose contradict neither one place nor another: {}",
+                        motion_in_words(best.found.icp.world_from_scan, rival->found.icp.world_from_scan));
+  chosen.accepted = chosen.reason.empty();
+  return chosen;
+}
+
+}  // namespace hybrid::stages

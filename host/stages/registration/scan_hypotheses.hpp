@@ -1,0 +1,47 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stages/registration/scan_icp.hpp"
+
+namespace hybrid::stages {
+
+struct HypothesesOptions {
+  ScanIcpOptions icp;
+  double reach_m = 1;  // a hypothesis that is contradicted may be so far off, along what contradicts it
+  double most_through = 0.05;  // ScanIcp::seen_through that a pose may have
+  // What may be seen through along any direction, of what bears on a shift along it (ComparedPlanes). On
+  // churches right poses have 0.035 at most, wrong ones 0.2 (the other side of the church), most 0.5 to 1.
+  double most_along = 0.1;
+  // What bears on a shift along any direction and lies on surfaces, of all that does. Right poses have 0.005,
+  // wrong ones that nothing contradicts 0.0003.
+  double least_held = 0.002;
+  // Of the planar area that can be compared, that of planes that are seen through as a whole. Right poses
+  // have 0.0001 at most, rooms turned by half 0.0017 to 0.04.
+  double most_contradicted = 0.001;
+  // ScanIcp::free_seen_through that it may have: right poses 0.05, the other side of the church 0.5 and more.
+  double most_free = 0.3;
+  double least_overlap = 0.5;  // of the scan's area on surfaces of the others
+};
+
+// What became of the hypotheses of a scan's pose.
+struct ChosenHypothesis {
+  bool accepted = false;
+  std::string reason;          // why not, in words
+  Pose start;                  // the hypothesis that the pose was found from
+  ScanIcp found;               // of the best pose, on all scans
+  double along = 0, held = 0;  // of it: as in the options
+  int tried = 0;               // hypotheses
+};
+
+// METHOD 7, many scans: a scan that slides along a wall or fits more places of the model than one, as little
+// of its area lies on what tells these apart, is laid on all scans that have a pose at once. Of each
+// hypothesis it is asked what the scans see through along the direction that speaks most against it; a
+// hypothesis may lie beside the right place along that direction. Accepted is a pose that nothing
+// contradicts, that is held along all directions and that no other hypothesis leaves room for: each must be
+// contradicted.
+ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
+                                   const std::vector<PlacedScan>& placed, const std::vector<Pose>& hypotheses,
+                                   const HypothesesOptions& options = {});
+
+}  // namespace hybrid::stages
