@@ -36,6 +36,8 @@ constexpr double kOnLine = 0.5;
 // the sides of a church, whole planes or what is no plane contradict one: so much of either, and so many
 // times as much as of the other; of what is no plane there must be some.
 constexpr double kTimesBest = 4, kFreeThrough = 0.2, kFreeTells = 0.002;
+// An eighth of the samples tells it, too, where there is so many times as much.
+constexpr double kFewTell = 2;
 
 struct Against {
   double share = 0;  // seen through, of what bears on a shift along `direction`
@@ -111,7 +113,7 @@ class Chooser {
   }
   std::string doubt(const ScanIcp& found) const;
   // Whether the scans contradict the one place where they do not contradict the other.
-  bool is_ruled_out(const ScanIcp& other, const ScanIcp& best) const;
+  bool is_ruled_out(const ScanIcp& other, const ScanIcp& best, double times = 1) const;
 
  private:
   struct Line {
@@ -205,8 +207,9 @@ std::optional<End> Chooser::end_of(const Pose& hypothesis) {
 
 ScanIcp Chooser::finish(const End& end) {
   const Pose& start = end.found.icp.world_from_scan;
-  const ScanIcp near =
-      register_to_scans(queue_, scan_, end.on.empty() ? placed_ : end.on, start, options_.icp);
+  ScanIcpOptions all = on_line_;
+  all.few = false;
+  const ScanIcp near = register_to_scans(queue_, scan_, end.on.empty() ? placed_ : end.on, start, all);
   ScanIcp found = assess_on_scans(queue_, scan_, placed_, near.icp.world_from_scan, options_.icp);
   found.icp.converged = near.icp.converged;
   found.icp.iterations = near.icp.iterations;
@@ -244,12 +247,12 @@ std::string Chooser::doubt(const ScanIcp& found) const {
   return "";
 }
 
-bool Chooser::is_ruled_out(const ScanIcp& other, const ScanIcp& best) const {
+bool Chooser::is_ruled_out(const ScanIcp& other, const ScanIcp& best, double times) const {
   if (contradicted(other.planes) >
-      std::max(options_.most_contradicted, kTimesBest * contradicted(best.planes)))
+      times * std::max(options_.most_contradicted, kTimesBest * contradicted(best.planes)))
     return true;
   return free_tells(other) && free_tells(best) &&
-         other.free_seen_through > std::max(kFreeThrough, kTimesBest * best.free_seen_through);
+         other.free_seen_through > times * std::max(kFreeThrough, kTimesBest * best.free_seen_through);
 }
 
 }  // namespace
@@ -274,9 +277,15 @@ ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
         fmt::format("the scans that have a pose contradict all of its {} hypotheses", chosen.tried);
     return chosen;
   }
+  const auto sort = [&] {
+    std::stable_sort(ends.begin(), ends.end(),
+                     [](const End& a, const End& b) { return a.found.icp.overlap > b.found.icp.overlap; });
+  };
+  sort();
+  const ScanIcp first = ends.front().found;
+  std::erase_if(ends, [&](const End& end) { return chooser.is_ruled_out(end.found, first, kFewTell); });
   for (End& end : ends) end.found = chooser.finish(end);
-  std::stable_sort(ends.begin(), ends.end(),
-                   [](const End& a, const End& b) { return a.found.icp.overlap > b.found.icp.overlap; });
+  sort();
   const End& best = ends.front();
   chosen.start = best.hypothesis;
   chosen.found = best.found;
