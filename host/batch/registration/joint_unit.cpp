@@ -88,6 +88,14 @@ NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const stages:
       on_all_(products.size()),
       aligned_(products.size()) {}
 
+// What is accepted before what is not; then by what the samples see through, or by the margin.
+bool NeighbourRegistration::Neighbour::is_surer_than(const Neighbour& other) const {
+  const stages::AutomaticAlignment &a = *alignment, &b = *other.alignment;
+  if (a.accepted != b.accepted) return a.accepted;
+  if (a.accepted && a.seen_through != b.seen_through) return a.seen_through < b.seen_through;
+  return a.margin > b.margin;
+}
+
 const NeighbourRegistration::Seen& NeighbourRegistration::seen(std::size_t scan) {
   if (!seen_[scan])
     seen_[scan] =
@@ -154,40 +162,31 @@ const stages::AutomaticAlignment& NeighbourRegistration::aligned(const ScanRegis
   return found;
 }
 
-bool NeighbourRegistration::carry_one(std::size_t scan, Registrations& registrations,
-                                      Registrations& abstentions) {
-  const stages::AutomaticAlignment* best = nullptr;
-  std::size_t by = 0;
+NeighbourRegistration::Neighbour NeighbourRegistration::best_neighbour(std::size_t scan,
+                                                                       const Registrations& registrations,
+                                                                       const Registrations& abstentions) {
+  Neighbour best{scan};
   for (std::size_t other = 0; other < products_.size(); ++other) {
     if (!registrations[other] || seen(other).polygons.faces.empty()) continue;
     // What others contradict is not laid on what none of them can judge.
     if (!abstentions[scan]->refusal.empty() && registrations[other]->unjudged) continue;
-    const auto& found = aligned(*abstentions[scan], scan, other);
-    const bool better =
-        best == nullptr || std::pair(found.accepted, found.margin) > std::pair(best->accepted, best->margin);
-    if (better) {
-      best = &found;
-      by = other;
-    }
+    const Neighbour found{scan, other, &aligned(*abstentions[scan], scan, other)};
+    if (best.alignment == nullptr || found.is_surer_than(best)) best = found;
   }
-  if (best == nullptr) return false;
-  ScanRegistration& abstained = *abstentions[scan];
-  if (!best->accepted) {
-    abstained.neighbour_reason =
-        fmt::format("{}against scan {}: {}", on_all_[scan], products_[by].id, best->reason);
-    abstained.neighbour = *best;
-    return false;
-  }
-  ScanRegistration one = std::move(abstained);
+  return best;
+}
+
+void NeighbourRegistration::carry_one(const Neighbour& best, Registrations& registrations,
+                                      Registrations& abstentions) {
+  ScanRegistration one = std::move(*abstentions[best.scan]);
   one.how = "neighbour";
   one.on_scans.reset();
-  one.carried_by = products_[by].id;
-  one.start = registrations[by]->world_from_scan() * best->world_from_scan;
-  one.neighbour = *best;
+  one.carried_by = products_[best.by].id;
+  one.start = registrations[best.by]->world_from_scan() * best.alignment->world_from_scan;
+  one.neighbour = *best.alignment;
   one.icp.world_from_scan = one.start;
   one.icp.converged = true;
-  place(scan, std::move(one), registrations, abstentions);
-  return true;
+  place(best.scan, std::move(one), registrations, abstentions);
 }
 
 void NeighbourRegistration::place(std::size_t scan, ScanRegistration one, Registrations& registrations,
@@ -255,12 +254,24 @@ void NeighbourRegistration::carry(Registrations& registrations, Registrations& a
   if (frame_is_free_) keep_largest_island(registrations, abstentions);
 }
 
+// One that was carried may carry others, and what the samples contradict least goes first: of a church two
+// aisles lie on each other, turned, with planes that fit better than those of two ends of one do.
 void NeighbourRegistration::carry_all(Registrations& registrations, Registrations& abstentions) {
-  // One that was carried may carry others.
-  for (bool again = true; again;) {
-    again = false;
-    for (std::size_t i = 0; i < products_.size(); ++i)
-      if (abstentions[i]) again |= carry_one(i, registrations, abstentions);
+  for (;;) {
+    Neighbour surest;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+      if (!abstentions[i]) continue;
+      const Neighbour best = best_neighbour(i, registrations, abstentions);
+      if (best.alignment == nullptr) continue;
+      if (surest.alignment == nullptr || best.is_surer_than(surest)) surest = best;
+      ScanRegistration& one = *abstentions[i];
+      if (best.alignment->accepted) continue;
+      one.neighbour_reason =
+          fmt::format("{}against scan {}: {}", on_all_[i], products_[best.by].id, best.alignment->reason);
+      one.neighbour = *best.alignment;
+    }
+    if (surest.alignment == nullptr || !surest.alignment->accepted) return;
+    carry_one(surest, registrations, abstentions);
   }
 }
 

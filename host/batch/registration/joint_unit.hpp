@@ -48,7 +48,15 @@ class NeighbourRegistration {
   nlohmann::ordered_json refine_all(Registrations& registrations);
   const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
                                             std::size_t other);
-  bool carry_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
+  // An alignment of a scan without a pose to one that has one; none where it is null.
+  struct Neighbour {
+    std::size_t scan = 0, by = 0;
+    const stages::AutomaticAlignment* alignment = nullptr;
+    bool is_surer_than(const Neighbour& other) const;
+  };
+  Neighbour best_neighbour(std::size_t scan, const Registrations& registrations,
+                           const Registrations& abstentions);
+  void carry_one(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
   // On all scans that have a pose at once, by its own hypotheses on the model.
   bool lay_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
   void lay_all(Registrations& registrations, Registrations& abstentions);
