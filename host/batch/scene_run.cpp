@@ -183,9 +183,11 @@ class Run {
   void register_all() {
     std::optional<stages::ProxyModel> model;  // as it is before openings are cut
     if (run_.model) model.emplace(*run_.model);
-    NeighbourRegistration neighbours(queue_, model ? &*model : nullptr, options_, run_.products);
+    // Gone once the poses are final: the scans' surfaces that others are laid on are large.
+    std::optional<NeighbourRegistration> neighbours(std::in_place, queue_, model ? &*model : nullptr,
+                                                    options_, run_.products);
     if (!model)
-      neighbours.begin_without_model(entries_, run_.scene.shift, run_.registrations, run_.abstentions);
+      neighbours->begin_without_model(entries_, run_.scene.shift, run_.registrations, run_.abstentions);
     else
       for (std::size_t i = 0; i < run_.products.size(); ++i)
         unit("scan " + run_.products[i].id, [&] {
@@ -196,10 +198,11 @@ class Run {
     const std::string all = "scene " + run_.scene.name;
     unit("joint registration", [&] {
       progress_.step("joint registration", all);
-      neighbours.carry(run_.registrations, run_.abstentions);
-      neighbours.refine(run_.registrations, run_.abstentions);
-      joint_ = neighbours.figures();
+      neighbours->carry(run_.registrations, run_.abstentions);
+      neighbours->refine(run_.registrations, run_.abstentions);
+      joint_ = neighbours->figures();
     });
+    neighbours.reset();
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
     editing_.finish_clips(run_.scene);

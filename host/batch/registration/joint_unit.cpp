@@ -228,7 +228,7 @@ bool NeighbourRegistration::lay_one(std::size_t scan, Registrations& registratio
     on_all_[scan] = fmt::format("against all others at once: {}; ", chosen.reason);
     return false;
   }
-  ScanRegistration one = abstained;
+  ScanRegistration one = std::move(*abstentions[scan]);
   one.how = "scan-icp";
   one.start = chosen.start;
   one.on_scans = OnScans{"automatic", chosen.found, others};
