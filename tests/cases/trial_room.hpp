@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "geometry/pose.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
+#include "stages/registration/icp_scan.hpp"
 
 namespace hybrid::testing {
 
@@ -62,6 +64,9 @@ struct TrialScan {
 // 2 mm range noise.
 TrialScan scan_trial_room(device::Queue& queue, const TrialRoom& room, std::uint32_t seed, double crop,
                           int rows = 150, int cols = 360);
+
+// As scan-to-scan ICP takes it, so many samples of each kind.
+std::unique_ptr<stages::IcpScan> icp_scan_of(device::Queue& queue, const TrialScan& scan, int samples);
 
 // Keeps what lies within `crop` of the full turn from `from_rad` of azimuth on.
 void crop_scan(RangeImage& image, PlaneSegmentation& segmentation, double from_rad, double crop);

@@ -344,4 +344,10 @@ void crop_scan(RangeImage& image, PlaneSegmentation& segmentation, double from_r
   }
 }
 
+std::unique_ptr<stages::IcpScan> icp_scan_of(device::Queue& queue, const TrialScan& scan, int samples) {
+  return std::make_unique<stages::IcpScan>(
+      queue, stages::choose_scan_samples(scan.image, scan.segmentation, {}, samples, 1), scan.image,
+      scan.segmentation, std::vector<std::uint8_t>());
+}
+
 }  // namespace hybrid::testing

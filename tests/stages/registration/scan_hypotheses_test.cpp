@@ -14,27 +14,20 @@ using testing::queue;
 
 constexpr int kSamples = 20000;
 
-struct Seen {
-  testing::TrialScan scan;
-  std::unique_ptr<stages::IcpScan> icp;
-  const Pose& pose() const { return scan.world_from_scan; }
-};
-
-Seen see(const testing::TrialRoom& room, std::uint32_t seed) {
-  Seen seen{testing::scan_trial_room(queue(), room, seed, 1), nullptr};
-  const auto& [image, segmentation, pose] = seen.scan;
-  seen.icp = std::make_unique<stages::IcpScan>(
-      queue(), stages::choose_scan_samples(image, segmentation, {}, kSamples, 1), image, segmentation,
-      std::vector<std::uint8_t>());
-  return seen;
-}
-
 // A room, two scans of it that have their poses, and a third.
 struct Place {
+  struct Seen {
+    testing::TrialScan scan;
+    std::unique_ptr<stages::IcpScan> icp;
+    Seen(const testing::TrialRoom& room, std::uint32_t seed)
+        : scan(testing::scan_trial_room(queue(), room, seed, 1)),
+          icp(testing::icp_scan_of(queue(), scan, kSamples)) {}
+    const Pose& pose() const { return scan.world_from_scan; }
+  };
   Seen a, b, scan;
   explicit Place(const char* kind, std::uint32_t seed) : Place(testing::make_trial_room(kind, seed), seed) {}
   Place(const testing::TrialRoom& room, std::uint32_t seed)
-      : a(see(room, seed)), b(see(room, seed + 300)), scan(see(room, seed + 700)) {}
+      : a(room, seed), b(room, seed + 300), scan(room, seed + 700) {}
   std::vector<stages::PlacedScan> placed() const {
     return {{a.icp.get(), a.pose()}, {b.icp.get(), b.pose()}};
   }

@@ -31,10 +31,7 @@ Seen see(const testing::TrialRoom& room, std::uint32_t seed, double crop, bool p
     seen.scan.segmentation.superclusters.clear();
     for (auto& label : seen.scan.segmentation.sample_label) label = 0;
   }
-  const auto& [image, segmentation, pose] = seen.scan;
-  seen.icp = std::make_unique<stages::IcpScan>(
-      queue(), stages::choose_scan_samples(image, segmentation, {}, kSamples, 1), image, segmentation,
-      std::vector<std::uint8_t>());
+  seen.icp = testing::icp_scan_of(queue(), seen.scan, kSamples);
   return seen;
 }
 
