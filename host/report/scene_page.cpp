@@ -109,8 +109,15 @@ Table registration_columns(bool truth) {
       .number("position sigma", "mm", 3, "one standard deviation, from the covariance")
       .number("landmarks rms", "mm", 1)
       .number("iterations", "", 0)
-      .text("degenerate", "directions that the planes do not fix");
+      .text("degenerate", "directions that the planes of the model, or of other scans, do not fix");
   return table;
+}
+
+Json open_directions(const Json& figures) {
+  Json open = figures.value("degenerate", Json::array());
+  if (figures.value("/slide/status"_json_pointer, "") == "accepted")
+    open.push_back("other scans hold it there");
+  return joined(open);
 }
 
 std::string registration_table(const ScenePage& page) {
@@ -138,8 +145,7 @@ std::string registration_table(const ScenePage& page) {
           cell(figures, "/seen_through", 100), cell(figures, "/wall_before_icp/within_5cm", 100),
           cell(figures, "/wall_after_icp/within_5cm", 100), cell(figures, "/moved_by_icp/m", 1000),
           cell(figures, "/moved_by_icp/deg"), position_sigma_mm(pose), cell(figures, "/landmark_rms_m", 1000),
-          cell(figures, "/icp_iterations"),
-          joined(figures.contains("degenerate") ? figures["degenerate"] : Json())})
+          cell(figures, "/icp_iterations"), open_directions(figures)})
       row.push_back(std::move(value));
     table.add(std::move(row));
   }

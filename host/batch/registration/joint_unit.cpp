@@ -18,6 +18,9 @@ using Json = nlohmann::ordered_json;
 // ICP to the proxy from a neighbour's pose is believed where it stays this near.
 constexpr double kStays_m = 0.1, kStaysDeg = 1;
 
+// Some of what holds a scan along a slide are planes that joint refinement has, too: there these lead.
+constexpr double kSlideSigmas = 3;
+
 // What the model's faces are off, by the scan that shows it best; 0 where they agree.
 double face_sigma_m(const Registrations& registrations) {
   double sigma = 0;
@@ -329,7 +332,27 @@ void NeighbourRegistration::tell_island(Registrations& island, Registrations& ab
   }
 }
 
+void NeighbourRegistration::hold_slides(Registrations& registrations) {
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+      if (!registrations[i] || !registrations[i]->slides()) continue;
+      ScanRegistration& one = *registrations[i];
+      one.slide = scan_to_scan_.hold_slide(i, registrations);
+      if (one.slides()) continue;
+      const stages::SlideOnScans& found = one.slide->found;
+      Pose pose = one.world_from_scan();
+      pose.translation += found.shift_m * found.direction;
+      assess(queue_, *model_, options_, products_[i], pose, one);
+      log::info("scan {}: {}; other scans hold it there, {:.1f} mm from its start", products_[i].id,
+                fmt::join(one.icp.degenerate, ", "), 1000 * found.shift_m);
+      again = true;
+    }
+  }
+}
+
 void NeighbourRegistration::refine(Registrations& registrations, Registrations& abstentions) {
+  if (options_.joint && model_ != nullptr) hold_slides(registrations);
   if (options_.joint && count_of(registrations) > 1) figures_ = refine_all(registrations);
   if (model_ == nullptr) scan_to_scan_.describe(registrations);
   for (Registrations& island : islands_) tell_island(island, abstentions);
@@ -346,6 +369,10 @@ Json NeighbourRegistration::refine_all(Registrations& registrations) {
         &one.evidence, &seen(i).shapes(), one.world_from_scan(), one.fixed, {}, face_sigma_m(registrations)};
     if (model_ != nullptr && one.held_by_model && !one.fixed)
       scan.covariance = prior_of(one, model_->shapes());
+    if (one.slide && one.slide->found.accepted)
+      scan.covariance =
+          stages::covariance_held_along(*scan.covariance, one.world_from_scan().translation,
+                                        one.slide->found.direction, kSlideSigmas * one.slide->found.sigma_m);
     // What samples outside planes know of a pose, planes alone do not: through a door few planes hold a scan.
     if (one.how == "scan-icp") scan.covariance = one.on_scans->icp.icp.covariance;
     scans.push_back(scan);

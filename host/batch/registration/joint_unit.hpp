@@ -46,6 +46,8 @@ class NeighbourRegistration {
   };
   const Seen& seen(std::size_t scan);
   nlohmann::ordered_json refine_all(Registrations& registrations);
+  // Along what the model leaves open, those first that scans which do not slide hold.
+  void hold_slides(Registrations& registrations);
   const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
                                             std::size_t other);
   // An alignment of a scan without a pose to one that has one; none where it is null.

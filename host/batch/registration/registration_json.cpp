@@ -42,6 +42,25 @@ Json on_scans_json(const OnScans& on) {
   return json;
 }
 
+Json slide_json(const OnSlide& slide) {
+  const stages::SlideOnScans& found = slide.found;
+  Json scans = Json::array();
+  for (std::size_t k = 0; k < slide.others.size(); ++k)
+    if (found.on_other_m2[k] > 0)
+      scans.push_back({{"scan", slide.others[k]}, {"on_m2", found.on_other_m2[k]}});
+  const Vec3& d = found.direction;
+  Json json = {{"direction", {d.x(), d.y(), d.z()}},
+               {"status", found.accepted ? "accepted" : "abstained"},
+               {"shift_m", found.shift_m},
+               {"sigma_m", found.sigma_m},
+               {"on_m2", found.on_m2},
+               {"seen_through", found.seen_through()},
+               {"elsewhere", found.elsewhere},
+               {"scans", scans}};
+  if (!found.accepted) json["reason"] = found.reason;
+  return json;
+}
+
 Json residuals_json(const RegisteredNodes& found, const ResidualHistogram& residuals) {
   Json json = {{"to", found.to}};
   json.update(histogram_json(residuals));
@@ -108,6 +127,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
     json["covariance"] = icp.covariance;
     json["degenerate"] = icp.degenerate;
   }
+  if (registration.slide) json["slide"] = slide_json(*registration.slide);
   if (registration.planar_area) json["planar_area"] = planar_area_json(*registration.planar_area);
   if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.landmarks) json["landmarks"] = landmark_json(*registration.landmarks);
@@ -154,6 +174,7 @@ Json registration_figures(const ScanRegistration& registration) {
     json["overlap"] = registration.icp.overlap;
     json["degenerate"] = registration.icp.degenerate;
   }
+  if (registration.slide) json["slide"] = slide_json(*registration.slide);
   if (registration.faces)
     json["faces"] = face_offsets_json(*registration.faces, registration.solved_with_faces);
   if (!registration.written.is_null()) json["written"] = registration.written;

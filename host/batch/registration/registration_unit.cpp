@@ -338,13 +338,15 @@ void finish_registration(device::Queue& queue, const stages::ProxyModel& model, 
   });
   result.residuals = residual_histogram({product.image, product.segmentation, result.signed_distance_m});
   give_back_unexplained(result, options, product);
-  if (!result.fixed && !result.icp.degenerate.empty())
+  const bool held = result.slide && result.slide->found.accepted;
+  if (!result.fixed && !result.icp.degenerate.empty() && !held)
     warn(product,
          fmt::format(
              "the model leaves the pose undetermined: it is {}; there it is as its start has it, or as "
-             "other scans hold it: give landmarks or a pose that is exact there, or add faces to the "
+             "other scans hold it{}: give landmarks or a pose that is exact there, or add faces to the "
              "model",
-             fmt::join(result.icp.degenerate, ", ")),
+             fmt::join(result.icp.degenerate, ", "),
+             result.slide ? fmt::format(" (their samples do not: {})", result.slide->found.reason) : ""),
          result);
 }
 

@@ -9,6 +9,7 @@
 #include "stages/registration/distances_to_scans.hpp"
 #include "stages/registration/face_offsets.hpp"
 #include "stages/registration/scan_icp.hpp"
+#include "stages/registration/slide_on_scans.hpp"
 
 namespace hybrid::batch {
 
@@ -31,6 +32,12 @@ struct OnScans {
   stages::ScanIcp icp;
   std::vector<std::string> others;     // whose figures icp.others are
   const std::string& nearest() const;  // of the others; there is one
+};
+
+// Where the model leaves a scan free to slide along one direction: what the others made of that.
+struct OnSlide {
+  stages::SlideOnScans found;
+  std::vector<std::string> others;  // found.on_other_m2 are of
 };
 
 // The scans that a scan without a pose hangs together with, which have none either.
@@ -73,8 +80,13 @@ struct ScanRegistration {
   std::optional<Island> island;     // without a model, of a scan without a pose
   std::optional<OnScans> on_scans;  // without a model, where another scan has a pose
   nlohmann::ordered_json written;   // files of the registered scan (registered_scans.hpp), or null
+  std::optional<OnSlide> slide;     // where other scans have a pose
   bool held_by_model = true;        // by what it sees of the model; else by its neighbours alone
   const Pose& world_from_scan() const { return icp.world_from_scan; }
+  // Its place along one direction is as its start has it: neither the model nor other scans say.
+  bool slides() const {
+    return !fixed && held_by_model && icp.only_slide && !(slide && slide->found.accepted);
+  }
 };
 
 // METHOD 5 to 7: landmarks, the scene's pose or the automatic alignment give the start; tile ICP, then ICP on

@@ -137,10 +137,10 @@ const stages::IcpScan& ScanToScan::scan(std::size_t i) {
   return *scans_[i];
 }
 
-ScanToScan::Others ScanToScan::others_than(std::size_t i, const Registrations& registrations) {
+ScanToScan::Others ScanToScan::others_than(std::size_t i, const Registrations& registrations, bool firm) {
   Others others;
   for (std::size_t k = 0; k < registrations.size(); ++k) {
-    if (k == i || !registrations[k]) continue;
+    if (k == i || !registrations[k] || (firm && registrations[k]->slides())) continue;
     others.scans.push_back({&scan(k), registrations[k]->world_from_scan()});
     others.ids.push_back(products_[k].id);
   }
@@ -197,6 +197,18 @@ std::string ScanToScan::rival_of(std::size_t i, const Others& others, const Pose
         apart.distance_m, apart.angle_rad * 180 / M_PI);
   }
   return "";
+}
+
+std::optional<OnSlide> ScanToScan::hold_slide(std::size_t i, const Registrations& registrations) {
+  const Others others = others_than(i, registrations, true);
+  if (others.scans.empty()) return std::nullopt;
+  const ScanRegistration& one = *registrations[i];
+  stages::SlideOptions how;
+  how.icp = icp_;
+  how.reach_m = options_.joint_poses.reach_m;
+  return OnSlide{
+      stages::slide_on_scans(queue_, scan(i), others.scans, one.world_from_scan(), *one.icp.only_slide, how),
+      others.ids};
 }
 
 bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start,

@@ -55,6 +55,10 @@ class ScanToScan {
   };
   Chosen choose(std::size_t i, const std::vector<Pose>& hypotheses, const Registrations& registrations);
 
+  // Of a scan that slides() where the scans that have a pose and do not slide hold it; nothing where there
+  // are none.
+  std::optional<OnSlide> hold_slide(std::size_t i, const Registrations& registrations);
+
   // Every scan's figures and distances to the others under its final pose.
   void describe(Registrations& registrations);
 
@@ -73,7 +77,8 @@ class ScanToScan {
   void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
               Registrations& abstentions);
   void warn(std::size_t i, std::string text, ScanRegistration& one) const;
-  Others others_than(std::size_t i, const Registrations& registrations);
+  // `firm`: without those that slide.
+  Others others_than(std::size_t i, const Registrations& registrations, bool firm = false);
   // To those others that it has to do with, under its pose.
   void measure_distances(std::size_t i, const Others& others, ScanRegistration& one);
 

@@ -144,7 +144,9 @@ void describe(IcpPairs& pairs, const PlanarSamples& samples, const IcpOptions& o
   const PlaneSums sums = pairs.plane_sums(cutoff.metres());
   result.rms_m = std::sqrt(plane ? sums.mean_square() : pairs.point_sums(cutoff.metres()).mean_square());
   result.rms_history_m.push_back(result.rms_m);
-  result.degenerate = degenerate_directions(sums, radius, options.free_scale);
+  const OpenDirections open = degenerate_directions(sums, radius, options.free_scale);
+  result.degenerate = open.in_words();
+  result.only_slide = open.only_slide();
   const double variance =
       std::max({agreed.mean_square, sums.mean_square(), options.scale_floor_m * options.scale_floor_m});
   result.covariance = pose_covariance(sums, variance / std::max(agreed.superclusters, 1.0), pivot, radius,
@@ -209,6 +211,7 @@ Registration register_to_model(device::Queue& queue, const PlanarSamples& sample
   rigid.free_scale = false;
   result = iterate(queue, samples, model, start, rigid);
   result.degenerate.emplace_back(kFreeToScale);
+  result.only_slide.reset();
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,8 @@ struct Registration {
   // "free to scale". The plane step leaves the start pose as it is along them; a
   // scale that is open is the start's, and the covariance is that of a pose of this scale.
   std::vector<std::string> degenerate;
+  // Where all that is not determined is how far it slides along one direction: that, world, unit.
+  std::optional<Vec3> only_slide;
   std::vector<double> rms_history_m;  // rms_m before each step, and of the result
 };
 

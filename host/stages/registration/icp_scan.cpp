@@ -58,8 +58,8 @@ IcpScan::IcpScan(device::Queue& queue, const ScanSamples& chosen, const RangeIma
   radius_m = std::sqrt(square / area_m2);
 }
 
-IcpScan IcpScan::bearing_on(device::Queue& queue, const Vec3& direction, double least,
-                            std::size_t most) const {
+IcpScan::Samples IcpScan::bearing_on(device::Queue& queue, const Vec3& direction, double least,
+                                     std::size_t most) const {
   PlanarSamples bearing;
   const Samples& planar = samples[kPlanar];
   for (std::size_t k = 0; k < planar.points.size(); ++k) {
@@ -68,15 +68,7 @@ IcpScan IcpScan::bearing_on(device::Queue& queue, const Vec3& direction, double 
     bearing.points.push_back(planar.points[k]);
     bearing.normals.push_back(n);
   }
-  const std::size_t step = std::max<std::size_t>((bearing.points.size() + most - 1) / most, 1);
-  IcpScan scan;
-  scan.samples = {upload(queue, bearing, step), upload(queue, {}, 1)};
-  scan.few = {upload(queue, bearing, step * kStepOfFew), upload(queue, {}, 1)};
-  scan.surface = surface;
-  scan.centre = centre;
-  scan.radius_m = radius_m;
-  scan.area_m2 = area_m2;
-  return scan;
+  return upload(queue, bearing, std::max<std::size_t>((bearing.points.size() + most - 1) / most, 1));
 }
 
 }  // namespace hybrid::stages

@@ -21,10 +21,6 @@ class IcpScan {
   IcpScan(device::Queue& queue, const ScanSamples& samples, const RangeImage& image,
           const PlaneSegmentation& segmentation, const std::vector<std::uint8_t>& stray);
 
-  // The same scan with some of its planar samples only, at most `most`: those whose normal's component along
-  // the direction (scan frame, unit) is at least `least`.
-  IcpScan bearing_on(device::Queue& queue, const Vec3& direction, double least, std::size_t most) const;
-
   static constexpr std::size_t kPlanar = 0;  // of the two kinds of samples
   // Samples of superclusters, and the others: their own areas and queries on the device.
   struct Samples {
@@ -41,8 +37,9 @@ class IcpScan {
   double radius_m = 0;         // their rms distance from it
   double area_m2 = 0;          // of all samples
 
- private:
-  IcpScan() = default;
+  // Of its planar samples at most `most`: those whose normal's component along the direction (scan frame,
+  // unit) is at least `least`.
+  Samples bearing_on(device::Queue& queue, const Vec3& direction, double least, std::size_t most) const;
 };
 
 }  // namespace hybrid::stages

@@ -122,23 +122,32 @@ Pose horn_pose(const PointSums& sums, double scale, bool free_scale) {
   return pose;
 }
 
-std::vector<std::string> degenerate_directions(const PlaneSums& sums, double radius_m, bool free_scale) {
+std::vector<std::string> OpenDirections::in_words() const {
+  std::vector<std::string> words;
+  for (const Vec3& direction : slides) words.push_back("free to slide along " + vector_in_words(direction));
+  for (const Vec3& axis : turns) words.push_back("free to turn about " + vector_in_words(axis));
+  if (scale) words.emplace_back(kFreeToScale);
+  return words;
+}
+
+std::optional<Vec3> OpenDirections::only_slide() const {
+  if (slides.size() != 1 || !turns.empty() || scale) return std::nullopt;
+  return slides.front();
+}
+
+OpenDirections degenerate_directions(const PlaneSums& sums, double radius_m, bool free_scale) {
   const MatrixX h = normalised(sums, units(radius_m, free_scale));
   const Mat3 slide = h.block<3, 3>(3, 3), both = h.block<3, 3>(0, 3);
-  std::vector<std::string> words;
-  for (const Vec3& direction : open_directions(slide))
-    words.push_back("free to slide along " + vector_in_words(direction));
   // What resists a turn when the translation gives way as it likes: the Schur complement.
   const Mat3 turn = h.block<3, 3>(0, 0) - both * inverse_of(slide, 0) * both.transpose();
-  for (const Vec3& axis : open_directions(turn))
-    words.push_back("free to turn about " + vector_in_words(axis));
+  OpenDirections open{open_directions(slide), open_directions(turn)};
   if (free_scale) {
     const MatrixX coupling = h.topRightCorner(6, 1);
     const double rest =
         h(6, 6) - (coupling.transpose() * inverse_of(h.topLeftCorner(6, 6), 0) * coupling)(0, 0);
-    if (rest < kDeterminedShare) words.emplace_back(kFreeToScale);
+    open.scale = rest < kDeterminedShare;
   }
-  return words;
+  return open;
 }
 
 std::array<double, 36> pose_covariance(const PlaneSums& sums, double variance, const Vec3& pivot,

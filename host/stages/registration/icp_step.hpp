@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,14 @@ Pose horn_pose(const PointSums& sums, double scale, bool free_scale);
 // Of Registration::degenerate.
 inline constexpr const char* kFreeToScale = "free to scale";
 
-// Directions the pairs leave open, in words (icp.hpp).
-std::vector<std::string> degenerate_directions(const PlaneSums& sums, double radius_m, bool free_scale);
+// Directions the pairs leave open: world, unit.
+struct OpenDirections {
+  std::vector<Vec3> slides, turns;  // along, about
+  bool scale = false;
+  std::vector<std::string> in_words() const;  // Registration::degenerate
+  std::optional<Vec3> only_slide() const;     // Registration::only_slide
+};
+OpenDirections degenerate_directions(const PlaneSums& sums, double radius_m, bool free_scale);
 
 // Registration::covariance, when every direction had all of the pairs facing it with this variance (m2).
 std::array<double, 36> pose_covariance(const PlaneSums& sums, double variance, const Vec3& pivot,

@@ -106,4 +106,17 @@ std::optional<std::array<double, 36>> covariance_on_exact_faces(const ScanEviden
   return covariance;
 }
 
+std::array<double, 36> covariance_held_along(const std::array<double, 36>& covariance, const Vec3& place,
+                                             const Vec3& direction, double sigma_m) {
+  const Matrix6 before = Eigen::Map<const Matrix6>(covariance.data());
+  Vector6 observed;  // a turn about the world's origin moves the scanner, too
+  observed << place.cross(direction), direction;
+  const Vector6 gain = before * observed / (sigma_m * sigma_m + observed.dot(before * observed));
+  const Matrix6 rest = Matrix6::Identity() - gain * observed.transpose();
+  std::array<double, 36> covariance_after{};
+  Eigen::Map<Matrix6>(covariance_after.data()) =
+      rest * before * rest.transpose() + sigma_m * sigma_m * gain * gain.transpose();
+  return covariance_after;
+}
+
 }  // namespace hybrid::stages

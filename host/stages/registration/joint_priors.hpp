@@ -16,4 +16,9 @@ namespace hybrid::stages {
 std::optional<std::array<double, 36>> covariance_on_exact_faces(const ScanEvidence& scan,
                                                                 const ModelShapes& model, const Pose& pose);
 
+// The covariance with what is known besides of how far the scanner at `place` (world) lies along a direction
+// (world, unit).
+std::array<double, 36> covariance_held_along(const std::array<double, 36>& covariance, const Vec3& place,
+                                             const Vec3& direction, double sigma_m);
+
 }  // namespace hybrid::stages

@@ -9,6 +9,7 @@
 
 #include "geometry/angles.hpp"
 #include "stages/registration/automatic_words.hpp"
+#include "stages/registration/line_of_places.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -17,14 +18,11 @@ namespace {
 constexpr double kLeastTells = 0.0005;
 // ICP is on the scans of which so much overlaps under the hypothesis, and so is the line of places beside it.
 constexpr double kNearOverlap = 0.1;
-// Places on the line lie so far apart, in what lies on a surface there; first within overlap_m, then within
-// these shares of it: what holds a scan along the line is little, and for robust ICP an outlier unless it
-// starts within the noise.
-constexpr double kStep = 1.5;
+// Places on the line are compared first within overlap_m, then within these shares of it: what holds a scan
+// along the line is little, and for robust ICP an outlier unless it starts within the noise. With at most so
+// many samples of a scan.
 constexpr double kFiner[] = {0.2, 0.04};
 constexpr int kFinerSteps = 6;
-// Samples count there whose normal's component along the line is this or more, at most so many of a scan.
-constexpr double kBears = 0.3;
 constexpr std::size_t kSamplesOnLine = 2000;
 // From there the gate need not be wide, in overlap_m.
 constexpr double kGateOnLine = 4;
@@ -123,7 +121,6 @@ class Chooser {
   bool free_tells(const ScanIcp& found) const { return found.free_m2 > kFreeTells * scan_.area_m2; }
   bool is_hopeless(const ScanIcp& found, const Vec3& direction) const;
   bool is_on_line(const Pose& pose, const Vec3& direction) const;
-  Pose best_on_line(const Line& line, double within_m, int steps, const std::vector<PlacedScan>& on);
 
   device::Queue& queue_;
   const IcpScan& scan_;
@@ -151,36 +148,6 @@ bool Chooser::is_on_line(const Pose& pose, const Vec3& direction) const {
   });
 }
 
-// Where most of what bears on a shift along the line lies within `within_m` of surfaces.
-Pose Chooser::best_on_line(const Line& line, double within_m, int steps, const std::vector<PlacedScan>& on) {
-  ScanIcpOptions how = options_.icp;
-  how.overlap_m = within_m;
-  const auto bearing = [&](const IcpScan& scan, const Pose& world_from_scan) {
-    return scan.bearing_on(queue_, world_from_scan.rotation.conjugate() * line.direction, kBears,
-                           kSamplesOnLine);
-  };
-  const IcpScan scan = bearing(scan_, line.pose);
-  std::vector<IcpScan> others;
-  others.reserve(on.size());
-  std::vector<PlacedScan> placed;
-  for (const PlacedScan& other : on) {
-    others.push_back(bearing(*other.scan, other.world_from_scan));
-    placed.push_back({&others.back(), other.world_from_scan});
-  }
-  Pose best = line.pose;
-  std::optional<double> most;
-  for (int k = -steps; k <= steps; ++k) {
-    Pose at = line.pose;
-    at.translation += k * kStep * within_m * line.direction;
-    const ComparedPlanes area = assess_on_scans(queue_, scan, placed, at, how).planes;
-    const double tells = line.direction.dot((area.on - area.through) * line.direction);
-    if (most && tells <= *most) continue;
-    most = tells;
-    best = at;
-  }
-  return best;
-}
-
 std::optional<End> Chooser::end_of(const Pose& hypothesis) {
   End end{hypothesis, assess_on_scans(queue_, scan_, placed_, hypothesis, few_), {}};
   for (std::size_t k = 0; k < placed_.size(); ++k)
@@ -189,18 +156,18 @@ std::optional<End> Chooser::end_of(const Pose& hypothesis) {
     if (is_contradicted(end.found)) return std::nullopt;
     return end;
   }
-  Vec3 direction = held(end.found.planes).direction;
-  Pose pose = hypothesis;
-  if (is_contradicted(end.found)) {
-    direction = against(end.found.planes).direction;
-    if (is_hopeless(end.found, direction) || is_on_line(pose, direction)) return std::nullopt;
-    lines_.push_back({pose, direction});
-    const double step = kStep * few_.overlap_m;
-    pose = best_on_line(lines_.back(), few_.overlap_m, static_cast<int>(options_.reach_m / step), end.on);
+  const bool beside = is_contradicted(end.found);
+  const Vec3 direction = beside ? against(end.found.planes).direction : held(end.found.planes).direction;
+  if (beside && (is_hopeless(end.found, direction) || is_on_line(hypothesis, direction))) return std::nullopt;
+  LineOfPlaces line(queue_, scan_, end.on, hypothesis, direction, kSamplesOnLine, options_.icp);
+  double shift_m = 0;
+  if (beside) {
+    lines_.push_back({hypothesis, direction});
+    shift_m = line.best(0, few_.overlap_m,
+                        static_cast<int>(options_.reach_m / LineOfPlaces::step_m(few_.overlap_m)));
   }
-  for (const double finer : kFiner)
-    pose = best_on_line({pose, direction}, finer * few_.overlap_m, kFinerSteps, end.on);
-  end.found = register_to_scans(queue_, scan_, end.on, pose, on_line_);
+  for (const double finer : kFiner) shift_m = line.best(shift_m, finer * few_.overlap_m, kFinerSteps);
+  end.found = register_to_scans(queue_, scan_, end.on, line.at(shift_m), on_line_);
   if (is_contradicted(end.found)) return std::nullopt;
   return end;
 }

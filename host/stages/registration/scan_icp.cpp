@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "shared/params_icp_sums.h"
-#include "stages/registration/icp_pairs.hpp"
 #include "stages/registration/icp_step.hpp"
+#include "stages/registration/scan_pairs.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -20,153 +18,6 @@ constexpr double kFreePerObservation = 100;
 constexpr double kPlanesTell = 0.2;
 constexpr int kSamplesOfPlane = 5;  // seen through, that contradict it
 
-// Samples of one kind of one scan on the surface of another. `forward`: of the scan that moves.
-class Pairs {
- public:
-  // `own_spacing`: of the samples' scan, per metre of range, to use only what the surface has more densely; 0
-  // = all.
-  Pairs(device::Queue& queue, const IcpScan::Samples& samples, const ScanSurface& surface, double own_spacing,
-        bool forward)
-      : samples_(samples),
-        own_spacing_(own_spacing),
-        forward_(forward),
-        queue_(queue),
-        surface_(surface),
-        answers_(queue, samples.queries.count),
-        partial_(queue.array<float>((samples.queries.count + kSamplesPerSum - 1) / kSamplesPerSum *
-                                    ICP_PLANE_SUMS)) {}
-
-  // `from`: of the samples' scan, `to`: of the surface's.
-  void find(const Pose& world_from, const Pose& world_to, double gate_m, double normal_deg) {
-    scan_from_queries_ = world_to.inverse() * world_from;
-    world_from_grid_ = world_to * surface_.grid_from_scan().inverse();
-    world_from_ = world_from;
-    if (samples_.queries.count == 0) return;
-    surface_.find(samples_.queries, scan_from_queries_, gate_m / world_to.scale, normal_deg, answers_);
-    if (own_spacing_ > 0) leave_out_coarse();
-  }
-
-  // World metres, per sample.
-  std::vector<float> heights() const { return in_world(answers_.height); }
-  // Of those that count, the others NaN.
-  std::vector<float> used_heights() const { return in_world(used()); }
-  std::vector<float> distances() const { return in_world(answers_.distance); }
-  std::vector<float> clearances() const { return in_world(answers_.clearance); }
-
-  // Adds `factor` times the normal equations of the moving scan's step about `pivot` (world).
-  void add_sums(const Vec3& pivot, double cutoff_m, double factor, PlaneSums& total);
-
-  const IcpScan::Samples& samples() const { return samples_; }
-  bool forward() const { return forward_; }
-
- private:
-  const device::Array<float>& used() const { return own_spacing_ > 0 ? dense_ : answers_.height; }
-  void leave_out_coarse();
-  std::vector<float> in_world(const device::Array<float>& values) const {
-    auto read = queue_.read(values);
-    if (world_from_grid_.scale != 1)
-      for (float& value : read) value *= static_cast<float>(world_from_grid_.scale);
-    return read;
-  }
-
-  const IcpScan::Samples& samples_;
-  double own_spacing_;
-  bool forward_;
-  device::Queue& queue_;
-  const ScanSurface& surface_;
-  SampleAnswers answers_;
-  device::Array<float> dense_;  // heights, NaN where the surface is coarser than the samples
-  device::Array<float> partial_;
-  Pose scan_from_queries_, world_from_grid_, world_from_;
-};
-
-// What lies in no plane is told by the samples around, and the worse the farther these are: where two scans
-// have it, it is where the denser one says. (With the coarser one's word churches held through a door came to
-// lie two to eight times as far off.)
-void Pairs::leave_out_coarse() {
-  auto heights = queue_.read(answers_.height);
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    const auto& p = samples_.points[i];
-    const Vec3 point(p[0], p[1], p[2]);
-    const double own = scan_from_queries_.scale * point.norm() * own_spacing_,
-                 there = (scan_from_queries_ * point).norm() * surface_.spacing();
-    if (there > own) heights[i] = std::numeric_limits<float>::quiet_NaN();
-  }
-  dense_ = queue_.array(heights);
-}
-
-// The device sums in the axes of the grid, in its scale; a sample of the scan that stays, on a surface of the
-// one that moves, has the Jacobian of the former with the other sign.
-void Pairs::add_sums(const Vec3& pivot, double cutoff_m, double factor, PlaneSums& total) {
-  const std::size_t count = samples_.queries.count;
-  if (count == 0) return;
-  const double scale = world_from_grid_.scale;
-  const Pose grid_from_queries = surface_.grid_from_scan() * scan_from_queries_;
-  const Mat3 linear = grid_from_queries.scale * grid_from_queries.rotation.toRotationMatrix();
-  const Vec3 centre = world_from_.inverse() * pivot;
-  IcpSumsParams params{};
-  for (int k = 0; k < 9; ++k) params.linear[k] = static_cast<float>(linear(k / 3, k % 3));
-  for (int k = 0; k < 3; ++k) params.centre_scan[k] = static_cast<float>(centre(k));
-  params.cutoff = static_cast<float>(cutoff_m / scale);
-  params.samples = static_cast<std::uint32_t>(count);
-  const std::size_t blocks = (count + kSamplesPerSum - 1) / kSamplesPerSum;
-  const auto& kernel = queue_.kernel("icp_sums", {{"VW", queue_.vector_width()},
-                                                  {"BLOCK", static_cast<int>(kSamplesPerSum)},
-                                                  {"POINT", 0},
-                                                  {"NORMALS", 1}});
-  const auto no_triangle = queue_.array<std::uint32_t>(0);
-  const auto no_triangles = queue_.array<ProxyTriangle>(0);
-  queue_.launch("icp_sums", kernel, device::grid(blocks), params, samples_.queries.x, samples_.queries.y,
-                samples_.queries.z, samples_.area, used(), no_triangle, answers_.normal_x, answers_.normal_y,
-                answers_.normal_z, no_triangles, partial_);
-  std::array<double, ICP_PLANE_SUMS> sums{};
-  const auto partial = queue_.read(partial_);
-  for (std::size_t k = 0; k < partial.size(); ++k) sums[k % sums.size()] += static_cast<double>(partial[k]);
-
-  Matrix7 matrix;
-  Vector7 right;
-  std::size_t k = 0;
-  for (int row = 0; row < 7; ++row) {
-    for (int col = row; col < 7; ++col) matrix(row, col) = matrix(col, row) = sums[k++];
-    right(row) = sums[static_cast<std::size_t>(28 + row)];
-  }
-  Matrix7 to_world = Matrix7::Zero();
-  const Mat3 turn = world_from_grid_.rotation.toRotationMatrix();
-  to_world.topLeftCorner<3, 3>() = scale * turn;
-  to_world.block<3, 3>(3, 3) = turn;
-  to_world(6, 6) = scale;
-  total.matrix += factor * (to_world * matrix * to_world.transpose());
-  total.right += (forward_ ? factor : -factor) * scale * (to_world * right);
-  total.weight += factor * sums[35];
-  total.inlier_area += factor * sums[36];
-  total.inlier_square += factor * scale * scale * sums[37];
-}
-
-// Tukey's cutoff of one kind of samples: the scale may at most halve per iteration, as that of ICP to a
-// model.
-class KindCutoff {
- public:
-  explicit KindCutoff(double floor_m) : floor_(floor_m) {}
-  // False without pairs.
-  bool update(const std::vector<float>& heights, const std::vector<float>& areas) {
-    const double middle = weighted_median(heights, areas);
-    paired_ = middle >= 0;
-    if (!paired_) return false;
-    const double wanted = std::max(1.4826 * middle, floor_);
-    settled_ = wanted >= 0.5 * scale_;
-    scale_ = std::max(wanted, 0.5 * scale_);
-    return true;
-  }
-  bool paired() const { return paired_; }
-  bool settled() const { return !paired_ || settled_; }
-  double scale_m() const { return scale_; }
-  double metres() const { return 4.685 * scale_; }
-
- private:
-  double floor_, scale_ = 0;
-  bool paired_ = false, settled_ = false;
-};
-
 class ScanProblem {
  public:
   ScanProblem(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
@@ -174,17 +25,17 @@ class ScanProblem {
       : scan_(scan),
         placed_(placed),
         options_(options),
-        cutoffs_{KindCutoff(options.scale_floor_m), KindCutoff(options.scale_floor_m)} {
+        cutoffs_{PairsCutoff(options.scale_floor_m), PairsCutoff(options.scale_floor_m)} {
     for (std::size_t other = 0; other < placed.size(); ++other)
       for (std::size_t kind = 0; kind < 2; ++kind) {
         if (placed[other].scan->surface->known())
-          pairs_.push_back(
-              {other, kind,
-               Pairs(queue, of(scan)[kind], *placed[other].scan->surface, own_spacing(scan, kind), true)});
+          pairs_.push_back({other, kind,
+                            ScanPairs(queue, of(scan)[kind], *placed[other].scan->surface,
+                                      own_spacing(scan, kind), true)});
         if (scan.surface->known())
           pairs_.push_back({other, kind,
-                            Pairs(queue, of(*placed[other].scan)[kind], *scan.surface,
-                                  own_spacing(*placed[other].scan, kind), false)});
+                            ScanPairs(queue, of(*placed[other].scan)[kind], *scan.surface,
+                                      own_spacing(*placed[other].scan, kind), false)});
       }
   }
 
@@ -214,7 +65,7 @@ class ScanProblem {
   bool settled() const { return cutoffs_[0].settled() && cutoffs_[1].settled(); }
   double widest_cutoff_m() const {
     double widest = 0;
-    for (const KindCutoff& cutoff : cutoffs_)
+    for (const PairsCutoff& cutoff : cutoffs_)
       if (cutoff.paired()) widest = std::max(widest, cutoff.metres());
     return widest;
   }
@@ -240,7 +91,7 @@ class ScanProblem {
  private:
   struct Kind {
     std::size_t other, kind;
-    Pairs pairs;
+    ScanPairs pairs;
   };
   const std::array<IcpScan::Samples, 2>& of(const IcpScan& scan) const {
     return options_.few ? scan.few : scan.samples;
@@ -257,7 +108,7 @@ class ScanProblem {
   const IcpScan& scan_;
   const std::vector<PlacedScan>& placed_;
   const ScanIcpOptions& options_;
-  std::array<KindCutoff, 2> cutoffs_;
+  std::array<PairsCutoff, 2> cutoffs_;
   std::vector<Kind> pairs_;
 };
 
@@ -342,29 +193,12 @@ void ScanProblem::overlaps(ScanIcp& result) {
   result.icp.overlap = scan_.area_m2 > 0 ? own / scan_.area_m2 : 0;
 }
 
-// How many of a kind's pairs are independent: a supercluster's are off together (they share its normal), and
-// so are neighbours outside superclusters.
+// How many of a kind's pairs are independent: of those outside superclusters, neighbours are off together.
 double ScanProblem::observations(std::size_t kind) const {
-  double total = 0, squares = 0, samples = 0;
-  for (const auto& one : pairs_) {
-    if (one.kind != kind) continue;
-    const auto heights = one.pairs.used_heights();
-    const auto& with = one.pairs.samples();
-    double of_this = 0;
-    for (std::size_t i = 0; i < heights.size(); ++i) {
-      if (i > 0 && with.normals[i] != with.normals[i - 1]) {
-        squares += of_this * of_this;
-        of_this = 0;
-      }
-      if (!(std::abs(static_cast<double>(heights[i])) < cutoffs_[kind].metres())) continue;
-      total += with.area_m2[i];
-      of_this += with.area_m2[i];
-      ++samples;
-    }
-    squares += of_this * of_this;
-  }
-  if (kind == 1) return std::max(samples / kFreePerObservation, 1.0);
-  return squares > 0 ? std::max(total * total / squares, 1.0) : 1;
+  PairObservations seen;
+  for (const auto& one : pairs_)
+    if (one.kind == kind) seen.add(one.pairs, cutoffs_[kind].metres());
+  return kind == IcpScan::kPlanar ? seen.planes() : std::max(seen.samples() / kFreePerObservation, 1.0);
 }
 
 void ScanProblem::describe(const Pose& pose, ScanIcp& result) {
@@ -377,7 +211,7 @@ void ScanProblem::describe(const Pose& pose, ScanIcp& result) {
   // Of what lies within the cutoffs, both kinds by area.
   const PlaneSums by_area = sums(pivot, {1, 1});
   result.icp.rms_m = std::sqrt(by_area.mean_square());
-  result.icp.degenerate = degenerate_directions(all, radius_m(pose), false);
+  result.icp.degenerate = degenerate_directions(all, radius_m(pose), false).in_words();
   std::array<double, 2> factors{};
   for (std::size_t kind = 0; kind < 2; ++kind) {
     std::array<double, 2> only{};

@@ -139,4 +139,24 @@ TEST(JointPriors, say_nothing_without_a_face_in_reach) {
       stages::covariance_on_exact_faces(room.evidence, stages::measure_model(room.model), far).has_value());
 }
 
+// As if the information of one more observation had been added.
+TEST(JointPriors, what_holds_a_scan_along_a_direction_adds_its_information) {
+  Room room = make_room(false);
+  displace(room, 5e-4, 3);
+  Pose pose = fitted(room);
+  const Matrix6 before = covariance_of(room, pose);
+  std::array<double, 36> rows{};
+  Eigen::Map<Matrix6>(rows.data()) = before;
+  const Vec3 place(3, -2, 1.5), direction = Vec3(1, 0.2, 0).normalized();
+  constexpr double kSigma = 0.002;
+  const auto held = stages::covariance_held_along(rows, place, direction, kSigma);
+  Vector6 moves;  // of the place along the direction, by a step about the origin
+  for (int k = 0; k < 3; ++k) moves(k) = direction.dot(Vec3::Unit(k).cross(place));
+  moves.tail<3>() = direction;
+  const Matrix6 expected = (before.inverse() + moves * moves.transpose() / (kSigma * kSigma)).inverse();
+  const Matrix6 found = Eigen::Map<const Matrix6>(held.data());
+  EXPECT_LT((found - expected).norm(), 1e-6 * expected.norm());
+  EXPECT_NEAR(std::sqrt(moves.dot(found * moves)), kSigma, 1e-5);
+}
+
 }  // namespace hybrid
