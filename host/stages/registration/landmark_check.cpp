@@ -124,10 +124,16 @@ LandmarkFit fit_without(const PolygonModel& model, const std::vector<LandmarkPai
 void leave_out(const PolygonModel& model, const std::vector<LandmarkPair>& pairs,
                const LandmarkOptions& options, CheckedLandmarks& checked) {
   const auto pick = outlying_pick(checked.fit);
-  const double scale = checked.fit.world_from_scan.scale;
-  if (!pick || checked.fit.leave_one_out_m[*pick] < kPickError_m * scale) return;
+  if (!pick) return;
   const LandmarkFit all = std::move(checked.fit);
   const double miss = all.leave_one_out_m[*pick];
+  // Of four picks the others' fit misses a good one by many times its error. The fit of all follows such a
+  // pick: the residual is the miss times 1 less its leverage.
+  const double standardised = std::sqrt(all.residual_m[*pick] * miss);
+  if (standardised < kPickError_m * all.world_from_scan.scale) {
+    checked.fit = all;
+    return;
+  }
   checked.fit = fit_without(model, pairs, *pick, miss, options);
   // What the fit of all says of each pick is what the others' fit says of it.
   checked.fit.leave_one_out_m = all.leave_one_out_m;
