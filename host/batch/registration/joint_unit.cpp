@@ -18,8 +18,17 @@ using Json = nlohmann::ordered_json;
 // ICP to the proxy from a neighbour's pose is believed where it stays this near.
 constexpr double kStays_m = 0.1, kStaysDeg = 1;
 
+// Alignments to different scans that lie this near are of one place. Another place must overlap so much as a
+// share of the best: without overlap nothing speaks for it.
+constexpr double kSamePlace_m = 0.3, kSamePlaceDeg = 3, kLeastRival = 0.5;
+
 // Some of what holds a scan along a slide are planes that joint refinement has, too: there these lead.
 constexpr double kSlideSigmas = 3;
+
+bool lie_together(const Pose& a, const Pose& b) {
+  const auto apart = difference(a, b);
+  return apart.distance_m < kSamePlace_m && apart.angle_rad < kSamePlaceDeg * M_PI / 180;
+}
 
 // What the model's faces are off, by the scan that shows it best; 0 where they agree.
 double face_sigma_m(const Registrations& registrations) {
@@ -226,19 +235,24 @@ bool NeighbourRegistration::lay_one(std::size_t scan, Registrations& registratio
                                     Registrations& abstentions) {
   const ScanRegistration& abstained = *abstentions[scan];
   if (!abstained.automatic || abstained.automatic->hypotheses.empty()) return false;
-  auto [chosen, others] = scan_to_scan_.choose(scan, abstained.automatic->hypotheses, registrations);
-  if (!chosen.accepted) {
-    on_all_[scan] = fmt::format("against all others at once: {}; ", chosen.reason);
+  const auto chosen = scan_to_scan_.choose(scan, abstained.automatic->hypotheses, registrations);
+  if (!chosen.hypothesis.accepted) {
+    on_all_[scan] = fmt::format("against all others at once: {}; ", chosen.hypothesis.reason);
     return false;
   }
+  lay(scan, chosen, registrations, abstentions);
+  return true;
+}
+
+void NeighbourRegistration::lay(std::size_t scan, const ScanToScan::Chosen& chosen,
+                                Registrations& registrations, Registrations& abstentions) {
   ScanRegistration one = std::move(*abstentions[scan]);
   one.how = "scan-icp";
-  one.start = chosen.start;
-  one.on_scans = OnScans{"automatic", chosen.found, others};
+  one.start = chosen.hypothesis.start;
+  one.on_scans = OnScans{"automatic", chosen.hypothesis.found, chosen.others};
   one.carried_by = one.on_scans->nearest();
-  one.icp = chosen.found.icp;
+  one.icp = chosen.hypothesis.found.icp;
   place(scan, std::move(one), registrations, abstentions);
-  return true;
 }
 
 void NeighbourRegistration::lay_all(Registrations& registrations, Registrations& abstentions) {
@@ -257,24 +271,86 @@ void NeighbourRegistration::carry(Registrations& registrations, Registrations& a
   if (frame_is_free_) keep_largest_island(registrations, abstentions);
 }
 
+std::vector<Pose> NeighbourRegistration::places_of(std::size_t scan, const Registrations& registrations,
+                                                   bool only_rivals) const {
+  std::vector<Pose> places;
+  for (const auto& [by, alignment] : aligned_[scan]) {
+    if (!registrations[by] || (only_rivals && !alignment.only_rivals)) continue;
+    for (const Pose& hypothesis : alignment.hypotheses) {
+      const Pose place = registrations[by]->world_from_scan() * hypothesis;
+      if (std::none_of(places.begin(), places.end(),
+                       [&](const Pose& known) { return lie_together(known, place); }))
+        places.push_back(place);
+    }
+  }
+  return places;
+}
+
+bool NeighbourRegistration::carry_by_all(const Neighbour& best, Registrations& registrations,
+                                         Registrations& abstentions) {
+  const Pose carried = registrations[best.by]->world_from_scan() * best.alignment->world_from_scan;
+  const auto places = places_of(best.scan, registrations, false);
+  if (places.size() > 1 && count_of(registrations) > 1) {
+    const auto chosen = scan_to_scan_.choose(best.scan, places, registrations, kLeastRival);
+    const auto& found = chosen.hypothesis;
+    const bool here = lie_together(carried, found.found.icp.world_from_scan);
+    if (found.accepted && !here) {
+      lay(best.scan, chosen, registrations, abstentions);
+      return true;
+    }
+    if (found.found_any && (found.has_rival || !here)) {
+      abstentions[best.scan]->neighbour_reason = fmt::format(
+          "against all others at once: {}",
+          found.has_rival ? found.reason
+                          : "they contradict the place that planes found, and of the best, " + found.reason);
+      abstentions[best.scan]->neighbour.reset();
+      return false;
+    }
+  }
+  carry_one(best, registrations, abstentions);
+  return true;
+}
+
+// Alignments that more than rivals speaks against count for nothing here: of scans of a church's outside each
+// has a dozen places inside.
+bool NeighbourRegistration::lay_by_neighbours(std::size_t scan, Registrations& registrations,
+                                              Registrations& abstentions) {
+  if (count_of(registrations) < 2) return false;
+  const auto places = places_of(scan, registrations, true);
+  if (places.empty()) return false;
+  const auto chosen = scan_to_scan_.choose(scan, places, registrations, kLeastRival);
+  if (!chosen.hypothesis.accepted) return false;
+  lay(scan, chosen, registrations, abstentions);
+  return true;
+}
+
 // One that was carried may carry others, and what the samples contradict least goes first: of a church two
 // aisles lie on each other, turned, with planes that fit better than those of two ends of one do.
 void NeighbourRegistration::carry_all(Registrations& registrations, Registrations& abstentions) {
   for (;;) {
-    Neighbour surest;
+    std::vector<Neighbour> accepted;
+    std::vector<std::size_t> others;
     for (std::size_t i = 0; i < products_.size(); ++i) {
       if (!abstentions[i]) continue;
       const Neighbour best = best_neighbour(i, registrations, abstentions);
       if (best.alignment == nullptr) continue;
-      if (surest.alignment == nullptr || best.is_surer_than(surest)) surest = best;
+      if (best.alignment->accepted) {
+        accepted.push_back(best);
+        continue;
+      }
+      others.push_back(i);
       ScanRegistration& one = *abstentions[i];
-      if (best.alignment->accepted) continue;
       one.neighbour_reason =
           fmt::format("{}against scan {}: {}", on_all_[i], products_[best.by].id, best.alignment->reason);
       one.neighbour = *best.alignment;
     }
-    if (surest.alignment == nullptr || !surest.alignment->accepted) return;
-    carry_one(surest, registrations, abstentions);
+    std::stable_sort(accepted.begin(), accepted.end(),
+                     [](const Neighbour& a, const Neighbour& b) { return a.is_surer_than(b); });
+    const auto carries = [&](const Neighbour& one) { return carry_by_all(one, registrations, abstentions); };
+    const auto lays = [&](std::size_t i) { return lay_by_neighbours(i, registrations, abstentions); };
+    if (std::none_of(accepted.begin(), accepted.end(), carries) &&
+        std::none_of(others.begin(), others.end(), lays))
+      return;
   }
 }
 

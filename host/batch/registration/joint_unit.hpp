@@ -59,8 +59,18 @@ class NeighbourRegistration {
   Neighbour best_neighbour(std::size_t scan, const Registrations& registrations,
                            const Registrations& abstentions);
   void carry_one(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
+  // In the world, where its alignments to scans that have a pose lay it, each place once; `only_rivals`: of
+  // those that nothing but rivals speaks against.
+  std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool only_rivals) const;
+  // carry_one(), or to another of its places, as all scans that have a pose at once say; false where these do
+  // not tell.
+  bool carry_by_all(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
+  // To one of the places that nothing but rivals speaks against, as all scans that have a pose at once say.
+  bool lay_by_neighbours(std::size_t scan, Registrations& registrations, Registrations& abstentions);
   // On all scans that have a pose at once, by its own hypotheses on the model.
   bool lay_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
+  void lay(std::size_t scan, const ScanToScan::Chosen& chosen, Registrations& registrations,
+           Registrations& abstentions);
   void lay_all(Registrations& registrations, Registrations& abstentions);
   // One without a pose now has one.
   void place(std::size_t scan, ScanRegistration one, Registrations& registrations,

@@ -327,9 +327,10 @@ void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignm
 }
 
 ScanToScan::Chosen ScanToScan::choose(std::size_t i, const std::vector<Pose>& hypotheses,
-                                      const Registrations& registrations) {
+                                      const Registrations& registrations, double least_rival) {
   Others others = others_than(i, registrations);
   stages::HypothesesOptions options;
+  options.least_rival = least_rival;
   options.icp = icp_;
   options.reach_m = icp_.gate_m;
   return {stages::choose_hypothesis(queue_, scan(i), others.scans, hypotheses, options),

@@ -49,11 +49,13 @@ class ScanToScan {
 
   // Of hypotheses of the scan's pose (world) the one that the scans that have a pose leave (METHOD 7,
   // stages/registration/scan_hypotheses.hpp); `others`: their ids, in the order of found.others.
+  // `least_rival`: as there.
   struct Chosen {
     stages::ChosenHypothesis hypothesis;
     std::vector<std::string> others;
   };
-  Chosen choose(std::size_t i, const std::vector<Pose>& hypotheses, const Registrations& registrations);
+  Chosen choose(std::size_t i, const std::vector<Pose>& hypotheses, const Registrations& registrations,
+                double least_rival = 0);
 
   // Of a scan that slides() where the scans that have a pose and do not slide hold it; nothing where there
   // are none.

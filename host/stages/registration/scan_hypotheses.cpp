@@ -253,19 +253,27 @@ ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
   std::erase_if(ends, [&](const End& end) { return chooser.is_ruled_out(end.found, first, kFewTell); });
   for (End& end : ends) end.found = chooser.finish(end);
   sort();
-  const End& best = ends.front();
-  chosen.start = best.hypothesis;
-  chosen.found = best.found;
-  chosen.along = against(best.found.planes).share;
-  chosen.held = held(best.found.planes).share;
-  const auto rival = std::find_if(ends.begin() + 1, ends.end(), [&](const End& other) {
-    return !chooser.is_ruled_out(other.found, best.found);
-  });
-  chosen.reason =
-      rival == ends.end()
-          ? chooser.doubt(best.found)
-          : fmt::format("the scans that have a pose contradict neither one place nor another: {}",
-                        motion_in_words(best.found.icp.world_from_scan, rival->found.icp.world_from_scan));
+  // The other side of a church may overlap more, and be contradicted where the right one is not.
+  const auto rival_of = [&](const End& best) {
+    return std::find_if(ends.begin(), ends.end(), [&](const End& other) {
+      return &other != &best && other.found.icp.overlap >= options.least_rival * best.found.icp.overlap &&
+             !chooser.is_ruled_out(other.found, best.found);
+    });
+  };
+  auto best =
+      std::find_if(ends.begin(), ends.end(), [&](const End& end) { return rival_of(end) == ends.end(); });
+  chosen.has_rival = best == ends.end();
+  if (chosen.has_rival) best = ends.begin();
+  chosen.found_any = true;
+  chosen.start = best->hypothesis;
+  chosen.found = best->found;
+  chosen.along = against(best->found.planes).share;
+  chosen.held = held(best->found.planes).share;
+  chosen.reason = chosen.has_rival
+                      ? fmt::format("the scans that have a pose contradict neither one place nor another: {}",
+                                    motion_in_words(best->found.icp.world_from_scan,
+                                                    rival_of(*best)->found.icp.world_from_scan))
+                      : chooser.doubt(best->found);
   chosen.accepted = chosen.reason.empty();
   return chosen;
 }

@@ -24,12 +24,17 @@ struct HypothesesOptions {
   // ScanIcp::free_seen_through that it may have: right poses 0.08, the other side of the church 0.24 to 0.8.
   double most_free = 0.3;
   double least_overlap = 0.5;  // of the scan's area on surfaces of the others
+  // Another place must overlap by this share of what the chosen one does to leave no choice: 0 where a model
+  // has the hypotheses, more where nothing but overlap speaks for them.
+  double least_rival = 0;
 };
 
 // What became of the hypotheses of a scan's pose.
 struct ChosenHypothesis {
   bool accepted = false;
   std::string reason;          // why not, in words
+  bool found_any = false;      // not all hypotheses are contradicted: what follows says of the best
+  bool has_rival = false;      // nothing tells it from another
   Pose start;                  // the hypothesis that the pose was found from
   ScanIcp found;               // of the best pose, on all scans
   double along = 0, held = 0;  // of it: as in the options
@@ -41,7 +46,7 @@ struct ChosenHypothesis {
 // hypothesis it is asked what the scans see through along the direction that speaks most against it; a
 // hypothesis may lie beside the right place along that direction. Accepted is a pose that nothing
 // contradicts, that is held along all directions and that no other hypothesis leaves room for: each must be
-// contradicted.
+// contradicted, by itself or where the accepted one is not.
 ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
                                    const std::vector<PlacedScan>& placed, const std::vector<Pose>& hypotheses,
                                    const HypothesesOptions& options = {});
