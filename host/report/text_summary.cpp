@@ -11,6 +11,14 @@ std::string warning_lines(const nlohmann::ordered_json& registration) {
   return text;
 }
 
+std::string slide_line(const nlohmann::ordered_json& registration) {
+  const auto& slide = registration["slide"];
+  const auto free = registration["degenerate"][0].get<std::string>();
+  if (slide["status"] != "accepted") return fmt::format("  {}: no other scan holds it there\n", free);
+  return fmt::format("  {}: other scans hold it, {:.1f} mm from its start, sigma {:.1f} mm\n", free,
+                     1000 * slide["shift_m"].get<double>(), 1000 * slide["sigma_m"].get<double>());
+}
+
 std::string scan_lines(const nlohmann::ordered_json& scan) {
   std::string text = fmt::format(
       "scan {}: {} measured samples, {} superclusters, {:.1f} % discarded\n", scan["id"].get<std::string>(),
@@ -30,6 +38,7 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
                           pose["icp_iterations"].get<int>());
     if (pose.contains("aligned_to"))
       text += fmt::format("  aligned to scan {}\n", pose["aligned_to"].get<std::string>());
+    if (pose.contains("slide")) text += slide_line(pose);
     if (pose.contains("wall_after_icp")) {
       const auto& before = pose["wall_before_icp"];
       const auto& after = pose["wall_after_icp"];

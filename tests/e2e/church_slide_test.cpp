@@ -45,6 +45,9 @@ TEST(ChurchSlide, a_front_that_slides_is_held_through_the_door) {
   EXPECT_EQ(front["slide"]["status"], "accepted");
   EXPECT_NEAR(front["slide"]["shift_m"], 0.0051, 0.001);  // its landmarks are so far off along the wall
   EXPECT_EQ(front["slide"]["scans"].size(), 2u);
+  EXPECT_NE(church.outcome.out.find("  free to slide along (1.00, 0.00, 0.00): other scans hold it, 5."),
+            std::string::npos)
+      << church.outcome.out;
   EXPECT_LT(church.front_error_mm(), 1);  // measured 0.45
 }
 
@@ -58,6 +61,8 @@ TEST(ChurchSlide, where_the_others_do_not_tell_it_is_said_why) {
   const SlidingChurch church(12, "");
   const auto front = church.front();
   EXPECT_EQ(front["slide"]["status"], "abstained");
+  EXPECT_NE(church.outcome.out.find(": no other scan holds it there"), std::string::npos)
+      << church.outcome.out;
   EXPECT_NE(front["slide"]["reason"].get<std::string>().find("another place along it fits"),
             std::string::npos);
   const auto warning = front["warnings"][0].get<std::string>();

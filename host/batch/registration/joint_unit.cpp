@@ -286,6 +286,7 @@ std::vector<Pose> NeighbourRegistration::places_of(std::size_t scan, const Regis
   return places;
 }
 
+// Where all of its places are contradicted, as by what has moved since, the single scan's word stands.
 bool NeighbourRegistration::carry_by_all(const Neighbour& best, Registrations& registrations,
                                          Registrations& abstentions) {
   const Pose carried = registrations[best.by]->world_from_scan() * best.alignment->world_from_scan;

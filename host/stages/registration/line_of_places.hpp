@@ -14,6 +14,8 @@ class LineOfPlaces {
   LineOfPlaces(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                const Pose& world_from_scan, const Vec3& direction, std::size_t most_samples,
                const ScanIcpOptions& options = {});
+  LineOfPlaces(const LineOfPlaces&) = delete;  // its pairs refer to its samples
+  LineOfPlaces& operator=(const LineOfPlaces&) = delete;
 
   Pose at(double shift_m) const;
 

@@ -10,12 +10,12 @@ struct SlideOptions {
   ScanIcpOptions icp;
   double reach_m = 0.3;  // how far off along the direction the pose may be
   // Of the scan's area, areas times the squared component of their normals along the direction that must lie
-  // on surfaces of others: of the fronts of churches 0.005 and more does.
+  // on surfaces of others: of the fronts of churches 0.002 and more does.
   double least_share = 0.001;
   // What of it may do so at other places within reach, as a share: right places have 0.25 at most, best ones
   // of reaches without the right one 0.1 to 1 and more.
   double most_elsewhere = 0.5;
-  double most_through = 0.25;  // share seen through there: of right places 0.13 at most, of wrong ones 0.9
+  double most_through = 0.25;  // share seen through there: of right places 0.23 at most, of wrong ones 0.9
 };
 
 // Where along a direction a scan lies on others.
