@@ -32,6 +32,7 @@ Pose pose_from_row_major(const std::array<double, 16>& matrix);
 struct PoseDifference {
   double angle_rad = 0;
   double distance_m = 0;
+  bool within(double most_m, double most_rad) const { return distance_m < most_m && angle_rad < most_rad; }
 };
 PoseDifference difference(const Pose& a, const Pose& b);
 

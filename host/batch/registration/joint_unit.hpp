@@ -1,10 +1,9 @@
 #pragma once
-#include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
+#include "batch/registration/neighbour_places.hpp"
 #include "batch/registration/registration_unit.hpp"
 #include "batch/registration/scan_to_scan.hpp"
 #include "stages/registration/joint_poses.hpp"
@@ -37,45 +36,9 @@ class NeighbourRegistration {
   nlohmann::ordered_json figures() const { return figures_; }
 
  private:
-  struct Seen {
-    PolygonModel polygons;  // of its superclusters, scan frame
-    stages::ProxyModel model{polygons};
-    stages::ModelShapes no_shapes{};
-    explicit Seen(PolygonModel made) : polygons(std::move(made)) {}
-    const stages::ModelShapes& shapes() const { return polygons.faces.empty() ? no_shapes : model.shapes(); }
-  };
-  const Seen& seen(std::size_t scan);
   nlohmann::ordered_json refine_all(Registrations& registrations);
   // Along what the model leaves open, those first that scans which do not slide hold.
   void hold_slides(Registrations& registrations);
-  const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
-                                            std::size_t other);
-  // An alignment of a scan without a pose to one that has one; none where it is null.
-  struct Neighbour {
-    std::size_t scan = 0, by = 0;
-    const stages::AutomaticAlignment* alignment = nullptr;
-    bool is_surer_than(const Neighbour& other) const;
-  };
-  Neighbour best_neighbour(std::size_t scan, const Registrations& registrations,
-                           const Registrations& abstentions);
-  void carry_one(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
-  // In the world, where its alignments to scans that have a pose lay it, each place once; `only_rivals`: of
-  // those that nothing but rivals speaks against.
-  std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool only_rivals) const;
-  // carry_one(), or to another of its places, as all scans that have a pose at once say; false where these do
-  // not tell.
-  bool carry_by_all(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
-  // To one of the places that nothing but rivals speaks against, as all scans that have a pose at once say.
-  bool lay_by_neighbours(std::size_t scan, Registrations& registrations, Registrations& abstentions);
-  // On all scans that have a pose at once, by its own hypotheses on the model.
-  bool lay_one(std::size_t scan, Registrations& registrations, Registrations& abstentions);
-  void lay(std::size_t scan, const ScanToScan::Chosen& chosen, Registrations& registrations,
-           Registrations& abstentions);
-  void lay_all(Registrations& registrations, Registrations& abstentions);
-  // One without a pose now has one.
-  void place(std::size_t scan, ScanRegistration one, Registrations& registrations,
-             Registrations& abstentions);
-  void carry_all(Registrations& registrations, Registrations& abstentions);
   void keep_largest_island(Registrations& registrations, Registrations& abstentions);
   void tell_island(Registrations& island, Registrations& abstentions);
 
@@ -83,14 +46,13 @@ class NeighbourRegistration {
   const stages::ProxyModel* model_;
   const StageOptions& options_;
   const std::vector<ScanProduct>& products_;
-  std::vector<std::unique_ptr<Seen>> seen_;
+  ScanModels models_;
   ScanToScan scan_to_scan_;
+  NeighbourPlaces places_;
   std::vector<std::optional<ScanStart>> starts_;
-  std::vector<std::string> on_all_;            // by scan, why lay_one() left it without a pose
   std::vector<std::optional<Pose>> recorded_;  // in the scans' files, without the scene's shift
   std::vector<Registrations> islands_;         // that keep_largest_island() left without a pose
   bool frame_is_free_ = false;  // nothing but its place in the list makes the first scan the frame
-  std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_;  // by scan, to others' planes
   nlohmann::ordered_json figures_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/log.hpp"
+#include "geometry/angles.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -74,9 +75,9 @@ std::string contradiction_of(const stages::ScanIcp& found, const Pose& start) {
                        weak ? ", where little holds the scan" : "");
   const auto moved = difference(start, found.icp.world_from_scan);
   const double factor = weak ? kNearer : 1;
-  if (moved.distance_m > factor * kFarthestMoved_m || moved.angle_rad > factor * kFarthestDeg * M_PI / 180)
+  if (!moved.within(factor * kFarthestMoved_m, factor * kFarthestDeg * kDegree))
     return fmt::format("it lies {:.2f} m and {:.1f} degrees from it", moved.distance_m,
-                       moved.angle_rad * 180 / M_PI);
+                       moved.angle_rad / kDegree);
   return "";
 }
 
@@ -86,7 +87,7 @@ std::vector<Pose> beside(const Pose& pose, const Vec3& centre, double distance_m
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       const Vec3 along = sign * Vec3::Unit(axis);
-      const Eigen::Quaterniond turn(Eigen::AngleAxisd(kBesideDeg * M_PI / 180, along));
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(kBesideDeg * kDegree, along));
       Pose start = pose;
       start.rotation = (turn * pose.rotation).normalized();
       start.translation = pose * centre - start.rotate(start.scale * centre) + distance_m * along;
@@ -107,8 +108,7 @@ const std::string& OnScans::nearest() const {
 std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
                                         const Pose& world_from_frame) {
   if (!recorded) return std::nullopt;
-  const auto apart = difference(*recorded, frame_recorded);
-  if (apart.distance_m < kSame_m && apart.angle_rad < kSameRad) return std::nullopt;
+  if (difference(*recorded, frame_recorded).within(kSame_m, kSameRad)) return std::nullopt;
   return ScanStart{world_from_frame * (frame_recorded.inverse() * *recorded), "recorded"};
 }
 
@@ -189,12 +189,12 @@ std::string ScanToScan::rival_of(std::size_t i, const Others& others, const Pose
   for (const Pose& start : beside(found, scan(i).centre, kBeside * icp_.overlap_m)) {
     const auto rival = stages::register_to_scans(queue_, scan(i), others.scans, start, icp_);
     const auto apart = difference(found, rival.icp.world_from_scan);
-    if (apart.distance_m < kBack * icp_.overlap_m && apart.angle_rad < kBackDeg * M_PI / 180) continue;
+    if (apart.within(kBack * icp_.overlap_m, kBackDeg * kDegree)) continue;
     if (!contradiction_of(rival, found).empty()) continue;
     return fmt::format(
         "little holds the scan, and from beside it ICP finds another, {:.2f} m and {:.1f} degrees away, "
         "which the scans contradict no more",
-        apart.distance_m, apart.angle_rad * 180 / M_PI);
+        apart.distance_m, apart.angle_rad / kDegree);
   }
   return "";
 }

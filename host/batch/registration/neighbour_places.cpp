@@ -1,0 +1,238 @@
+#include "batch/registration/neighbour_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/log.hpp"
+#include "geometry/angles.hpp"
+
+namespace hybrid::batch {
+namespace {
+
+// ICP to the proxy from a neighbour's pose is believed where it stays this near.
+constexpr double kStays_m = 0.1, kStaysDeg = 1;
+
+// Alignments to different scans that lie this near are of one place. Another place must overlap so much as a
+// share of the best: without overlap nothing speaks for it.
+constexpr double kSamePlace_m = 0.3, kSamePlaceDeg = 3, kLeastRival = 0.5;
+
+bool lie_together(const Pose& a, const Pose& b) {
+  return difference(a, b).within(kSamePlace_m, kSamePlaceDeg * kDegree);
+}
+
+}  // namespace
+
+std::size_t count_of(const Registrations& registrations) {
+  return static_cast<std::size_t>(std::count_if(registrations.begin(), registrations.end(),
+                                                [](const auto& one) { return one.has_value(); }));
+}
+
+const ScanModels::Model& ScanModels::of(std::size_t scan) {
+  if (!models_[scan])
+    models_[scan] =
+        std::make_unique<Model>(stages::model_of_scan(products_[scan].image, products_[scan].segmentation));
+  return *models_[scan];
+}
+
+NeighbourPlaces::NeighbourPlaces(device::Queue& queue, const stages::ProxyModel* model,
+                                 const StageOptions& options, const std::vector<ScanProduct>& products,
+                                 ScanModels& models, ScanToScan& scan_to_scan)
+    : queue_(queue),
+      model_(model),
+      options_(options),
+      products_(products),
+      models_(models),
+      scan_to_scan_(scan_to_scan),
+      on_all_(products.size()),
+      aligned_(products.size()) {}
+
+// What is accepted before what is not; then by what the samples see through, or by the margin.
+bool NeighbourPlaces::Neighbour::is_surer_than(const Neighbour& other) const {
+  const stages::AutomaticAlignment &a = *alignment, &b = *other.alignment;
+  if (a.accepted != b.accepted) return a.accepted;
+  if (a.accepted && a.seen_through != b.seen_through) return a.seen_through < b.seen_through;
+  return a.margin > b.margin;
+}
+
+const stages::AutomaticAlignment& NeighbourPlaces::aligned(const ScanRegistration& scan, std::size_t index,
+                                                           std::size_t other) {
+  auto& known = aligned_[index];
+  if (const auto found = known.find(other); found != known.end()) return found->second;
+  stages::AutomaticOptions options = options_.alignment;
+  options.of_scan = true;
+  auto& found = known[other] =
+      stages::align_automatically(queue_, scan.evidence, models_.of(other).model, options);
+  scan_to_scan_.judge(index, other, found);
+  return found;
+}
+
+NeighbourPlaces::Neighbour NeighbourPlaces::best_neighbour(std::size_t scan,
+                                                           const Registrations& registrations,
+                                                           const Registrations& abstentions) {
+  Neighbour best{scan};
+  for (std::size_t other = 0; other < products_.size(); ++other) {
+    if (!registrations[other] || models_.of(other).polygons.faces.empty()) continue;
+    // What others contradict is not laid on what none of them can judge.
+    if (!abstentions[scan]->refusal.empty() && registrations[other]->unjudged) continue;
+    const Neighbour found{scan, other, &aligned(*abstentions[scan], scan, other)};
+    if (best.alignment == nullptr || found.is_surer_than(best)) best = found;
+  }
+  return best;
+}
+
+void NeighbourPlaces::carry_one(const Neighbour& best, Registrations& registrations,
+                                Registrations& abstentions) {
+  ScanRegistration one = std::move(*abstentions[best.scan]);
+  one.how = "neighbour";
+  one.on_scans.reset();
+  one.carried_by = products_[best.by].id;
+  one.start = registrations[best.by]->world_from_scan() * best.alignment->world_from_scan;
+  one.neighbour = *best.alignment;
+  one.icp.world_from_scan = one.start;
+  one.icp.converged = true;
+  place(best.scan, std::move(one), registrations, abstentions);
+}
+
+void NeighbourPlaces::place(std::size_t scan, ScanRegistration one, Registrations& registrations,
+                            Registrations& abstentions) {
+  one.abstained = false;
+  one.held_by_model = false;
+  if (model_ != nullptr) {
+    // What it sees of the proxy may hold it as well; where it does not, ICP leads away.
+    const Pose found = one.world_from_scan();
+    ScanRegistration own = one;
+    own.start = found;
+    refine_to_model(queue_, *model_, options_, products_[scan], own);
+    own.start = one.start;
+    if (own.icp.degenerate.empty() && own.icp.converged &&
+        difference(found, own.world_from_scan()).within(kStays_m, kStaysDeg * kDegree))
+      one = std::move(own);
+    else
+      assess(queue_, *model_, options_, products_[scan], found, one);
+  }
+  log::info("scan {}: aligned to {}scan {}", products_[scan].id,
+            one.how == "neighbour" ? "" : "all others, most of it to ", one.carried_by);
+  if (!one.refusal.empty()) {
+    one.warnings.push_back(fmt::format("{}; it is aligned to scan {} instead", one.refusal, one.carried_by));
+    log::warning("scan {}: {}", products_[scan].id, one.warnings.back());
+    one.refusal.clear();
+    one.planar_area.reset();
+  }
+  registrations[scan] = std::move(one);
+  abstentions[scan].reset();
+}
+
+std::string NeighbourPlaces::lay_at_one_of(const std::vector<Pose>& places, double least_rival,
+                                           std::size_t scan, Registrations& registrations,
+                                           Registrations& abstentions) {
+  const auto chosen = scan_to_scan_.choose(scan, places, registrations, least_rival);
+  if (chosen.hypothesis.accepted) lay(scan, chosen, registrations, abstentions);
+  return chosen.hypothesis.reason;
+}
+
+void NeighbourPlaces::lay(std::size_t scan, const ScanToScan::Chosen& chosen, Registrations& registrations,
+                          Registrations& abstentions) {
+  ScanRegistration one = std::move(*abstentions[scan]);
+  one.how = "scan-icp";
+  one.start = chosen.hypothesis.start;
+  one.on_scans = OnScans{"automatic", chosen.hypothesis.found, chosen.others};
+  one.carried_by = one.on_scans->nearest();
+  one.icp = chosen.hypothesis.found.icp;
+  place(scan, std::move(one), registrations, abstentions);
+}
+
+void NeighbourPlaces::lay_all(Registrations& registrations, Registrations& abstentions) {
+  const auto lays = [&](std::size_t scan) {
+    const auto& automatic = abstentions[scan]->automatic;
+    if (!automatic || automatic->hypotheses.empty() || count_of(registrations) < 2) return false;
+    const auto places = automatic->hypotheses;  // the scan moves where it is laid
+    const std::string why = lay_at_one_of(places, 0, scan, registrations, abstentions);
+    if (!why.empty()) on_all_[scan] = fmt::format("against all others at once: {}; ", why);
+    return why.empty();
+  };
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < products_.size(); ++i)
+      if (abstentions[i]) again |= lays(i);
+  }
+}
+
+std::vector<Pose> NeighbourPlaces::places_of(std::size_t scan, const Registrations& registrations,
+                                             bool only_rivals) const {
+  std::vector<Pose> places;
+  for (const auto& [by, alignment] : aligned_[scan]) {
+    if (!registrations[by] || (only_rivals && !alignment.only_rivals)) continue;
+    for (const Pose& hypothesis : alignment.hypotheses) {
+      const Pose place = registrations[by]->world_from_scan() * hypothesis;
+      if (std::none_of(places.begin(), places.end(),
+                       [&](const Pose& known) { return lie_together(known, place); }))
+        places.push_back(place);
+    }
+  }
+  return places;
+}
+
+// Where all of its places are contradicted, as by what has moved since, the single scan's word stands.
+bool NeighbourPlaces::carry_by_all(const Neighbour& best, Registrations& registrations,
+                                   Registrations& abstentions) {
+  const Pose carried = registrations[best.by]->world_from_scan() * best.alignment->world_from_scan;
+  const auto places = places_of(best.scan, registrations, false);
+  if (places.size() > 1 && count_of(registrations) > 1) {
+    const auto chosen = scan_to_scan_.choose(best.scan, places, registrations, kLeastRival);
+    const auto& found = chosen.hypothesis;
+    const bool here = lie_together(carried, found.found.icp.world_from_scan);
+    if (found.accepted && !here) {
+      lay(best.scan, chosen, registrations, abstentions);
+      return true;
+    }
+    if (found.found_any && (found.has_rival || !here)) {
+      abstentions[best.scan]->neighbour_reason = fmt::format(
+          "against all others at once: {}",
+          found.has_rival ? found.reason
+                          : "they contradict the place that planes found, and of the best, " + found.reason);
+      abstentions[best.scan]->neighbour.reset();
+      return false;
+    }
+  }
+  carry_one(best, registrations, abstentions);
+  return true;
+}
+
+// One that was carried may carry others, and what the samples contradict least goes first: of a church two
+// aisles lie on each other, turned, with planes that fit better than those of two ends of one do. Then those
+// whose alignments leave a choice of places. Alignments that more than rivals speaks against have none: of
+// scans of a church's outside each has a dozen places inside.
+void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abstentions) {
+  for (;;) {
+    std::vector<Neighbour> accepted;
+    std::vector<std::size_t> others;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+      if (!abstentions[i]) continue;
+      const Neighbour best = best_neighbour(i, registrations, abstentions);
+      if (best.alignment == nullptr) continue;
+      if (best.alignment->accepted) {
+        accepted.push_back(best);
+        continue;
+      }
+      others.push_back(i);
+      ScanRegistration& one = *abstentions[i];
+      one.neighbour_reason =
+          fmt::format("{}against scan {}: {}", on_all_[i], products_[best.by].id, best.alignment->reason);
+      one.neighbour = *best.alignment;
+    }
+    std::stable_sort(accepted.begin(), accepted.end(),
+                     [](const Neighbour& a, const Neighbour& b) { return a.is_surer_than(b); });
+    const auto carries = [&](const Neighbour& one) { return carry_by_all(one, registrations, abstentions); };
+    const auto lays = [&](std::size_t i) {
+      const auto places = places_of(i, registrations, true);
+      return !places.empty() && count_of(registrations) > 1 &&
+             lay_at_one_of(places, kLeastRival, i, registrations, abstentions).empty();
+    };
+    if (std::none_of(accepted.begin(), accepted.end(), carries) &&
+        std::none_of(others.begin(), others.end(), lays))
+      return;
+  }
+}
+
+}  // namespace hybrid::batch

@@ -1,0 +1,86 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "batch/registration/registration_unit.hpp"
+#include "batch/registration/scan_to_scan.hpp"
+
+namespace hybrid::batch {
+
+// How many scans have one.
+std::size_t count_of(const Registrations& registrations);
+
+// The superclusters of each scan as a model that others are aligned to, made when first asked for.
+class ScanModels {
+ public:
+  // `products` must outlive it.
+  explicit ScanModels(const std::vector<ScanProduct>& products)
+      : products_(products), models_(products.size()) {}
+
+  struct Model {
+    PolygonModel polygons;  // scan frame
+    stages::ProxyModel model{polygons};
+    stages::ModelShapes no_shapes{};
+    explicit Model(PolygonModel made) : polygons(std::move(made)) {}
+    const stages::ModelShapes& shapes() const { return polygons.faces.empty() ? no_shapes : model.shapes(); }
+  };
+  const Model& of(std::size_t scan);
+
+ private:
+  const std::vector<ScanProduct>& products_;
+  std::vector<std::unique_ptr<Model>> models_;
+};
+
+// Places scans that have no pose on those that have one (METHOD 7): at the place on the model that these
+// leave, or where the planes of one of them lay it. Takes scans from `abstentions` to `registrations`.
+class NeighbourPlaces {
+ public:
+  // `model` may be null. The references must outlive it.
+  NeighbourPlaces(device::Queue& queue, const stages::ProxyModel* model, const StageOptions& options,
+                  const std::vector<ScanProduct>& products, ScanModels& models, ScanToScan& scan_to_scan);
+
+  // Those with hypotheses on the model, on all scans that have a pose at once.
+  void lay_all(Registrations& registrations, Registrations& abstentions);
+  // All others, by planes; what abstains is told why.
+  void carry_all(Registrations& registrations, Registrations& abstentions);
+
+ private:
+  const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
+                                            std::size_t other);
+  // An alignment of a scan without a pose to one that has one; none where it is null.
+  struct Neighbour {
+    std::size_t scan = 0, by = 0;
+    const stages::AutomaticAlignment* alignment = nullptr;
+    bool is_surer_than(const Neighbour& other) const;
+  };
+  Neighbour best_neighbour(std::size_t scan, const Registrations& registrations,
+                           const Registrations& abstentions);
+  // In the world, where its alignments to scans that have a pose lay it, each place once; `only_rivals`: of
+  // those that nothing but rivals speaks against.
+  std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool only_rivals) const;
+  void carry_one(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
+  // carry_one(), or to another of its places, as all scans that have a pose at once say; false where these do
+  // not tell.
+  bool carry_by_all(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
+  // At the one of these places that all scans that have a pose at once leave; else why there is none.
+  std::string lay_at_one_of(const std::vector<Pose>& places, double least_rival, std::size_t scan,
+                            Registrations& registrations, Registrations& abstentions);
+  void lay(std::size_t scan, const ScanToScan::Chosen& chosen, Registrations& registrations,
+           Registrations& abstentions);
+  // One without a pose now has one.
+  void place(std::size_t scan, ScanRegistration one, Registrations& registrations,
+             Registrations& abstentions);
+
+  device::Queue& queue_;
+  const stages::ProxyModel* model_;
+  const StageOptions& options_;
+  const std::vector<ScanProduct>& products_;
+  ScanModels& models_;
+  ScanToScan& scan_to_scan_;
+  std::vector<std::string> on_all_;  // by scan, why lay_all() left it without a pose
+  std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_;  // by scan, to others' planes
+};
+
+}  // namespace hybrid::batch
