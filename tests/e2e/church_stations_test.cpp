@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -109,20 +110,26 @@ TEST(ChurchStations, a_scan_before_a_long_wall_is_placed_by_the_others_where_the
     EXPECT_LT(scan["truth"]["pose_error_deg"], 0.005) << scan["id"];
   }
 
-  // Without these hardly anything of the south side has been seen.
-  std::string few = io::read_text(scene / "scene.toml");
-  for (const auto& scan : summary["scans"]) {
-    const std::string id = scan["id"];
-    if (id != "front" && id != "nave" && id != "chancel" && id != "south") few = without_scan(few, id);
-  }
-  io::write_text(scene / "few.toml", few);
-  const auto abstained = place("few.toml");
-  EXPECT_EQ(abstained.exit_code, 3) << abstained.err;
-  EXPECT_EQ(json_of(out / "scans/south/pose.json")["status"], "abstained");
-  const std::string why =
-      "against all others at once: only 17 % of the scan's area lie on surfaces of others";
-  EXPECT_NE(abstained.err.find(why), std::string::npos) << abstained.err;
-  EXPECT_TRUE(std::filesystem::exists(out / "scans/south/sheet"));
+  const auto abstains = [&](const std::string& id, const std::set<std::string>& ids, const std::string& why) {
+    std::string few = io::read_text(scene / "scene.toml");
+    for (const auto& scan : summary["scans"])
+      if (!ids.contains(scan["id"])) few = without_scan(few, scan["id"]);
+    io::write_text(scene / "few.toml", few);
+    const auto abstained = place("few.toml");
+    EXPECT_EQ(abstained.exit_code, 3) << abstained.err;
+    EXPECT_EQ(json_of(out / "scans" / id / "pose.json")["status"], "abstained");
+    EXPECT_NE(abstained.err.find("against all others at once: " + why), std::string::npos) << abstained.err;
+    EXPECT_TRUE(std::filesystem::exists(out / "scans" / id / "sheet"));
+  };
+  // Without these hardly anything of the south side has been seen,
+  abstains("south", {"front", "nave", "chancel", "south"},
+           "only 18 % of the scan's area lie on surfaces of others");
+  // and of the north side nothing that would hold the scan along its wall: one place there that is
+  // contradicted is not the side. (By that one the scan was laid on the south side.)
+  abstains("north", {"front", "nave", "chancel", "corner", "north", "south", "east"},
+           "the scans that have a pose contradict neither one place nor another");
+  const auto south = json_of(out / "scans/south/pose.json");
+  EXPECT_EQ(south["how"], "scan-icp");
 }
 
 // Without a model. The two aisles lie on each other, turned by half, with planes that fit.

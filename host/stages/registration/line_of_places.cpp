@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace hybrid::stages {
 namespace {
@@ -71,17 +70,19 @@ LineOfPlaces::Bearing LineOfPlaces::bearing(double shift_m, double within_m) {
   return sums;
 }
 
-double LineOfPlaces::best(double shift_m, double within_m, int steps) {
-  double best_m = shift_m;
-  std::optional<double> most;
+std::vector<LineOfPlaces::Place> LineOfPlaces::places(double shift_m, double within_m, int steps) {
+  std::vector<Place> places;
   for (int k = -steps; k <= steps; ++k) {
     const double place_m = shift_m + k * step_m(within_m);
-    const double speaks = bearing(place_m, within_m).speaks_m2();
-    if (most && speaks <= *most) continue;
-    most = speaks;
-    best_m = place_m;
+    places.push_back({place_m, bearing(place_m, within_m)});
   }
-  return best_m;
+  return places;
+}
+
+const LineOfPlaces::Place& LineOfPlaces::best(const std::vector<Place>& places) {
+  return *std::max_element(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.bearing.speaks_m2() < b.bearing.speaks_m2();
+  });
 }
 
 LineOfPlaces::Settled LineOfPlaces::settle(double shift_m, double gate_m) {

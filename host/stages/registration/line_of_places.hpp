@@ -28,10 +28,15 @@ class LineOfPlaces {
   };
   Bearing bearing(double shift_m, double within_m);
 
-  // Of `steps` places on either side of this one the place that most speaks for, the first where several do.
-  // They lie step_m(within_m) apart.
+  // This place and `steps` on either side, step_m(within_m) apart.
   static double step_m(double within_m) { return 1.5 * within_m; }
-  double best(double shift_m, double within_m, int steps);
+  struct Place {
+    double shift_m = 0;
+    Bearing bearing;
+  };
+  std::vector<Place> places(double shift_m, double within_m, int steps);
+  // The one that most speaks for, the first where several do.
+  static const Place& best(const std::vector<Place>& places);
 
   // Robust ICP along the line alone, as register_to_scans(). `sigma_m`: from what the pairs are off, each
   // supercluster's error counting as one.

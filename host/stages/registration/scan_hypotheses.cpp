@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "geometry/angles.hpp"
 #include "stages/registration/automatic_words.hpp"
@@ -77,8 +78,7 @@ ComparedPlanes without(const ComparedPlanes& area, const Vec3& direction) {
 }
 
 bool is_one_place(const Pose& a, const Pose& b) {
-  const auto apart = difference(a, b);
-  return apart.distance_m < kOnePlace_m && apart.angle_rad < kOnePlaceDeg * kDegree;
+  return difference(a, b).within(kOnePlace_m, kOnePlaceDeg * kDegree);
 }
 
 // Where an eighth of the samples ends from a hypothesis.
@@ -110,17 +110,29 @@ class Chooser {
     return found.seen_through > options_.most_through || against(found.planes).share > options_.most_along;
   }
   std::string doubt(const ScanIcp& found) const;
+  bool is_held(const ScanIcp& found) const { return held(found.planes).share >= options_.least_held; }
   // Whether the scans contradict the one place where they do not contradict the other.
   bool is_ruled_out(const ScanIcp& other, const ScanIcp& best, double times = 1) const;
+  // The place, or one beside it along what nothing holds, that is not ruled out; nothing where there is none.
+  std::optional<Pose> room_at(const ScanIcp& other, const ScanIcp& best) const;
 
  private:
   struct Line {
     Pose pose;
     Vec3 direction;
   };
+  int steps_on_line() const {
+    return static_cast<int>(options_.reach_m / LineOfPlaces::step_m(few_.overlap_m));
+  }
   bool free_tells(const ScanIcp& found) const { return found.free_m2 > kFreeTells * scan_.area_m2; }
   bool is_hopeless(const ScanIcp& found, const Vec3& direction) const;
+  bool is_along(const Pose& a, const Pose& b, const Vec3& direction) const;
   bool is_on_line(const Pose& pose, const Vec3& direction) const;
+  // Whether it is contradicted as a place of its own, then by how much more than a place may be.
+  using Contradictions = std::pair<bool, double>;
+  Contradictions contradictions(const ScanIcp& found) const;
+  double least_contradicted_m(const LineOfPlaces& line, const std::vector<LineOfPlaces::Place>& places,
+                              const std::vector<PlacedScan>& on) const;
 
   device::Queue& queue_;
   const IcpScan& scan_;
@@ -137,15 +149,40 @@ bool Chooser::is_hopeless(const ScanIcp& found, const Vec3& direction) const {
          against(rest).share > options_.most_along;
 }
 
+Chooser::Contradictions Chooser::contradictions(const ScanIcp& found) const {
+  const double planes = contradicted(found.planes) / options_.most_contradicted;
+  const double free = free_tells(found) ? found.free_seen_through / kFreeThrough : 0;
+  return {is_contradicted(found), std::max(planes, free)};
+}
+
+bool Chooser::is_along(const Pose& a, const Pose& b, const Vec3& direction) const {
+  const Vec3 apart = a.translation - b.translation;
+  return (apart - direction.dot(apart) * direction).norm() < options_.icp.overlap_m &&
+         difference(a, b).angle_rad < kOnePlaceDeg * kDegree;
+}
+
 bool Chooser::is_on_line(const Pose& pose, const Vec3& direction) const {
   return std::any_of(lines_.begin(), lines_.end(), [&](const Line& line) {
-    if (std::abs(line.direction.dot(direction)) < std::cos(kDegree)) return false;
-    const Vec3 apart = pose.translation - line.pose.translation;
-    const double along = line.direction.dot(apart);
-    return std::abs(along) < kOnLine * options_.reach_m &&
-           (apart - along * line.direction).norm() < options_.icp.overlap_m &&
-           difference(pose, line.pose).angle_rad < kOnePlaceDeg * kDegree;
+    return std::abs(line.direction.dot(direction)) >= std::cos(kDegree) &&
+           std::abs(line.direction.dot(pose.translation - line.pose.translation)) <
+               kOnLine * options_.reach_m &&
+           is_along(pose, line.pose, line.direction);
   });
+}
+
+// Where nothing holds the scan along the line; the middle one of those that are contradicted equally little.
+double Chooser::least_contradicted_m(const LineOfPlaces& line, const std::vector<LineOfPlaces::Place>& places,
+                                     const std::vector<PlacedScan>& on) const {
+  std::vector<double> shifts_m;
+  std::optional<Contradictions> least;
+  for (const auto& place : places) {
+    const auto of = contradictions(assess_on_scans(queue_, scan_, on, line.at(place.shift_m), few_));
+    if (least && *least < of) continue;
+    if (least && of < *least) shifts_m.clear();
+    least = of;
+    shifts_m.push_back(place.shift_m);
+  }
+  return shifts_m[shifts_m.size() / 2];
 }
 
 std::optional<End> Chooser::end_of(const Pose& hypothesis) {
@@ -161,12 +198,18 @@ std::optional<End> Chooser::end_of(const Pose& hypothesis) {
   if (beside && (is_hopeless(end.found, direction) || is_on_line(hypothesis, direction))) return std::nullopt;
   LineOfPlaces line(queue_, scan_, end.on, hypothesis, direction, kSamplesOnLine, options_.icp);
   double shift_m = 0;
+  const double least_on_m2 = options_.least_held * end.found.planes.on.trace();
   if (beside) {
     lines_.push_back({hypothesis, direction});
-    shift_m = line.best(0, few_.overlap_m,
-                        static_cast<int>(options_.reach_m / LineOfPlaces::step_m(few_.overlap_m)));
+    const auto places = line.places(0, few_.overlap_m, steps_on_line());
+    const auto& best = LineOfPlaces::best(places);
+    shift_m = best.bearing.on_m2 < least_on_m2 ? least_contradicted_m(line, places, end.on) : best.shift_m;
   }
-  for (const double finer : kFiner) shift_m = line.best(shift_m, finer * few_.overlap_m, kFinerSteps);
+  for (const double finer : kFiner) {
+    const auto places = line.places(shift_m, finer * few_.overlap_m, kFinerSteps);
+    const auto& best = LineOfPlaces::best(places);
+    if (best.bearing.on_m2 >= least_on_m2) shift_m = best.shift_m;
+  }
   end.found = register_to_scans(queue_, scan_, end.on, line.at(shift_m), on_line_);
   if (is_contradicted(end.found)) return std::nullopt;
   return end;
@@ -185,6 +228,9 @@ ScanIcp Chooser::finish(const End& end) {
 
 // Why nothing contradicts the pose's place, but it is not accepted; "" = it is.
 std::string Chooser::doubt(const ScanIcp& found) const {
+  if (found.icp.overlap < options_.least_overlap)
+    return fmt::format("only {:.0f} % of the scan's area lie on surfaces of others, at least {:.0f} % should",
+                       100 * found.icp.overlap, 100 * options_.least_overlap);
   if (is_contradicted(found)) {
     const Against most = against(found.planes);
     return fmt::format(
@@ -192,9 +238,6 @@ std::string Chooser::doubt(const ScanIcp& found) const {
         "shift along {}",
         100 * found.seen_through, 100 * most.share, vector_in_words(most.direction));
   }
-  if (found.icp.overlap < options_.least_overlap)
-    return fmt::format("only {:.0f} % of the scan's area lie on surfaces of others, at least {:.0f} % should",
-                       100 * found.icp.overlap, 100 * options_.least_overlap);
   if (const double share = held(found.planes).share; share < options_.least_held)
     return fmt::format(
         "of the planar area that lies on surfaces of others {:.2f} % hold the scan along its weakest "
@@ -220,6 +263,23 @@ bool Chooser::is_ruled_out(const ScanIcp& other, const ScanIcp& best, double tim
     return true;
   return free_tells(other) && free_tells(best) &&
          other.free_seen_through > times * std::max(kFreeThrough, kTimesBest * best.free_seen_through);
+}
+
+// A place that nothing holds along a line stands for all on it, as it is hardly the right one of them: it is
+// ruled out where all of them are.
+std::optional<Pose> Chooser::room_at(const ScanIcp& other, const ScanIcp& best) const {
+  Pose place = other.icp.world_from_scan;
+  const bool slides = !is_held(best);  // and is refused for that
+  if (slides && is_along(place, best.icp.world_from_scan, held(best.planes).direction)) return std::nullopt;
+  if (!is_ruled_out(other, best)) return place;
+  if (is_held(other) || slides) return std::nullopt;
+  const Vec3 step = LineOfPlaces::step_m(few_.overlap_m) * held(other.planes).direction;
+  for (int k = -steps_on_line(); k <= steps_on_line(); ++k) {
+    place.translation = other.icp.world_from_scan.translation + k * step;
+    const ScanIcp found = assess_on_scans(queue_, scan_, placed_, place, options_.icp);
+    if (!is_contradicted(found) && !is_ruled_out(found, best)) return place;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -250,20 +310,28 @@ ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
   };
   sort();
   const ScanIcp first = ends.front().found;
-  std::erase_if(ends, [&](const End& end) { return chooser.is_ruled_out(end.found, first, kFewTell); });
+  std::erase_if(ends, [&](const End& end) {
+    return chooser.is_held(end.found) && chooser.is_ruled_out(end.found, first, kFewTell);
+  });
   for (End& end : ends) end.found = chooser.finish(end);
   sort();
   // The other side of a church may overlap more, and be contradicted where the right one is not.
   const auto rival_of = [&](const End& best) {
-    return std::find_if(ends.begin(), ends.end(), [&](const End& other) {
-      return &other != &best && other.found.icp.overlap >= options.least_rival * best.found.icp.overlap &&
-             !chooser.is_ruled_out(other.found, best.found);
-    });
+    std::optional<Pose> rival;
+    for (const End& other : ends)
+      if (!rival && &other != &best &&
+          other.found.icp.overlap >= options.least_rival * best.found.icp.overlap)
+        rival = chooser.room_at(other.found, best.found);
+    return rival;
   };
-  auto best =
-      std::find_if(ends.begin(), ends.end(), [&](const End& end) { return rival_of(end) == ends.end(); });
-  chosen.has_rival = best == ends.end();
-  if (chosen.has_rival) best = ends.begin();
+  auto best = ends.begin();
+  auto rival = rival_of(*best);
+  for (auto other = best + 1; rival && other != ends.end(); ++other)
+    if (!rival_of(*other)) {
+      best = other;
+      rival.reset();
+    }
+  chosen.has_rival = rival.has_value();
   chosen.found_any = true;
   chosen.start = best->hypothesis;
   chosen.found = best->found;
@@ -271,8 +339,7 @@ ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
   chosen.held = held(best->found.planes).share;
   chosen.reason = chosen.has_rival
                       ? fmt::format("the scans that have a pose contradict neither one place nor another: {}",
-                                    motion_in_words(best->found.icp.world_from_scan,
-                                                    rival_of(*best)->found.icp.world_from_scan))
+                                    motion_in_words(best->found.icp.world_from_scan, *rival))
                       : chooser.doubt(best->found);
   chosen.accepted = chosen.reason.empty();
   return chosen;

@@ -46,7 +46,8 @@ struct ChosenHypothesis {
 // hypothesis it is asked what the scans see through along the direction that speaks most against it; a
 // hypothesis may lie beside the right place along that direction. Accepted is a pose that nothing
 // contradicts, that is held along all directions and that no other hypothesis leaves room for: each must be
-// contradicted, by itself or where the accepted one is not.
+// contradicted, by itself or where the accepted one is not; where nothing holds it along a direction,
+// wherever it lies along that within reach.
 ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
                                    const std::vector<PlacedScan>& placed, const std::vector<Pose>& hypotheses,
                                    const HypothesesOptions& options = {});

@@ -44,24 +44,16 @@ SlideOnScans slide_on_scans(device::Queue& queue, const IcpScan& scan, const std
   const ScanIcpOptions& icp = options.icp;
   LineOfPlaces line(queue, scan, placed, world_from_scan, direction, kMostSamples, icp);
   const double within_m = kWithin * icp.overlap_m, finer_m = kFinerWithin * icp.overlap_m;
-  const double step_m = LineOfPlaces::step_m(within_m);
-  const int steps = static_cast<int>(std::ceil(options.reach_m / step_m));
-  struct Place {
-    double shift_m, on_m2, speaks_m2;
-  };
-  std::vector<Place> places;
-  for (int k = -steps; k <= steps; ++k) {
-    const auto bearing = line.bearing(k * step_m, within_m);
-    places.push_back({k * step_m, bearing.on_m2, bearing.speaks_m2()});
-  }
-  const Place best = *std::max_element(
-      places.begin(), places.end(), [](const Place& a, const Place& b) { return a.speaks_m2 < b.speaks_m2; });
+  const int steps = static_cast<int>(std::ceil(options.reach_m / LineOfPlaces::step_m(within_m)));
+  const auto places = line.places(0, within_m, steps);
+  const auto& best = LineOfPlaces::best(places);
   SlideOnScans found;
   found.direction = direction;
-  for (const Place& place : places)
-    if (best.on_m2 > 0 && std::abs(place.shift_m - best.shift_m) > icp.overlap_m)
-      found.elsewhere = std::max(found.elsewhere, place.on_m2 / best.on_m2);
-  const auto settled = line.settle(line.best(best.shift_m, finer_m, kFinerPlaces), kGateAlong * finer_m);
+  for (const auto& place : places)
+    if (best.bearing.on_m2 > 0 && std::abs(place.shift_m - best.shift_m) > icp.overlap_m)
+      found.elsewhere = std::max(found.elsewhere, place.bearing.on_m2 / best.bearing.on_m2);
+  const auto near_best = line.places(best.shift_m, finer_m, kFinerPlaces);
+  const auto settled = line.settle(LineOfPlaces::best(near_best).shift_m, kGateAlong * finer_m);
   found.shift_m = settled.shift_m;
   found.sigma_m = settled.sigma_m;
   const auto bearing = line.bearing(settled.shift_m, icp.overlap_m);
