@@ -1,13 +1,14 @@
 // The sample of one scan nearest to a point of another (METHOD 6, scan to scan), found where the scan's grid
-// looks at the point: in a window of nodes as large as the gate there. Only samples whose normal is
-// compatible with the query's count; the plane through the sample is what the query's height is measured
-// over. And how far the line of sight through the point goes beyond it: scans that are wrongly placed see
-// through each other's surfaces. After Blais and Levine (1995), with a search around the projection.
+// looks at the point: in a window of nodes as large as the gate there, or as the nearest sample around the
+// node itself leaves. Only samples whose normal is compatible with the query's count; the plane through the
+// sample is what the query's height is measured over. And how far the line of sight through the point goes
+// beyond it: scans that are wrongly placed see through each other's surfaces. After Blais and Levine (1995),
+// with a search around the projection.
 // Mapping: one work-item per query. Windows differ in size and branches in outcome, so lanes would idle; the
-// time is that of fetching nodes that lie apart.
-// in:  x y z nx ny nz [queries] scan frame, metres, unit, NaN = none; px py pz qx qy qz [rows * cols] samples
-//      of the grid and their unit normals, grid frame, NaN = none; row_edges [rows + 1], col_edges [cols + 1]
-//      as in lib/range_grid.h.
+// time is that of fetching nodes that lie apart, so what a node has lies together.
+// in:  x y z nx ny nz [queries] scan frame, metres, unit, NaN = none; ranges [rows * cols] of the grid's
+//      samples from its origin, NaN = none; points, normals [3 * rows * cols] of them, grid frame, unit,
+//      NaN = none; row_edges [rows + 1], col_edges [cols + 1] as in lib/range_grid.h.
 // out: distance, height [queries] metres, to the sample and over its plane, above 0 on its front side;
 //      normal_x normal_y normal_z [queries] of the sample, grid frame; NaN without a pair. clearance
 //      [queries] metres: by how much the nearest return of the node and its 8 neighbours lies beyond the
@@ -15,8 +16,9 @@
 // params: params_closest_sample.h. defines: none.
 // edges: the window crosses the azimuth seam where the grid wraps. A window of more than
 //      CLOSEST_SAMPLE_WINDOW nodes to a side is searched in strides, which are halved about the best so far;
-//      of equal distances the first in row order wins.
-// cost: 24 bytes read and 24 written per query, and 12 per node tried: 9 to 81 and 8 per halving.
+//      of equal distances the first one tried wins.
+// cost: 24 bytes read and 24 written per query, 16 per node tried: 9, and up to 81 and 8 per halving; of
+//      rows whose ranges are others' only these are read.
 // reference twin: tests/reference/closest_sample.cpp
 #include "lib/range_grid.h"
 
@@ -26,52 +28,77 @@ typedef struct SampleSearch {
   int row, col;          // of the best; row -1: none
 } SampleSearch;
 
-static inline void try_node(SampleSearch* search, const ClosestSampleParams* params, int row, int col,
-                            global const float* px, global const float* py, global const float* pz,
-                            global const float* qx, global const float* qy, global const float* qz) {
-  const int at = column_of(params, col);
-  if (row < 0 || row >= (int)params->rows || at < 0) return;
-  const uint i = (uint)row * params->cols + (uint)at;
-  const float3 apart = search->point - (float3)(px[i], py[i], pz[i]);
+static inline void try_sample(SampleSearch* search, float min_facing, int row, int col, int i,
+                              global const float* points, global const float* normals) {
+  const float3 apart = search->point - vload3((size_t)i, points);
   const float distance2 = apart.x * apart.x + apart.y * apart.y + apart.z * apart.z;
   if (!(distance2 < search->best2)) return;
-  const float facing = qx[i] * search->normal.x + qy[i] * search->normal.y + qz[i] * search->normal.z;
-  if (!(facing > params->min_facing)) return;
+  const float3 normal = vload3((size_t)i, normals);
+  const float facing =
+      normal.x * search->normal.x + normal.y * search->normal.y + normal.z * search->normal.z;
+  if (!(facing > min_facing)) return;
   search->best2 = distance2;
   search->row = row;
-  search->col = at;
+  search->col = col;
 }
 
-// Nodes to a side that hold `gate` metres at this distance.
-static inline int half_window(float gate, float distance, float step, uint count) {
-  return (int)fmin(ceil(gate / (distance * step)), (float)count);
-}
-
-// Nearest return around the node, from the grid's origin; NaN without any.
-static inline float nearest_return(const ClosestSampleParams* params, GridNode node, global const float* px,
-                                   global const float* py, global const float* pz) {
-  float least = NAN;
-  for (int row = node.row - 1; row <= node.row + 1; ++row)
-    for (int col = node.col - 1; col <= node.col + 1; ++col) {
-      const int at = column_of(params, col);
-      if (row < 0 || row >= (int)params->rows || at < 0) continue;
-      const uint i = (uint)row * params->cols + (uint)at;
-      least = fmin(least, sqrt(px[i] * px[i] + py[i] * py[i] + pz[i] * pz[i]));
+// Every stride-th node of a window about this one. Here and below `range` is the query's: farther from it
+// than `within` metres, the distance of the best, no sample's range can be.
+static inline void try_strides(SampleSearch* search, const ClosestSampleParams* params, GridNode middle,
+                               int rows, int cols, int row_stride, int col_stride, float range, float within,
+                               global const float* ranges, global const float* points,
+                               global const float* normals) {
+  for (int a = -rows; a <= rows; ++a) {
+    const int row = middle.row + a * row_stride;
+    if (row < 0 || row >= (int)params->rows) continue;
+    for (int b = -cols; b <= cols; ++b) {
+      const int col = column_of(params, middle.col + b * col_stride);
+      const int i = row * (int)params->cols + col;
+      if (col >= 0 && fabs(ranges[i] - range) <= within)
+        try_sample(search, params->min_facing, row, col, i, points, normals);
     }
-  return least;
+  }
+}
+
+// All nodes of a window that does not cross the first or last column; of a row all ranges at once.
+static inline void try_rows(SampleSearch* search, const ClosestSampleParams* params, GridNode middle,
+                            int rows, int cols, float range, float within, global const float* ranges,
+                            global const float* points, global const float* normals) {
+  const int first = max(middle.row - rows, 0), last = min(middle.row + rows, (int)params->rows - 1);
+  for (int row = first; row <= last; ++row) {
+    const int i = row * (int)params->cols + middle.col;
+    const float16 apart = fabs(vload16(0, ranges + i - 8) - range);
+    if (!any(apart <= within)) continue;
+    for (int b = -cols; b <= cols; ++b)
+      if (fabs(ranges[i + b] - range) <= within)
+        try_sample(search, params->min_facing, row, middle.col + b, i + b, points, normals);
+  }
+}
+
+// Nodes to a side that hold so many metres at this distance.
+static inline int half_window(float within, float distance, float step, uint count) {
+  return (int)fmin(ceil(within / (distance * step)), (float)count);
+}
+
+// The same about a point nearer to its node's ray than to others', where steps are as little as 0.8 of the
+// mean.
+static inline int half_window_about(float within, float distance, float step, uint count) {
+  return (int)fmin(1.25f * within / (distance * step) + 0.5f, (float)count);
+}
+
+static inline int strides_of(int nodes, int stride) {
+  return (nodes + stride - 1) / stride;
 }
 
 kernel void closest_sample(ClosestSampleParams params, global const float* restrict x,
                            global const float* restrict y, global const float* restrict z,
                            global const float* restrict nx, global const float* restrict ny,
-                           global const float* restrict nz, global const float* restrict px,
-                           global const float* restrict py, global const float* restrict pz,
-                           global const float* restrict qx, global const float* restrict qy,
-                           global const float* restrict qz, global const float* restrict row_edges,
-                           global const float* restrict col_edges, global float* restrict distance,
-                           global float* restrict height, global float* restrict normal_x,
-                           global float* restrict normal_y, global float* restrict normal_z,
-                           global float* restrict clearance) {
+                           global const float* restrict nz, global const float* restrict ranges,
+                           global const float* restrict points, global const float* restrict normals,
+                           global const float* restrict row_edges, global const float* restrict col_edges,
+                           global float* restrict distance, global float* restrict height,
+                           global float* restrict normal_x, global float* restrict normal_y,
+                           global float* restrict normal_z, global float* restrict clearance) {
   const uint i = (uint)get_global_id(0);
   if (i >= params.queries) return;
   const float* m = params.linear;
@@ -93,31 +120,46 @@ kernel void closest_sample(ClosestSampleParams params, global const float* restr
     const float range = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
     const float across = params.lens == GRID_PINHOLE ? range : sqrt(p.x * p.x + p.y * p.y);
     const float gate = params.gate + params.reach * range;
-    beyond = nearest_return(&params, node, px, py, pz) - range;
     search.best2 = gate * gate;
-    const int rows = half_window(gate, range, params.row_step, params.rows);
-    const int cols = half_window(gate, across, params.col_step, params.cols / 2u);
-    int row_stride = max((rows + CLOSEST_SAMPLE_WINDOW - 1) / CLOSEST_SAMPLE_WINDOW, 1);
-    int col_stride = max((cols + CLOSEST_SAMPLE_WINDOW - 1) / CLOSEST_SAMPLE_WINDOW, 1);
-    const int most_rows = (rows + row_stride - 1) / row_stride,
-              most_cols = (cols + col_stride - 1) / col_stride;
-    for (int a = -most_rows; a <= most_rows; ++a)
-      for (int b = -most_cols; b <= most_cols; ++b)
-        try_node(&search, &params, node.row + a * row_stride, node.col + b * col_stride, px, py, pz, qx, qy,
-                 qz);
+    float nearest_return = NAN;
+    for (int row = node.row - 1; row <= node.row + 1; ++row)
+      for (int col = node.col - 1; col <= node.col + 1; ++col) {
+        const int at = column_of(&params, col);
+        if (row < 0 || row >= (int)params.rows || at < 0) continue;
+        const int k = row * (int)params.cols + at;
+        nearest_return = fmin(nearest_return, ranges[k]);
+        try_sample(&search, params.min_facing, row, at, k, points, normals);
+      }
+    beyond = nearest_return - range;
+    const float within = sqrt(search.best2);
+    int rows = half_window(gate, range, params.row_step, params.rows);
+    int cols = half_window(gate, across, params.col_step, params.cols / 2u);
+    if (search.row >= 0) {
+      rows = min(rows, half_window_about(within, range, params.row_step, params.rows));
+      cols = min(cols, half_window_about(within, across, params.col_step, params.cols / 2u));
+    }
+    int row_stride = max(strides_of(rows, CLOSEST_SAMPLE_WINDOW), 1);
+    int col_stride = max(strides_of(cols, CLOSEST_SAMPLE_WINDOW), 1);
+    if (max(row_stride, col_stride) == 1 && node.col >= 8 && node.col + 8 <= (int)params.cols) {
+      if (max(rows, cols) > 1)
+        try_rows(&search, &params, node, rows, cols, range, within, ranges, points, normals);
+    } else {
+      try_strides(&search, &params, node, strides_of(rows, row_stride), strides_of(cols, col_stride),
+                  row_stride, col_stride, range, within, ranges, points, normals);
+    }
     while (search.row >= 0 && max(row_stride, col_stride) > 1) {
       row_stride = (row_stride + 1) / 2;
       col_stride = (col_stride + 1) / 2;
-      const int row = search.row, col = search.col;
-      for (int a = -1; a <= 1; ++a)
-        for (int b = -1; b <= 1; ++b)
-          try_node(&search, &params, row + a * row_stride, col + b * col_stride, px, py, pz, qx, qy, qz);
+      const GridNode middle = {search.row, search.col};
+      try_strides(&search, &params, middle, 1, 1, row_stride, col_stride, range, within, ranges, points,
+                  normals);
     }
     if (search.row >= 0) {
       const uint k = (uint)search.row * params.cols + (uint)search.col;
-      normal = (float3)(qx[k], qy[k], qz[k]);
+      const float3 sample = vload3(k, points);
+      normal = vload3(k, normals);
       found = sqrt(search.best2);
-      over = (p.x - px[k]) * normal.x + (p.y - py[k]) * normal.y + (p.z - pz[k]) * normal.z;
+      over = (p.x - sample.x) * normal.x + (p.y - sample.y) * normal.y + (p.z - sample.z) * normal.z;
     }
   }
   distance[i] = found;

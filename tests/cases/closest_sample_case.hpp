@@ -117,11 +117,16 @@ struct ClosestSampleCase {
     params.wraps = in.wraps;
     params.lens = GRID_SPHERICAL;
     params.queries = static_cast<std::uint32_t>(count);
+    std::vector<float> ranges, points, normals;
+    for (std::size_t k = 0; k < in.px.size(); ++k) {
+      ranges.push_back(std::hypot(in.px[k], in.py[k], in.pz[k]));
+      for (const float value : {in.px[k], in.py[k], in.pz[k]}) points.push_back(value);
+      for (const float value : {in.qx[k], in.qy[k], in.qz[k]}) normals.push_back(value);
+    }
     stages::SampleAnswers out(queue, count);
     queue.launch(kName, queue.kernel(kName), device::grid(count), params, queue.array(in.x),
                  queue.array(in.y), queue.array(in.z), queue.array(in.nx), queue.array(in.ny),
-                 queue.array(in.nz), queue.array(in.px), queue.array(in.py), queue.array(in.pz),
-                 queue.array(in.qx), queue.array(in.qy), queue.array(in.qz),
+                 queue.array(in.nz), queue.array(ranges), queue.array(points), queue.array(normals),
                  queue.array(stages::row_edges(in.elevation)), queue.array(stages::col_edges(in.azimuth)),
                  out.distance, out.height, out.normal_x, out.normal_y, out.normal_z, out.clearance);
     return {queue.read(out.distance),
@@ -136,7 +141,7 @@ struct ClosestSampleCase {
   static Output reference(const Input& input);  // reference/closest_sample.cpp
 
   static double items(const Input& input) { return static_cast<double>(input.x.size()); }
-  static double bytes(const Input& input) { return (48 + 25 * 12) * items(input); }
+  static double bytes(const Input& input) { return (48 + 25 * 16) * items(input); }
   static double flops(const Input& input) { return 25 * 9 * items(input); }
 };
 

@@ -233,8 +233,7 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
 
   const auto count = static_cast<std::size_t>(thinned.rows) * static_cast<std::size_t>(thinned.cols);
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  std::array<std::vector<float>, 6> columns;
-  for (auto& column : columns) column.assign(count, kNone);
+  std::vector<float> ranges(count, kNone), points(3 * count, kNone), normals(3 * count, kNone);
   const SampleSurfaces surfaces(image, segmentation);
   parallel_for(static_cast<std::size_t>(thinned.rows), [&](std::size_t r) {
     for (int c = 0; c < thinned.cols; ++c) {
@@ -250,14 +249,14 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
       point = grid_from_scan_ * point;
       const std::size_t node = r * static_cast<std::size_t>(thinned.cols) +
                                static_cast<std::size_t>(mirrored ? thinned.cols - 1 - c : c);
-      for (std::size_t k = 0; k < 3; ++k) {
-        columns[k][node] = static_cast<float>(point(static_cast<Eigen::Index>(k)));
-        if (!normal.isZero()) columns[3 + k][node] = static_cast<float>(normal(static_cast<Eigen::Index>(k)));
-      }
+      ranges[node] = static_cast<float>(point.norm());
+      Eigen::Vector3f::Map(&points[3 * node]) = point.cast<float>();
+      if (!normal.isZero()) Eigen::Vector3f::Map(&normals[3 * node]) = normal.cast<float>();
     }
   });
-  x_ = queue.array(columns[0]), y_ = queue.array(columns[1]), z_ = queue.array(columns[2]);
-  nx_ = queue.array(columns[3]), ny_ = queue.array(columns[4]), nz_ = queue.array(columns[5]);
+  ranges_ = queue.array(ranges);
+  points_ = queue.array(points);
+  normals_ = queue.array(normals);
 }
 
 void ScanSurface::find(const SearchQueries& queries, const Pose& scan_from_queries, double gate_m,
@@ -272,8 +271,8 @@ void ScanSurface::find(const SearchQueries& queries, const Pose& scan_from_queri
   params.min_facing = static_cast<float>(pose.scale * std::cos(normal_deg * std::numbers::pi / 180));
   params.queries = static_cast<std::uint32_t>(queries.count);
   queue_.launch("closest_sample", queue_.kernel("closest_sample"), device::grid(queries.count), params,
-                queries.x, queries.y, queries.z, queries.nx, queries.ny, queries.nz, x_, y_, z_, nx_, ny_,
-                nz_, row_edges_, col_edges_, out.distance, out.height, out.normal_x, out.normal_y,
+                queries.x, queries.y, queries.z, queries.nx, queries.ny, queries.nz, ranges_, points_,
+                normals_, row_edges_, col_edges_, out.distance, out.height, out.normal_x, out.normal_y,
                 out.normal_z, out.clearance);
 }
 

@@ -51,7 +51,7 @@ class ScanSurface {
   double spacing_ = 0;
   Pose grid_from_scan_;
   ClosestSampleParams params_{};
-  device::Array<float> x_, y_, z_, nx_, ny_, nz_, row_edges_, col_edges_;
+  device::Array<float> ranges_, points_, normals_, row_edges_, col_edges_;
 };
 
 }  // namespace hybrid::stages
