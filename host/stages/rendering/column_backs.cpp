@@ -162,7 +162,7 @@ void append_backs(const ScanSight& sight, const SightColumn& column, const std::
   for (int side = 0; side < kColumnSides; ++side) {
     std::size_t first = 0;
     for (std::size_t k = 0; k < heights.size(); ++k) {
-      if (k + 1 < heights.size() && !sight.is_known(at(middle(k), side + 0.5))) continue;
+      if (k + 1 < heights.size() && sight.known(at(middle(k), side + 0.5)) == ScanSight::Known::no) continue;
       const Height &low = heights[first], &high = heights[k];
       if (k > first)
         backs.push_back({column.scan,

@@ -136,7 +136,7 @@ class Hanger {
     const auto down = [&](double pieces) { return Vec3(top - pieces * kPiece_m * Vec3::UnitZ()); };
     const int first = static_cast<int>(std::ceil(kOwnHeight * arc.high_m / kPiece_m));
     int count = first;
-    while (count * kPiece_m < kTallest_m && !sight_.is_known(down(count + 0.5))) ++count;
+    while (count * kPiece_m < kTallest_m && sight_.known(down(count + 0.5)) == ScanSight::Known::no) ++count;
     if (count > first) curtains.push_back({top - side, top + side, down(count) + side, down(count) - side});
   }
 
@@ -199,7 +199,7 @@ class Hanger {
     for (std::size_t k = 0; k + 1 < front.size(); ++k) {
       const auto behind = [&](std::size_t at) -> Vec3 { return front[at] + 2 * level(centre - front[at]); };
       const Vec3 from = behind(k), to = behind(k + 1);
-      if (!sight_.is_known(0.5 * (from + to)))
+      if (sight_.known(0.5 * (from + to)) == ScanSight::Known::no)
         curtains.push_back({from - half, to - half, to + half, from + half});
     }
   }

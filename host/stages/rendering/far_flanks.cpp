@@ -79,7 +79,7 @@ class Front {
   // where the flank would be.
   Front(const ScanSight& sight, const Vec3& normal, const Vec3& up, Surface front, Surface flank,
         const std::vector<const FlatPolygon*>& beside)
-      : sight_(sight),
+      : walk_(sight),
         beside_(beside),
         normal_(normal),
         front_(std::move(front)),
@@ -87,7 +87,7 @@ class Front {
         flank_up_m_(up.dot(flank_.lifted(Vec2::Zero()) - front_.lifted(Vec2::Zero()))),
         surface_m_(flank_.flat(front_.lifted(Vec2::Zero())).x()) {}
 
-  std::vector<std::array<Vec3, 4>> quadrilaterals() const {
+  std::vector<std::array<Vec3, 4>> quadrilaterals() {
     const double low = std::max(front_.low().y(), flank_.low().y() + flank_up_m_),
                  high = std::min(front_.high().y(), flank_.high().y() + flank_up_m_);
     std::vector<std::array<Vec3, 4>> found;
@@ -107,16 +107,16 @@ class Front {
   }
 
  private:
-  std::optional<Row> row_at(double y) const {
+  std::optional<Row> row_at(double y) {
     const auto across = front_.extent(y), back = flank_.extent(y - flank_up_m_);
     if (!across || !back) return {};
     Row row{across->first, y, kRow_m, back->second - surface_m_};
     const double width = across->second - row.x_m;
     if (width < kLeast_m || row.depth_m < kLeast_m || row.depth_m > kDeepest * width) return {};
     for (; row.beyond_m <= kMostBeyond_m; row.beyond_m += kRow_m)
-      if (sight_.is_empty(at(row.x_m - row.beyond_m, y, 0))) return row;
+      if (walk_.known(at(row.x_m - row.beyond_m, y, 0)) == ScanSight::Known::empty) return row;
     row.beyond_m = kHidden;
-    if (sight_.is_known(at(row.x_m - kMostBeyond_m, y, 0))) return {};
+    if (walk_.known(at(row.x_m - kMostBeyond_m, y, 0)) != ScanSight::Known::no) return {};
     return row;
   }
 
@@ -132,7 +132,7 @@ class Front {
 
   Vec3 at(double x, double y, double depth) const { return front_.lifted({x, y}) - depth * normal_; }
 
-  void append(const std::vector<Row>& run, double step, std::vector<std::array<Vec3, 4>>& found) const {
+  void append(const std::vector<Row>& run, double step, std::vector<std::array<Vec3, 4>>& found) {
     const double low = run.front().y_m - 0.5 * step, high = run.back().y_m + 0.5 * step;
     if (high - low < kLeast_m || !is_hidden_behind(run)) return;
     std::vector<Row> seen;
@@ -144,18 +144,22 @@ class Front {
     found.push_back({at(from, low, depth), at(from, low, 0), at(to, high, 0), at(to, high, depth)});
   }
 
-  bool is_hidden_behind(const std::vector<Row>& run) const {
-    std::size_t all = 0, empty = 0, unknown = 0;
+  bool is_hidden_behind(const std::vector<Row>& run) {
+    std::size_t all = 0, asked = 0, empty = 0, unknown = 0;
+    for (const Row& row : run)
+      for (double depth = kBehind_m; depth < row.depth_m; depth += kRow_m) ++all;
+    const auto whole = static_cast<double>(all);
     for (const Row& row : run)
       for (double depth = kBehind_m; depth < row.depth_m; depth += kRow_m) {
-        const Vec3 place = at(row.x_m + kWithin_m, row.y_m, depth);
-        ++all;
-        empty += sight_.is_empty(place);
-        unknown += !sight_.is_known(place) && !is_there(at(row.x_m, row.y_m, depth));
+        const auto known = walk_.known(at(row.x_m + kWithin_m, row.y_m, depth));
+        ++asked;
+        empty += known == ScanSight::Known::empty;
+        unknown += known == ScanSight::Known::no && !is_there(at(row.x_m, row.y_m, depth));
+        if (static_cast<double>(empty) > kMostEmptyBehind * whole ||
+            static_cast<double>(unknown + all - asked) < kLeastUnknownBehind * whole)
+          return false;
       }
-    const auto whole = static_cast<double>(all);
-    return static_cast<double>(empty) <= kMostEmptyBehind * whole &&
-           static_cast<double>(unknown) >= kLeastUnknownBehind * whole;
+    return true;
   }
 
   bool is_there(const Vec3& place) const {
@@ -171,7 +175,7 @@ class Front {
     return *half;
   }
 
-  const ScanSight& sight_;
+  SightWalk walk_;
   const std::vector<const FlatPolygon*>& beside_;
   Vec3 normal_;
   Surface front_, flank_;
@@ -219,8 +223,8 @@ std::vector<FarFlank> far_flanks(const ScanSight& sight, const PolygonModel& con
       for (const std::size_t face : near)
         if (flat[face].normal().dot(beside_normal) < -kOpposite) beside.push_back(&flat[face]);
       const Vec3 up = normal.cross(beside_normal).normalized();
-      const Front both(sight, normal, up, Surface(polygons[front], more[front], up),
-                       Surface(polygons[flank], more[flank], up), beside);
+      Front both(sight, normal, up, Surface(polygons[front], more[front], up),
+                 Surface(polygons[flank], more[flank], up), beside);
       for (const auto& corners : both.quadrilaterals()) of_face[front].push_back({front, corners});
     }
   });

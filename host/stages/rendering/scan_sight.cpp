@@ -113,10 +113,34 @@ bool ScanSight::is_hidden(const Vec3& place, std::size_t scan) const {
   return range && *range < point.norm() - tolerance_m_;
 }
 
-bool ScanSight::is_known(const Vec3& place) const {
-  for (std::size_t s = 0; s < scans_.size(); ++s)
-    if (scans_[s].image->count() > 0 && reaches(s, scan_from_world_[s] * place)) return true;
-  return false;
+template <typename Towards>
+ScanSight::Known ScanSight::known(const Vec3& place, const Towards& towards) const {
+  Known known = Known::no;
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    if (scans_[s].image->count() == 0) continue;
+    const Vec3 point = scan_from_world_[s] * place;
+    const NodeLookup::Node node = towards(s, point);
+    if (!node.within) continue;
+    const double there_m = point.norm();
+    if (const auto range = sight_m(s, node.row, node.col)) {
+      if (*range > there_m + tolerance_m_) return Known::empty;
+      if (*range > there_m - tolerance_m_) known = Known::yes;
+    } else if (known == Known::no && is_beside(s, node, there_m)) {
+      known = Known::yes;
+    }
+  }
+  return known;
+}
+
+ScanSight::Known ScanSight::known(const Vec3& place) const {
+  return known(place, [&](std::size_t s, const Vec3& point) { return lookups_[s].towards(point); });
+}
+
+SightWalk::SightWalk(const ScanSight& sight)
+    : sight_(sight), walks_(sight.lookups_.begin(), sight.lookups_.end()) {}
+
+ScanSight::Known SightWalk::known(const Vec3& place) {
+  return sight_.known(place, [&](std::size_t s, const Vec3& point) { return walks_[s].towards(point); });
 }
 
 std::vector<SightColumn> ScanSight::columns() const {
@@ -171,14 +195,10 @@ std::vector<Vec3> ScanSight::samples_near(std::size_t scan, const Vec3& point, d
   return found;
 }
 
-bool ScanSight::reaches(std::size_t scan, const Vec3& point) const {
-  const auto node = lookups_[scan].towards(point);
-  if (!node.within) return false;
-  const double least_m = point.norm() - tolerance_m_;
-  if (const auto range = sight_m(scan, node.row, node.col)) return *range > least_m;
+bool ScanSight::is_beside(std::size_t scan, const NodeLookup::Node& node, double there_m) const {
   for (int k = 0; k < 9; ++k)
     if (const auto range = range_m(scan, node.row + k / 3 - 1, node.col + k % 3 - 1);
-        range && std::abs(*range - point.norm()) <= kBeside * tolerance_m_)
+        range && std::abs(*range - there_m) <= kBeside * tolerance_m_)
       return true;
   return false;
 }
@@ -203,7 +223,7 @@ std::optional<double> ScanSight::range_m(std::size_t scan, int row, int col) con
   const std::size_t i = image.index(row, col);
   const auto* stray = scans_[scan].stray;
   if (image.mask[i] != kMeasured || (stray && !stray->empty() && (*stray)[i])) return std::nullopt;
-  return image.point(i).norm();
+  return image.range_m[i];
 }
 
 std::optional<double> ScanSight::sight_m(std::size_t scan, int row, int col) const {

@@ -87,12 +87,13 @@ class Shadow {
       for (int col = std::max(first, 0); col <= std::min(last, cols_ - 1); ++col)
         cells_[at(row, col)] = Cell::kSeen;
     }
+    SightWalk walk(sight);
     for (int col = 0; col < cols_; ++col) {
       Cell& cell = cells_[at(row, col)];
       if (cell == Cell::kSeen) continue;
       const Vec3 place = place_at(row, col);
       if (sight.is_hidden(place, scan)) cell = Cell::kHidden;
-      if (sight.is_empty(place)) cell = Cell::kEmpty;
+      if (walk.known(place) == ScanSight::Known::empty) cell = Cell::kEmpty;
     }
   }
 

@@ -16,13 +16,14 @@ bool may_be_there(const ScanSight& sight, const FlatPolygon& polygon,
                   const std::vector<FlatPolygon>& others) {
   const auto places = polygon.places(kPlaces_m, kMostSteps);
   std::size_t empty = 0, unknown = 0;
-  for (const Vec3& place : places)
-    if (sight.is_empty(place))
-      ++empty;
-    else if (!sight.is_known(place) &&
-             std::none_of(others.begin(), others.end(),
-                          [&](const FlatPolygon& other) { return other.covers(place, kSamePlane_m); }))
-      ++unknown;
+  SightWalk walk(sight);
+  for (const Vec3& place : places) {
+    const auto known = walk.known(place);
+    empty += known == ScanSight::Known::empty;
+    unknown += known == ScanSight::Known::no &&
+               std::none_of(others.begin(), others.end(),
+                            [&](const FlatPolygon& other) { return other.covers(place, kSamePlane_m); });
+  }
   const auto all = static_cast<double>(places.size());
   return !places.empty() && static_cast<double>(empty) <= kMostEmpty * all &&
          static_cast<double>(unknown) >= kLeastUnknown * all;

@@ -83,15 +83,15 @@ TEST(ScanSight, what_is_at_a_place_before_it_and_behind_it) {
                                strays = {{&wall, nullptr, &stray, {}}};
   const ScanSight sight(scans, 0.02), blind(strays, 0.02);
   EXPECT_TRUE(sight.is_empty({0, 3, 0}));
-  EXPECT_TRUE(sight.is_known({0, 3, 0}));
+  EXPECT_EQ(sight.known({0, 3, 0}), ScanSight::Known::empty);
   EXPECT_FALSE(sight.is_empty({0, 4, 0}));
-  EXPECT_TRUE(sight.is_known({0, 4, 0}));
+  EXPECT_EQ(sight.known({0, 4, 0}), ScanSight::Known::yes);
   EXPECT_FALSE(sight.is_empty({0, 5, 0}));
-  EXPECT_FALSE(sight.is_known({0, 5, 0}));
-  EXPECT_FALSE(sight.is_known({0, -3, 0}));    // behind the scanner
-  EXPECT_FALSE(sight.is_empty({0, 3, 0}, 0));  // by another than the first
+  EXPECT_EQ(sight.known({0, 5, 0}), ScanSight::Known::no);
+  EXPECT_EQ(sight.known({0, -3, 0}), ScanSight::Known::no);  // behind the scanner
+  EXPECT_FALSE(sight.is_empty({0, 3, 0}, 0));                // by another than the first
   EXPECT_FALSE(blind.is_empty({0, 3, 0}));
-  EXPECT_FALSE(blind.is_known({0, 3, 0}));
+  EXPECT_EQ(blind.known({0, 3, 0}), ScanSight::Known::no);
   EXPECT_TRUE(ScanSight({}, 0.02).columns().empty());
 }
 
@@ -166,12 +166,32 @@ TEST(ScanSight, a_closer_scan_that_sees_past_a_sample_makes_it_small) {
   EXPECT_FALSE(sight.seen_finer(place, 0, 5, 0.1));  // not as much closer together
 }
 
+TEST(ScanSight, a_walk_says_of_places_beside_each_other_what_is_said_of_each) {
+  const RangeImage wall = scan_of(wall_alone), round = all_around();
+  const Pose there{
+      1, Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(0.1, 0.2, 1).normalized())), {1, 2, 0.5}};
+  const std::vector<SightScan> scans = {{&wall, nullptr, nullptr, {}}, {&round, nullptr, nullptr, there}};
+  const ScanSight sight(scans, 0.02);
+  std::array<int, 3> count{};
+  for (const Vec3& step :
+       {Vec3(0.02, 0, 0), Vec3(0, -0.03, 0.001), Vec3(0.001, 0, -0.0005), Vec3(0.3, 0.2, -0.1)}) {
+    stages::SightWalk walk(sight);
+    for (int k = -400; k < 400; ++k) {
+      const Vec3 place = Vec3(0.05, 4, 0.3) + k * step;
+      const auto known = sight.known(place);
+      EXPECT_EQ(walk.known(place), known) << place.transpose();
+      ++count[static_cast<std::size_t>(known)];
+    }
+  }
+  for (const int of_kind : count) EXPECT_GT(of_kind, 100);
+}
+
 TEST(ScanSight, a_scan_all_around_sees_past_a_place_before_the_sky) {
   RangeImage image = all_around();
   const auto clear_m = [&](const Vec3& place) {
     const std::vector<SightScan> scans = {{&image, nullptr, nullptr, {}}};
     const ScanSight sight(scans, 0.02);
-    return std::array{sight.is_empty(place), sight.is_known(place)};
+    return std::array{sight.is_empty(place), sight.known(place) != ScanSight::Known::no};
   };
   constexpr std::array kNothing = {false, false}, kClear = {true, true};
   const double low = 20 * std::numbers::pi / 180, high = 40 * std::numbers::pi / 180;
