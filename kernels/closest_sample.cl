@@ -75,6 +75,14 @@ static inline void try_rows(SampleSearch* search, const ClosestSampleParams* par
   }
 }
 
+// How far off rows and columns are that look so steeply: a step times this is metres. Off its axis a pinhole's
+// steps are smaller angles.
+static inline float2 distance_of_steps(uint lens, float3 p) {
+  const float up = sqrt(p.x * p.x + p.z * p.z), around = sqrt(p.x * p.x + p.y * p.y);
+  if (lens == GRID_PINHOLE) return p.x * p.x / (float2)(up, around);
+  return (float2)(sqrt(around * around + p.z * p.z), around);
+}
+
 // Nodes to a side that hold so many metres at this distance.
 static inline int half_window(float within, float distance, float step, uint count) {
   return (int)fmin(ceil(within / (distance * step)), (float)count);
@@ -118,7 +126,7 @@ kernel void closest_sample(ClosestSampleParams params, global const float* restr
   if (node.row >= 0) {
     const float3 p = search.point;
     const float range = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    const float across = params.lens == GRID_PINHOLE ? range : sqrt(p.x * p.x + p.y * p.y);
+    const float2 apart = distance_of_steps(params.lens, p);
     const float gate = params.gate + params.reach * range;
     search.best2 = gate * gate;
     float nearest_return = NAN;
@@ -132,11 +140,11 @@ kernel void closest_sample(ClosestSampleParams params, global const float* restr
       }
     beyond = nearest_return - range;
     const float within = sqrt(search.best2);
-    int rows = half_window(gate, range, params.row_step, params.rows);
-    int cols = half_window(gate, across, params.col_step, params.cols / 2u);
+    int rows = half_window(gate, apart.x, params.row_step, params.rows);
+    int cols = half_window(gate, apart.y, params.col_step, params.cols / 2u);
     if (search.row >= 0) {
-      rows = min(rows, half_window_about(within, range, params.row_step, params.rows));
-      cols = min(cols, half_window_about(within, across, params.col_step, params.cols / 2u));
+      rows = min(rows, half_window_about(within, apart.x, params.row_step, params.rows));
+      cols = min(cols, half_window_about(within, apart.y, params.col_step, params.cols / 2u));
     }
     int row_stride = max(strides_of(rows, CLOSEST_SAMPLE_WINDOW), 1);
     int col_stride = max(strides_of(cols, CLOSEST_SAMPLE_WINDOW), 1);

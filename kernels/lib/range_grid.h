@@ -46,12 +46,13 @@ static inline GridNode node_towards(const ClosestSampleParams* params, global co
   if (row < 0) row = up - row_edges[0] <= row_edges[0] - row_edges[1] ? 0 : -1;
   if (row >= rows) row = row_edges[rows] - up <= row_edges[rows - 1] - row_edges[rows] ? rows - 1 : -1;
   if (row < 0) return node;
-  if (params->lens == GRID_SPHERICAL) around += 4.0f * ceil((col_edges[0] - around) / 4.0f);
+  const int turns = params->lens == GRID_SPHERICAL;  // on past the last column comes the first
+  if (turns) around += 4.0f * ceil((col_edges[0] - around) / 4.0f);
   int col = last_edge(col_edges, params->cols, around, 1.0f);
   if (col < 0 || col >= cols) {
-    const float before = col_edges[0] + (params->lens == GRID_SPHERICAL ? 4.0f : 0.0f) - around;
+    const float before = col_edges[0] + (turns ? 4.0f : 0.0f) - around;
     const float after = around - col_edges[cols];
-    const int first = col < 0 || before < after;
+    const int first = col < 0 || (turns && before < after);
     const float past = fabs(first ? before : after);
     const float step = first ? col_edges[1] - col_edges[0] : col_edges[cols] - col_edges[cols - 1];
     if (!params->wraps && past > step) return node;

@@ -11,19 +11,30 @@
 
 namespace hybrid::testing {
 
-// A scanner in a room of 16 x 12 x 3 m with a round column in it and rough walls, on a grid whose steps are
-// uneven, every 30th node empty; queries within 10 cm of its samples from another frame, with normals within
-// 20 degrees of theirs, some without.
+// A scanner, or a wide pinhole, in a room of 16 x 12 x 3 m with a round column in it and rough walls, on a
+// grid whose steps are uneven, every 30th node empty; queries within 10 cm of its samples from another frame,
+// with normals within 20 degrees of theirs, some without.
 struct ClosestSampleCase {
   static constexpr const char* kName = "closest_sample";
   struct Input {
-    std::vector<double> elevation, azimuth;  // rad
+    std::uint32_t lens = GRID_SPHERICAL;
+    std::vector<double> rows, cols;  // elevation and azimuth, rad; of a pinhole z / x and -y / x
     bool wraps = true;
     std::vector<float> px, py, pz, qx, qy, qz;  // per node
     Pose grid_from_scan;
     float gate = 0.15f, reach = 0.02f;
     double normal_deg = 45;
     std::vector<float> x, y, z, nx, ny, nz;
+
+    bool is_pinhole() const { return lens == GRID_PINHOLE; }
+    double row_of(const Vec3& p) const {
+      return is_pinhole() ? p.z() / p.x() : std::atan2(p.z(), std::hypot(p.x(), p.y()));
+    }
+    double col_of(const Vec3& p) const { return is_pinhole() ? -p.y() / p.x() : std::atan2(p.y(), p.x()); }
+    Vec3 ray(double row, double col) const {
+      if (is_pinhole()) return Vec3(1, -col, row).normalized();
+      return {std::cos(row) * std::cos(col), std::cos(row) * std::sin(col), std::sin(row)};
+    }
   };
   struct Output {
     std::vector<float> distance, height, normal_x, normal_y, normal_z, clearance;
@@ -56,21 +67,23 @@ struct ClosestSampleCase {
     return range;
   }
 
-  static Input make(std::size_t size, std::uint32_t seed) {
+  static Input make(std::size_t size, std::uint32_t seed, std::uint32_t lens = GRID_SPHERICAL) {
     constexpr double kPi = std::numbers::pi;
     Input in;
+    in.lens = lens;
+    in.wraps = !in.is_pinhole();
+    const double top = in.is_pinhole() ? 0.85 : 0.48 * kPi, high = in.is_pinhole() ? 1.7 : 0.83 * kPi,
+                 left = in.is_pinhole() ? -1.2 : 0.3, wide = in.is_pinhole() ? 2.4 : 2 * kPi;
     const auto u = [&](std::size_t i, std::uint32_t draw) {
       return random_bits(seed, static_cast<std::uint32_t>(i), draw) / 4294967296.0;
     };
     for (int r = 0; r < kRows; ++r)
-      in.elevation.push_back(kPi * (0.48 - 0.83 * (r + 0.2 * u(static_cast<std::size_t>(r), 20)) / kRows));
+      in.rows.push_back(top - high * (r + 0.2 * u(static_cast<std::size_t>(r), 20)) / kRows);
     for (int c = 0; c < kCols; ++c)
-      in.azimuth.push_back(0.3 + 2 * kPi * (c + 0.2 * u(static_cast<std::size_t>(c), 21)) / kCols);
+      in.cols.push_back(left + wide * (c + 0.2 * u(static_cast<std::size_t>(c), 21)) / kCols);
     for (int r = 0; r < kRows; ++r)
       for (int c = 0; c < kCols; ++c) {
-        const double el = in.elevation[static_cast<std::size_t>(r)],
-                     az = in.azimuth[static_cast<std::size_t>(c)];
-        const Vec3 ray(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+        const Vec3 ray = in.ray(in.rows[static_cast<std::size_t>(r)], in.cols[static_cast<std::size_t>(c)]);
         Vec3 n = Vec3::Zero();
         const auto i = static_cast<std::size_t>(r * kCols + c);
         const Vec3 p = (cast(ray, n) + 0.02 * (u(i, 22) - 0.5)) * ray;
@@ -110,12 +123,12 @@ struct ClosestSampleCase {
     params.gate = in.gate;
     params.reach = in.reach;
     params.min_facing = static_cast<float>(std::cos(in.normal_deg * std::numbers::pi / 180));
-    params.rows = static_cast<std::uint32_t>(in.elevation.size());
-    params.cols = static_cast<std::uint32_t>(in.azimuth.size());
-    params.row_step = static_cast<float>((in.elevation.front() - in.elevation.back()) / (params.rows - 1));
-    params.col_step = static_cast<float>((in.azimuth.back() - in.azimuth.front()) / (params.cols - 1));
+    params.rows = static_cast<std::uint32_t>(in.rows.size());
+    params.cols = static_cast<std::uint32_t>(in.cols.size());
+    params.row_step = static_cast<float>((in.rows.front() - in.rows.back()) / (params.rows - 1));
+    params.col_step = static_cast<float>((in.cols.back() - in.cols.front()) / (params.cols - 1));
     params.wraps = in.wraps;
-    params.lens = GRID_SPHERICAL;
+    params.lens = in.lens;
     params.queries = static_cast<std::uint32_t>(count);
     std::vector<float> ranges, points, normals;
     for (std::size_t k = 0; k < in.px.size(); ++k) {
@@ -127,8 +140,9 @@ struct ClosestSampleCase {
     queue.launch(kName, queue.kernel(kName), device::grid(count), params, queue.array(in.x),
                  queue.array(in.y), queue.array(in.z), queue.array(in.nx), queue.array(in.ny),
                  queue.array(in.nz), queue.array(ranges), queue.array(points), queue.array(normals),
-                 queue.array(stages::row_edges(in.elevation)), queue.array(stages::col_edges(in.azimuth)),
-                 out.distance, out.height, out.normal_x, out.normal_y, out.normal_z, out.clearance);
+                 queue.array(stages::row_edges(in.rows, in.lens)),
+                 queue.array(stages::col_edges(in.cols, in.lens)), out.distance, out.height, out.normal_x,
+                 out.normal_y, out.normal_z, out.clearance);
     return {queue.read(out.distance),
             queue.read(out.height),
             queue.read(out.normal_x),

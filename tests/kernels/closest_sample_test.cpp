@@ -68,6 +68,13 @@ ClosestSampleCase::Input at_the_seam(std::size_t size) {
   return input;
 }
 
+// Where few nodes have a sample, the closest one is often as far off as the gate.
+ClosestSampleCase::Input with_few_samples(ClosestSampleCase::Input input) {
+  for (std::size_t i = 0; i < input.px.size(); ++i)
+    if (i % 7 != 0) input.px[i] = input.qx[i] = NAN;
+  return input;
+}
+
 }  // namespace
 
 TEST(ClosestSample, agrees_with_its_reference_at_every_size) {
@@ -77,6 +84,18 @@ TEST(ClosestSample, agrees_with_its_reference_at_every_size) {
       EXPECT_GT(result.found, size > 20011 ? 15000u : size * 3 / 4);
     }
   }
+}
+
+TEST(ClosestSample, of_a_wide_pinhole_it_looks_as_far_at_the_edges) {
+  auto input = ClosestSampleCase::make(small_sizes() ? 1009 : 5003, 6, GRID_PINHOLE);
+  EXPECT_GT(agreement(input).found, input.x.size() * 3 / 4);
+  auto few = with_few_samples(input);
+  few.gate = 0.1f;
+  few.reach = 0;
+  EXPECT_GT(agreement(few).found, input.x.size() / 10);
+  input.gate = 1.2f;
+  const auto wide = agreement(input);
+  EXPECT_GT(wide.equal, wide.found * 9 / 10);
 }
 
 TEST(ClosestSample, a_wide_gate_is_searched_in_strides) {

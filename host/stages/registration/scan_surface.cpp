@@ -145,7 +145,8 @@ double share_on_its_node(const RangeImage& image, const Pose& grid_from_scan, co
 }
 
 bool spherical_grid(const RangeImage& image) {
-  const auto rows = row_edges(image.elevation_rad), cols = col_edges(image.azimuth_rad);
+  const auto rows = row_edges(image.elevation_rad, GRID_SPHERICAL),
+             cols = col_edges(image.azimuth_rad, GRID_SPHERICAL);
   return share_on_its_node(
              image, Pose(), rows, cols, false,
              [](const Vec3& p) { return elevation_measure(std::atan2(p.z(), std::hypot(p.x(), p.y()))); },
@@ -157,8 +158,8 @@ bool spherical_grid(const RangeImage& image) {
 
 bool pinhole_grid(const RangeImage& image, const PinholeTables& tables, const Pose& grid_from_scan) {
   return share_on_its_node(
-             image, grid_from_scan, edges(tables.row, -kLoneStep, as_is),
-             edges(ascending(tables.col), kLoneStep, as_is), tables.mirrored(),
+             image, grid_from_scan, row_edges(tables.row, GRID_PINHOLE),
+             col_edges(ascending(tables.col), GRID_PINHOLE), tables.mirrored(),
              [](const Vec3& p) { return p.z() / p.x(); },
              [](const Vec3& p) { return -p.y() / p.x(); }) >= kOnItsNode;
 }
@@ -179,14 +180,16 @@ double mean_step(const std::vector<double>& table) {
 
 }  // namespace
 
-std::vector<float> row_edges(const std::vector<double>& elevation_rad) {
-  return edges(elevation_rad, -kLoneStep, [](double angle) {
+std::vector<float> row_edges(const std::vector<double>& rows, std::uint32_t lens) {
+  if (lens == GRID_PINHOLE) return edges(rows, -kLoneStep, as_is);
+  return edges(rows, -kLoneStep, [](double angle) {
     return elevation_measure(std::clamp(angle, -std::numbers::pi / 2, std::numbers::pi / 2));
   });
 }
 
-std::vector<float> col_edges(const std::vector<double>& azimuth_rad) {
-  return edges(azimuth_rad, kLoneStep, azimuth_measure);
+std::vector<float> col_edges(const std::vector<double>& cols, std::uint32_t lens) {
+  if (lens == GRID_PINHOLE) return edges(cols, kLoneStep, as_is);
+  return edges(cols, kLoneStep, azimuth_measure);
 }
 
 SampleAnswers::SampleAnswers(device::Queue& queue, std::size_t count)
@@ -209,7 +212,6 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
     params_.lens = GRID_SPHERICAL;
     params_.wraps = image.wraps;
     row = thinned.rows_of(image.elevation_rad), col = thinned.cols_of(image.azimuth_rad);
-    row_edges_ = queue.array(row_edges(row)), col_edges_ = queue.array(col_edges(col));
   } else {
     for (const Pose& frame : pinhole_frames()) {
       const auto tables = pinhole_tables(image, frame);
@@ -219,12 +221,12 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
       grid_from_scan_ = frame;
       mirrored = tables->mirrored();
       row = thinned.rows_of(tables->row), col = ascending(thinned.cols_of(tables->col));
-      row_edges_ = queue.array(edges(row, -kLoneStep, as_is)),
-      col_edges_ = queue.array(edges(col, kLoneStep, as_is));
       break;
     }
   }
   if (!known_) return;
+  row_edges_ = queue.array(row_edges(row, params_.lens));
+  col_edges_ = queue.array(col_edges(col, params_.lens));
   params_.rows = static_cast<std::uint32_t>(thinned.rows);
   params_.cols = static_cast<std::uint32_t>(thinned.cols);
   params_.row_step = static_cast<float>(mean_step(row));

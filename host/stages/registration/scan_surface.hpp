@@ -12,9 +12,9 @@
 namespace hybrid::stages {
 
 // The edges between rows, descending, and columns, ascending, by what kernels/lib/range_grid.h measures; one
-// more than there are rows or columns.
-std::vector<float> row_edges(const std::vector<double>& elevation_rad);
-std::vector<float> col_edges(const std::vector<double>& azimuth_rad);
+// more than there are rows or columns. Of angles, radians, or of a pinhole's measures themselves.
+std::vector<float> row_edges(const std::vector<double>& rows, std::uint32_t lens);
+std::vector<float> col_edges(const std::vector<double>& cols, std::uint32_t lens);
 
 // What closest_sample.cl answers, on the device.
 struct SampleAnswers {
