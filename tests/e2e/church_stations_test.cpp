@@ -132,8 +132,10 @@ TEST(ChurchStations, a_scan_before_a_long_wall_is_placed_by_the_others_where_the
   EXPECT_EQ(south["how"], "scan-icp");
 }
 
-// Without a model. The two aisles lie on each other, turned by half, with planes that fit.
-void expect_all_right_without_a_model(const std::vector<std::string>& ids) {
+// Without a model: the two aisles lie on each other, turned by half, with planes that fit. All scans are
+// right, each on the others, but for the last one, which none places, where there is a reason for that.
+void expect_all_right_without_a_model(std::vector<std::string> ids,
+                                      const std::string& why_not_the_last = "") {
   const Scratch scratch;
   const auto out = scratch / "out";
   std::string scene = "[scene]\nname = \"aisles\"\nlevelled = true\n";
@@ -154,7 +156,13 @@ void expect_all_right_without_a_model(const std::vector<std::string>& ids) {
   io::write_text(scratch / "scene.toml", scene);
   const auto outcome = run("hybrid run " + (scratch / "scene.toml").string() +
                            " --only planes,register --quiet --out " + out.string());
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const bool all = why_not_the_last.empty();
+  ASSERT_EQ(outcome.exit_code, all ? 0 : 3) << outcome.err;
+  EXPECT_NE(outcome.err.find(why_not_the_last), std::string::npos) << outcome.err;
+  if (!all) {
+    EXPECT_EQ(json_of(out / "scans" / ids.back() / "pose.json")["status"], "abstained");
+    ids.pop_back();
+  }
   const auto found = [&](std::size_t i) {
     const auto pose = json_of(out / "scans" / ids[i] / "pose.json");
     return pose_from_row_major(pose["world_from_scan"].get<std::array<double, 16>>());
@@ -175,6 +183,14 @@ TEST(ChurchStations, without_a_model_no_aisle_is_taken_for_the_other) {
 // the one place more than the other. (By the surest pair alone it was turned.)
 TEST(ChurchStations, without_a_model_an_aisle_is_laid_where_all_others_contradict_it_least) {
   expect_all_right_without_a_model({"nave", "chancel", "aisle", "north-aisle"});
+}
+
+// Of two aisles with nothing placed between them one lies on the other so well that its true place is not
+// among those looked at; but too much of what is no plane is seen through. (By planes it was taken for the
+// other.)
+TEST(ChurchStations, without_a_model_an_aisle_that_lies_on_the_other_has_no_pose) {
+  expect_all_right_without_a_model({"north-aisle", "north-aisle-middle", "aisle"},
+                                   "it may be of another place that is alike");
 }
 
 }  // namespace hybrid::e2e
