@@ -75,8 +75,8 @@ static inline void try_rows(SampleSearch* search, const ClosestSampleParams* par
   }
 }
 
-// How far off rows and columns are that look so steeply: a step times this is metres. Off its axis a pinhole's
-// steps are smaller angles.
+// How far off rows and columns are that look so steeply: a step times this is metres. Off its axis a
+// pinhole's steps are smaller angles.
 static inline float2 distance_of_steps(uint lens, float3 p) {
   const float up = sqrt(p.x * p.x + p.z * p.z), around = sqrt(p.x * p.x + p.y * p.y);
   if (lens == GRID_PINHOLE) return p.x * p.x / (float2)(up, around);
