@@ -20,11 +20,10 @@ constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0
 // A pose that planes alone do not tell from rivals is told from them where it has so much at most, and each
 // rival so many times more.
 constexpr double kMostOfBest = 0.02, kTimesBest = 4;
-// Where planes lay a scan on one other, and more than so much is seen through, of all that can be compared
-// and of what is no plane, it is as likely of another place that is alike. Opposite aisles of churches laid
-// on each other have 0.014 and 0.029 at least, nearly all right ones 0.019 at most, or 0.016 of what is no
-// plane.
-constexpr double kAlikeThrough = 0.012, kAlikeFree = 0.025;
+// Where planes lay a scan on one other, and more than so much is seen through, the geometric mean of the
+// shares of all that can be compared and of what is no plane, it is as likely of another place that is alike.
+// Opposite aisles of churches laid on each other have 0.023 at least, all right ones but two 0.016 at most.
+constexpr double kAlikeThrough = 0.018;
 // So many times as much as that an eighth of the samples tells, too.
 constexpr double kFewTell = 2;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
@@ -73,7 +72,7 @@ bool is_hopeless(const stages::ScanIcp& found) {
 }
 
 bool may_be_alike(const stages::ScanIcp& found) {
-  return found.seen_through > kAlikeThrough && found.free_seen_through > kAlikeFree;
+  return std::sqrt(found.seen_through * found.free_seen_through) > kAlikeThrough;
 }
 
 std::string contradiction_of(const stages::ScanIcp& found, const Pose& start) {
