@@ -16,6 +16,12 @@ struct Similarity {
   Vec3 translation = Vec3::Zero();
 
   Vec3 operator*(const Vec3& point) const { return scale * (rotation * point) + translation; }
+  Similarity operator*(const Similarity& other) const {
+    return {scale * other.scale, rotation * other.rotation, *this * other.translation};
+  }
+  Similarity inverse() const {
+    return {1 / scale, rotation.transpose(), rotation.transpose() * -translation / scale};
+  }
 };
 
 // The similarity nearest to a row-major 4x4 matrix (polar decomposition). Throws InputError: numbers that are

@@ -71,15 +71,29 @@ void score_labelled(const fs::path& folder, const SceneTruth& truth, const TrueS
     score.decimation = score_decimation(grid, *planes, *kept, samples, (folder / "detail.ply").string());
 }
 
-ScanScore score_scan(const SceneTruth& truth, const TrueScan& scan, const fs::path& results,
-                     const ScoreOptions& options, std::vector<PosePair>& accepted) {
+// Without a model one scan's frame is that of all.
+struct Frame {
+  std::string scan;  // "": the truth's
+  Similarity true_from_found;
+};
+
+Frame frame_of(const SceneTruth& truth, const fs::path& results) {
+  for (const TrueScan& scan : truth.scans)
+    if (const auto pose = read_result_pose(results / "scans" / scan.id); pose && pose->is_frame)
+      return {scan.id, scan.world_from_scan * pose->world_from_scan.inverse()};
+  return {};
+}
+
+ScanScore score_scan(const SceneTruth& truth, const TrueScan& scan, const Frame& frame,
+                     const fs::path& results, const ScoreOptions& options, std::vector<PosePair>& accepted) {
   ScanScore score;
   score.id = scan.id;
   const TrueSamples samples = read_true_samples(scan);
   const fs::path folder = scan_folder(results, scan, samples);
   if (folder.empty()) return score;
   if (fs::exists(folder / "labels.exr")) score_labelled(folder, truth, scan, samples, options, score);
-  if (const auto pose = read_result_pose(folder)) {
+  if (auto pose = read_result_pose(folder)) {
+    pose->world_from_scan = frame.true_from_found * pose->world_from_scan;
     score.pose = score_pose(*pose, scan.world_from_scan, options.limits);
     if (pose->accepted) accepted.push_back({pose->world_from_scan, scan.world_from_scan});
   }
@@ -142,10 +156,12 @@ SceneScore score_scene(const fs::path& truth_file, const fs::path& results, cons
   check_folders(truth, results, options);
   SceneScore score;
   score.title = truth.title;
+  const Frame frame = frame_of(truth, results);
+  score.frame = frame.scan;
   std::vector<PosePair> accepted;
   for (const TrueScan& scan : truth.scans)
     if (options.scan.empty() || scan.id == options.scan)
-      score.scans.push_back(score_scan(truth, scan, results, options, accepted));
+      score.scans.push_back(score_scan(truth, scan, frame, results, options, accepted));
   if (accepted.size() >= 2) score.common_fit = fit_in_common(accepted);
   score.views = score_views(truth, results);
   const EditedModel edited = read_edited_model(results);

@@ -57,6 +57,7 @@ struct ViewScore {
 struct SceneScore {
   std::string title;
   std::vector<ScanScore> scans;
+  std::string frame;                    // the scan on whose true pose all poses are laid first; "": none
   std::optional<CommonFit> common_fit;  // of the accepted poses, where there are two and more
   std::vector<ViewScore> views;
   std::optional<OpeningScore> openings;

@@ -19,7 +19,7 @@ struct PerfectScan {
   std::map<std::uint32_t, score::ResultPlane> planes;  // hulls of the true points
   std::vector<Eigen::Vector3f> kept;
   score::Similarity world_from_scan;
-  std::string status = "accepted";
+  std::string status = "accepted", how = "landmarks";
 };
 
 struct PerfectView {

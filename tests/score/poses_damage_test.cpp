@@ -42,6 +42,26 @@ TEST_F(PerfectRoom, a_motion_of_all_scans_is_no_error_among_them) {
   EXPECT_GT(marks["scans"][0]["pose"]["translation_mm"], 10);
 }
 
+// Without a model: the world is the second scan's.
+TEST_F(PerfectRoom, poses_in_a_scans_frame_are_compared_in_it) {
+  Results results = perfect();
+  const score::Similarity frame_from_world = results.scans[1].world_from_scan.inverse();
+  for (auto& scan : results.scans) scan.world_from_scan = frame_from_world * scan.world_from_scan;
+  EXPECT_EQ(marks_of(results)["registration"]["wrong"], 2);
+  results.scans[1].how = "frame";
+  const auto marks = marks_of(results);
+  EXPECT_EQ(marks["registration"]["in_the_frame_of"], results.scans[1].id);
+  EXPECT_EQ(marks["registration"]["right"], 2);
+  EXPECT_NEAR(marks["scans"][0]["pose"]["translation_mm"], 0, 1e-6);
+  EXPECT_NEAR(marks["scans"][0]["pose"]["rotation_deg"], 0, 1e-6);
+  expect_others_hold(marks, {"/registration/in_the_frame_of"});
+
+  results.scans[0].world_from_scan.translation += score::Vec3(0.06, 0, 0.08);
+  const auto moved = marks_of(results);
+  EXPECT_NEAR(moved["scans"][0]["pose"]["translation_mm"], 100, 1e-6);
+  EXPECT_EQ(moved["registration"]["wrong"], 1);
+}
+
 TEST_F(PerfectRoom, a_turned_pose_is_off_in_degrees) {
   Results results = perfect();
   auto& rotation = results.scans[1].world_from_scan.rotation;

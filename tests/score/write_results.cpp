@@ -72,7 +72,7 @@ void write_pose(const fs::path& file, const PerfectScan& scan) {
     matrix.push_back(pose.translation[row]);
   }
   for (const double last : {0.0, 0.0, 0.0, 1.0}) matrix.push_back(last);
-  write_text(file, Json{{"world_from_scan", matrix}, {"status", scan.status}}.dump());
+  write_text(file, Json{{"world_from_scan", matrix}, {"status", scan.status}, {"how", scan.how}}.dump());
 }
 
 void write_detail(const fs::path& file, const std::vector<Eigen::Vector3f>& points) {

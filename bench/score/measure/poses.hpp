@@ -7,7 +7,7 @@ struct PoseLimits {
   double deg = 0.5, mm = 50, scale = 0.005;
 };
 
-// Against truth after no alignment (METHOD).
+// Against truth after no alignment (METHOD); both in one frame.
 struct PoseScore {
   double rotation_deg = 0;
   double translation_mm = 0;  // of the scanner's place

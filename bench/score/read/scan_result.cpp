@@ -92,7 +92,7 @@ std::optional<ResultPose> read_result_pose(const std::filesystem::path& folder) 
       bad_input("status: expected accepted or abstained, found {}", status);
     const auto& pose = document.at("world_from_scan");
     if (status == "abstained" && pose.is_null()) return ResultPose{};
-    return ResultPose{json_pose(pose), status == "accepted"};
+    return ResultPose{json_pose(pose), status == "accepted", document.value("how", "") == "frame"};
   });
 }
 

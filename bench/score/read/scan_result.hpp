@@ -41,6 +41,7 @@ std::optional<std::vector<ResultCylinder>> read_result_cylinders(const std::file
 struct ResultPose {
   Similarity world_from_scan;
   bool accepted = false;  // else abstained
+  bool is_frame = false;  // without a model: the frame of all poses is this scan's
 };
 std::optional<ResultPose> read_result_pose(const std::filesystem::path& folder);
 

@@ -126,6 +126,7 @@ Json registration_json(const SceneScore& score) {
           {"wrong", wrong},
           {"abstained", abstained},
           {"no_result", none},
+          {"in_the_frame_of", score.frame.empty() ? Json() : Json(score.frame)},
           {"after_common_fit", score.common_fit ? common_fit_json(*score.common_fit) : Json()}};
 }
 

@@ -92,7 +92,8 @@ std::string poses_table(const SceneScore& score) {
                     fmt::format("{:+.1e}", pose.scale_error)});
   }
   if (rows.size() == 1) return "";
-  std::string text = aligned("registration", rows);
+  std::string text =
+      aligned("registration" + (score.frame.empty() ? "" : ", with " + score.frame + " in its place"), rows);
   if (const auto& fit = score.common_fit)
     text += fmt::format(
         "  after one common rigid motion ({:.3f} mm, {:.5f} deg) of {} scans: rms {:.3f} mm, {:.5f} deg; "
