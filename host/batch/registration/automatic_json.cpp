@@ -18,6 +18,10 @@ Json automatic_json(const stages::AutomaticAlignment& alignment) {
   if (!alignment.accepted) json["reason"] = alignment.reason;
   if (!alignment.has_pose) return json;
   if (!alignment.accepted) json["best_world_from_scan"] = row_major(alignment.world_from_scan);
+  if (const auto& told = alignment.by_samples)
+    json["by_samples"] = {{"free_seen_through", told->free_seen_through},
+                          {"planes_alone", told->doubt},
+                          {"best_by_planes_world_from_scan", row_major(told->best_by_planes)}};
   json["margin"] = alignment.margin;
   json["planar_area"] = planar_area_json(alignment.shares);
   json["doubt"] = alignment.doubt;

@@ -127,18 +127,20 @@ std::string NeighbourPlaces::lay_at_one_of(const std::vector<Pose>& places, doub
                                            std::size_t scan, Registrations& registrations,
                                            Registrations& abstentions) {
   const auto chosen = scan_to_scan_.choose(scan, places, registrations, least_rival);
-  if (chosen.hypothesis.accepted) lay(scan, chosen, registrations, abstentions);
+  if (chosen.hypothesis.accepted)
+    lay(scan, chosen.hypothesis.start, {"automatic", chosen.hypothesis.found, chosen.others}, registrations,
+        abstentions);
   return chosen.hypothesis.reason;
 }
 
-void NeighbourPlaces::lay(std::size_t scan, const ScanToScan::Chosen& chosen, Registrations& registrations,
+void NeighbourPlaces::lay(std::size_t scan, const Pose& start, OnScans on_scans, Registrations& registrations,
                           Registrations& abstentions) {
   ScanRegistration one = std::move(*abstentions[scan]);
   one.how = "scan-icp";
-  one.start = chosen.hypothesis.start;
-  one.on_scans = OnScans{"automatic", chosen.hypothesis.found, chosen.others};
+  one.start = start;
+  one.on_scans = std::move(on_scans);
   one.carried_by = one.on_scans->nearest();
-  one.icp = chosen.hypothesis.found.icp;
+  one.icp = one.on_scans->icp.icp;
   place(scan, std::move(one), registrations, abstentions);
 }
 
@@ -159,10 +161,10 @@ void NeighbourPlaces::lay_all(Registrations& registrations, Registrations& abste
 }
 
 std::vector<Pose> NeighbourPlaces::places_of(std::size_t scan, const Registrations& registrations,
-                                             bool only_rivals) const {
+                                             bool likely) const {
   std::vector<Pose> places;
   for (const auto& [by, alignment] : aligned_[scan]) {
-    if (!registrations[by] || (only_rivals && !alignment.only_rivals)) continue;
+    if (!registrations[by] || (likely && !alignment.accepted && !alignment.only_rivals)) continue;
     for (const Pose& hypothesis : alignment.hypotheses) {
       const Pose place = registrations[by]->world_from_scan() * hypothesis;
       if (std::none_of(places.begin(), places.end(),
@@ -177,13 +179,14 @@ std::vector<Pose> NeighbourPlaces::places_of(std::size_t scan, const Registratio
 bool NeighbourPlaces::carry_by_all(const Neighbour& best, Registrations& registrations,
                                    Registrations& abstentions) {
   const Pose carried = registrations[best.by]->world_from_scan() * best.alignment->world_from_scan;
-  const auto places = places_of(best.scan, registrations, false);
+  const bool by_samples = best.alignment->by_samples.has_value();
+  const auto places = places_of(best.scan, registrations, by_samples);
   if (places.size() > 1 && count_of(registrations) > 1) {
     const auto chosen = scan_to_scan_.choose(best.scan, places, registrations, kLeastRival);
     const auto& found = chosen.hypothesis;
     const bool here = lie_together(carried, found.found.icp.world_from_scan);
     if (found.accepted && !here) {
-      lay(best.scan, chosen, registrations, abstentions);
+      lay(best.scan, found.start, {"automatic", found.found, chosen.others}, registrations, abstentions);
       return true;
     }
     if (found.found_any && (found.has_rival || !here)) {
@@ -195,7 +198,24 @@ bool NeighbourPlaces::carry_by_all(const Neighbour& best, Registrations& registr
       return false;
     }
   }
+  if (by_samples) return carry_by_samples(best, registrations, abstentions);
   carry_one(best, registrations, abstentions);
+  return true;
+}
+
+bool NeighbourPlaces::carry_by_samples(const Neighbour& best, Registrations& registrations,
+                                       Registrations& abstentions) {
+  const Pose start = registrations[best.by]->world_from_scan() * best.alignment->world_from_scan;
+  auto laid = scan_to_scan_.lay(best.scan, start, registrations);
+  if (!laid.contradiction.empty()) {
+    abstentions[best.scan]->neighbour_reason =
+        fmt::format("the samples lay it on scan {}, but all others at once contradict that: {}",
+                    products_[best.by].id, laid.contradiction);
+    abstentions[best.scan]->neighbour.reset();
+    return false;
+  }
+  abstentions[best.scan]->neighbour = *best.alignment;
+  lay(best.scan, start, std::move(laid.on_scans), registrations, abstentions);
   return true;
 }
 

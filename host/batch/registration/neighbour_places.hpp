@@ -57,17 +57,19 @@ class NeighbourPlaces {
   };
   Neighbour best_neighbour(std::size_t scan, const Registrations& registrations,
                            const Registrations& abstentions);
-  // In the world, where its alignments to scans that have a pose lay it, each place once; `only_rivals`: of
-  // those that nothing but rivals speaks against.
-  std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool only_rivals) const;
+  // In the world, where its alignments to scans that have a pose lay it, each place once; `likely`: of those
+  // that nothing or nothing but rivals speaks against.
+  std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool likely) const;
   void carry_one(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
+  // By samples, on all scans that have a pose; false where these contradict it.
+  bool carry_by_samples(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
   // carry_one(), or to another of its places, as all scans that have a pose at once say; false where these do
   // not tell.
   bool carry_by_all(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
   // At the one of these places that all scans that have a pose at once leave; else why there is none.
   std::string lay_at_one_of(const std::vector<Pose>& places, double least_rival, std::size_t scan,
                             Registrations& registrations, Registrations& abstentions);
-  void lay(std::size_t scan, const ScanToScan::Chosen& chosen, Registrations& registrations,
+  void lay(std::size_t scan, const Pose& start, OnScans on_scans, Registrations& registrations,
            Registrations& abstentions);
   // One without a pose now has one.
   void place(std::size_t scan, ScanRegistration one, Registrations& registrations,

@@ -20,10 +20,8 @@ constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0
 // A pose that planes alone do not tell from rivals is told from them where it has so much at most, and each
 // rival so many times more.
 constexpr double kMostOfBest = 0.02, kTimesBest = 4;
-// Where planes lay a scan on one other, and more than so much is seen through, the geometric mean of the
-// shares of all that can be compared and of what is no plane, it is as likely of another place that is alike.
-// Opposite aisles of churches laid on each other have 0.023 at least, all right ones but two 0.016 at most.
-constexpr double kAlikeThrough = 0.018;
+// Where planes lay a scan on one other with less than this on the other's, nothing is to be told by samples.
+constexpr double kLeastSupport = 0.2;
 // So many times as much as that an eighth of the samples tells, too.
 constexpr double kFewTell = 2;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
@@ -69,10 +67,6 @@ bool is_weak(const stages::ScanIcp& found) {
 
 bool is_hopeless(const stages::ScanIcp& found) {
   return found.seen_through > kHopelessThrough;
-}
-
-bool may_be_alike(const stages::ScanIcp& found) {
-  return std::sqrt(found.seen_through * found.free_seen_through) > kAlikeThrough;
 }
 
 std::string contradiction_of(const stages::ScanIcp& found, const Pose& start) {
@@ -304,7 +298,35 @@ void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrati
 }
 
 void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
-  if (!found.accepted && !found.only_rivals) return;
+  if (found.accepted || found.only_rivals)
+    judge_by_planes(i, other, found);
+  else if (found.has_pose && found.shares.supported >= kLeastSupport)
+    judge_by_samples(i, other, found);
+}
+
+void ScanToScan::judge_by_samples(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
+  std::vector<Pose> places = found.hypotheses;
+  places.insert(places.end(), found.beaten.begin(), found.beaten.end());
+  stages::PairPlaceOptions options;
+  options.icp = icp_;
+  const auto told = stages::tell_places(queue_, scan(i), {&scan(other), Pose()}, places, options);
+  if (!told.fits) return;
+  const stages::ScanIcp& best = told.open.front();
+  found.by_samples = {found.reason, found.world_from_scan, best.free_seen_through};
+  found.seen_through = best.seen_through;
+  found.world_from_scan = best.icp.world_from_scan;
+  found.hypotheses.clear();
+  for (const stages::ScanIcp& one : told.open) found.hypotheses.push_back(one.icp.world_from_scan);
+  found.accepted = told.is_told();
+  found.only_rivals = !found.accepted;
+  found.reason = found.accepted ? ""
+                                : fmt::format(
+                                      "its planes do not tell its place, and what is no plane fits {} "
+                                      "places: one scan does not tell",
+                                      told.open.size());
+}
+
+void ScanToScan::judge_by_planes(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
   const std::vector<stages::PlacedScan> placed = {{&scan(other), Pose()}};
   const auto best = stages::assess_on_scans(queue_, scan(i), placed, found.world_from_scan, icp_);
   found.seen_through = best.seen_through;
@@ -316,7 +338,8 @@ void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignm
         words, 100 * best.seen_through);
     return;
   }
-  if (may_be_alike(best)) {
+  // Then it is as likely of another place that is alike.
+  if (stages::alike_through(best) > stages::PairPlaceOptions().most_alike_through) {
     if (!found.accepted) return;
     found.accepted = false;
     found.only_rivals = true;
@@ -353,6 +376,13 @@ ScanToScan::Chosen ScanToScan::choose(std::size_t i, const std::vector<Pose>& hy
   options.reach_m = icp_.gate_m;
   return {stages::choose_hypothesis(queue_, scan(i), others.scans, hypotheses, options),
           std::move(others.ids)};
+}
+
+ScanToScan::Laid ScanToScan::lay(std::size_t i, const Pose& start, const Registrations& registrations) {
+  Others others = others_than(i, registrations);
+  auto found = stages::register_to_scans(queue_, scan(i), others.scans, start, icp_);
+  std::string contradiction = contradiction_of(found, start);
+  return {{"automatic", std::move(found), std::move(others.ids)}, std::move(contradiction)};
 }
 
 void ScanToScan::measure_distances(std::size_t i, const Others& others, ScanRegistration& one) {

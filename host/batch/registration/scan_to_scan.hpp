@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batch/registration/registration_unit.hpp"
+#include "stages/registration/pair_places.hpp"
 #include "stages/registration/scan_hypotheses.hpp"
 
 namespace hybrid::batch {
@@ -44,7 +45,8 @@ class ScanToScan {
 
   // Judges an alignment of scan `i` to scan `other` by planes alone, in whose frame it is: places that are
   // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the
-  // scans see through these, it is accepted.
+  // scans see through these, it is accepted; and where its planes are too few, but the samples tell one of
+  // all poses that were looked at (stages/registration/pair_places.hpp), that one is.
   void judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
 
   // Of hypotheses of the scan's pose (world) the one that the scans that have a pose leave (METHOD 7,
@@ -56,6 +58,13 @@ class ScanToScan {
   };
   Chosen choose(std::size_t i, const std::vector<Pose>& hypotheses, const Registrations& registrations,
                 double least_rival = 0);
+
+  // ICP from a pose (world) on all scans that have one, and what speaks against where it ends; "" = nothing.
+  struct Laid {
+    OnScans on_scans;
+    std::string contradiction;
+  };
+  Laid lay(std::size_t i, const Pose& start, const Registrations& registrations);
 
   // Of a scan that slides() where the scans that have a pose and do not slide hold it; nothing where there
   // are none.
@@ -78,6 +87,8 @@ class ScanToScan {
                  Registrations& abstentions);
   void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
               Registrations& abstentions);
+  void judge_by_planes(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
+  void judge_by_samples(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
   void warn(std::size_t i, std::string text, ScanRegistration& one) const;
   // `firm`: without those that slide.
   Others others_than(std::size_t i, const Registrations& registrations, bool firm = false);

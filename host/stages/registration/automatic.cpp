@@ -190,8 +190,8 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   result.close_rivals = std::count_if(result.rivals.begin(), result.rivals.end(),
                                       [](const RivalPose& rival) { return rival.strength < 1; });
   result.hypotheses = {result.world_from_scan};
-  for (std::ptrdiff_t k = 0; k < result.close_rivals; ++k)
-    result.hypotheses.push_back(result.rivals[static_cast<std::size_t>(k)].world_from_scan);
+  for (const RivalPose& rival : result.rivals)
+    (rival.strength < 1 ? result.hypotheses : result.beaten).push_back(rival.world_from_scan);
   result.margin = 1;
   for (const RivalPose& rival : result.rivals)
     result.margin = std::min(result.margin, rival.comparison.gap());

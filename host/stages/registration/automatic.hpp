@@ -60,7 +60,15 @@ struct AutomaticAlignment {
   bool only_rivals = false;         // nothing speaks against the best pose but that others are nearly as good
   std::ptrdiff_t close_rivals = 0;  // of strength below 1, whether `rivals` names them or not
   std::optional<double> seen_through;  // as of rivals
-  Pose world_from_scan;                // the best pose, accepted or not; to be refined by ICP
+  // Planes alone left a doubt, and the scans' samples told the pose: what that doubt was, the best pose by
+  // planes, which all below is of, and what is seen through of samples of no plane.
+  struct BySamples {
+    std::string doubt;
+    Pose best_by_planes;
+    double free_seen_through = 0;
+  };
+  std::optional<BySamples> by_samples;
+  Pose world_from_scan;  // the best pose, accepted or not; to be refined by ICP
   bool has_pose = false;
   double doubt = 0;  // doubt() of it
   // Of the model, under it: with 3 % of the planar area and more on them each, those with 1 % and more half,
@@ -72,6 +80,7 @@ struct AutomaticAlignment {
   double margin = 0;                 // least gap to a rival, share of the planar area; 1 without rivals
   std::vector<RivalPose> rivals;     // closest first, at most 8
   std::vector<Pose> hypotheses;      // the best pose, and all rivals of strength below 1, closest first
+  std::vector<Pose> beaten;          // all other rivals
   int rotations = 0, guesses = 0, finalists = 0;
 };
 

@@ -1,0 +1,85 @@
+#include "stages/registration/pair_places.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/angles.hpp"
+
+namespace hybrid::stages {
+namespace {
+
+// So many times as much as a place may have contradicts one. An eighth of the samples tells, too, where there
+// is once more so many times as much, and where planes lay it, which they do within centimetres.
+constexpr double kTimes = 2, kTimesOfFew = kTimes * kTimes;
+// Nor need ICP's gate be wide, in overlap_m.
+constexpr double kGate = 6;
+// A place that overlaps by less than this share of the best one is none: nothing speaks for it.
+constexpr double kLeastRival = 0.5;
+// Ends of ICP this near are one place.
+constexpr double kOnePlace_m = 0.05, kOnePlaceDeg = 0.5;
+
+double overlap_of(const ScanIcp& found) {
+  return found.others.front().overlap;
+}
+
+bool is_contradicted(const ScanIcp& found, const PairPlaceOptions& options, double times = kTimes) {
+  return found.seen_through > times * options.most_through ||
+         alike_through(found) > times * options.most_alike_through;
+}
+
+bool is_one_place(const ScanIcp& a, const ScanIcp& b) {
+  return difference(a.icp.world_from_scan, b.icp.world_from_scan).within(kOnePlace_m, kOnePlaceDeg * kDegree);
+}
+
+// Of what lies on surfaces, what bears on a shift along the direction along which least does.
+double least_held(const ComparedPlanes& planes) {
+  const double total = planes.on.trace();
+  if (!(total > 0)) return 0;
+  return Eigen::SelfAdjointEigenSolver<Mat3>(planes.on, Eigen::EigenvaluesOnly).eigenvalues()(0) / total;
+}
+
+bool fits(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options) {
+  return found.icp.converged && found.icp.degenerate.empty() && found.seen_through <= options.most_through &&
+         alike_through(found) <= options.most_alike_through && overlap_of(found) >= options.least_overlap &&
+         found.free_m2 >= options.least_free * scan.area_m2 && least_held(found.planes) >= options.least_held;
+}
+
+}  // namespace
+
+double alike_through(const ScanIcp& found) {
+  return std::sqrt(found.seen_through * found.free_seen_through);
+}
+
+PairPlaces tell_places(device::Queue& queue, const IcpScan& scan, const PlacedScan& other,
+                       const std::vector<Pose>& places, const PairPlaceOptions& options) {
+  const std::vector<PlacedScan> on = {other};
+  ScanIcpOptions icp = options.icp;
+  icp.gate_m = kGate * icp.overlap_m;
+  ScanIcpOptions few = icp;
+  few.few = true;
+  PairPlaces result;
+  for (const Pose& place : places) {
+    if (is_contradicted(assess_on_scans(queue, scan, on, place, few), options, kTimesOfFew)) continue;
+    const ScanIcp near = register_to_scans(queue, scan, on, place, few);
+    if (is_contradicted(near, options, kTimesOfFew)) continue;
+    ScanIcp found = register_to_scans(queue, scan, on, near.icp.world_from_scan, icp);
+    if (is_contradicted(found, options)) continue;
+    const bool known = std::any_of(result.open.begin(), result.open.end(),
+                                   [&](const ScanIcp& one) { return is_one_place(one, found); });
+    if (!known) result.open.push_back(std::move(found));
+  }
+  const auto rank = [&](const ScanIcp& one) {
+    return std::pair(!fits(one, scan, options), alike_through(one));
+  };
+  std::stable_sort(result.open.begin(), result.open.end(),
+                   [&](const ScanIcp& a, const ScanIcp& b) { return rank(a) < rank(b); });
+  if (result.open.empty()) return result;
+  const double least = kLeastRival * overlap_of(result.open.front());
+  std::erase_if(result.open, [&](const ScanIcp& one) { return overlap_of(one) < least; });
+  result.fits = fits(result.open.front(), scan, options);
+  return result;
+}
+
+}  // namespace hybrid::stages
