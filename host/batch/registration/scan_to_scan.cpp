@@ -20,8 +20,9 @@ constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0
 // A pose that planes alone do not tell from rivals is told from them where it has so much at most, and each
 // rival so many times more.
 constexpr double kMostOfBest = 0.02, kTimesBest = 4;
-// Where planes lay a scan on one other with less than this on the other's, nothing is to be told by samples.
-constexpr double kLeastSupport = 0.2;
+// Where planes lay a scan on one other with less than this of it on the other's, or so far off, samples are
+// not asked: of one place planes lie within 2 mm, of rooms of nearly one size centimetres beside each other.
+constexpr double kLeastSupport = 0.2, kMostOff_m = 0.02;
 // So many times as much as that an eighth of the samples tells, too.
 constexpr double kFewTell = 2;
 // From farther off ICP finds some other place; from nearer by this factor where little holds the scan.
@@ -300,7 +301,7 @@ void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrati
 void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
   if (found.accepted || found.only_rivals)
     judge_by_planes(i, other, found);
-  else if (found.has_pose && found.shares.supported >= kLeastSupport)
+  else if (found.has_pose && found.shares.supported >= kLeastSupport && found.farthest_m <= kMostOff_m)
     judge_by_samples(i, other, found);
 }
 

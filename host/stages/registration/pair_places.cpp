@@ -26,7 +26,8 @@ double overlap_of(const ScanIcp& found) {
 
 bool is_contradicted(const ScanIcp& found, const PairPlaceOptions& options, double times = kTimes) {
   return found.seen_through > times * options.most_through ||
-         alike_through(found) > times * options.most_alike_through;
+         alike_through(found) > times * options.most_alike_through ||
+         found.free_seen_through > times * options.most_free_through;
 }
 
 bool is_one_place(const ScanIcp& a, const ScanIcp& b) {
@@ -40,10 +41,16 @@ double least_held(const ComparedPlanes& planes) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(planes.on, Eigen::EigenvaluesOnly).eigenvalues()(0) / total;
 }
 
+double share_beside(const ComparedPlanes& planes) {
+  const double total = planes.on.trace() + planes.through.trace();
+  return total > 0 ? planes.beside_m2 / total : 0;
+}
+
 bool fits(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options) {
-  return found.icp.converged && found.icp.degenerate.empty() && found.seen_through <= options.most_through &&
-         alike_through(found) <= options.most_alike_through && overlap_of(found) >= options.least_overlap &&
-         found.free_m2 >= options.least_free * scan.area_m2 && least_held(found.planes) >= options.least_held;
+  return found.icp.converged && found.icp.degenerate.empty() && !is_contradicted(found, options, 1) &&
+         overlap_of(found) >= options.least_overlap && found.free_m2 >= options.least_free * scan.area_m2 &&
+         found.planes.farthest_m <= options.most_off_m && share_beside(found.planes) <= options.most_beside &&
+         least_held(found.planes) >= options.least_held;
 }
 
 }  // namespace

@@ -12,14 +12,18 @@ double alike_through(const ScanIcp& found);
 
 struct PairPlaceOptions {
   ScanIcpOptions icp;
-  // alike_through() of a place. Opposite aisles and sides of churches laid on each other, and sides shifted
-  // by a bay, have 0.023 and more, all right places but a few 0.016 at most.
-  double most_alike_through = 0.018;
+  // alike_through() of a place, and ScanIcp::free_seen_through. Opposite aisles and sides of churches laid on
+  // each other, and sides shifted by a bay, have 0.023 and more of the former, and sides 0.12 and more of the
+  // latter; all right places but a few 0.016, and 0.04, at most.
+  double most_alike_through = 0.018, most_free_through = 0.06;
   // ScanIcp::seen_through. Right places have 0.02 at most.
   double most_through = 0.025;
   // Of the scan's area, or of the other's, on surfaces of the other, and of the scan's area, samples of no
   // plane that can be compared: with less a place is not told.
   double least_overlap = 0.3, least_free = 0.008;
+  // What planes are off the other's (ComparedPlanes::farthest_m), and the share of the planar area of those
+  // that lie beside it. Right places have 0.8 mm and nothing, rooms of nearly one size 4 cm or 0.046.
+  double most_off_m = 0.01, most_beside = 0.005;
   // Of the planar area on surfaces, what bears on a shift along the direction along which least does.
   double least_held = 0.005;
 };

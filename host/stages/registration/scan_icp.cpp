@@ -16,7 +16,8 @@ constexpr double kFreePerObservation = 100;
 // Leaves and railings are seen through from elsewhere: where planes are so much of what can be compared, they
 // alone tell what is seen through.
 constexpr double kPlanesTell = 0.2;
-constexpr int kSamplesOfPlane = 5;  // seen through, that contradict it
+constexpr int kSamplesOfPlane = 5;     // seen through, that contradict it
+constexpr double kLeastOfScan = 0.01;  // of its area, of a plane whose height counts
 
 class ScanProblem {
  public:
@@ -100,7 +101,7 @@ class ScanProblem {
     return kind == 1 && scan.surface->known() ? scan.surface->spacing() : 0;
   }
   void overlaps(ScanIcp& result);
-  void add_planes(const IcpScan::Samples& samples, const std::vector<float>& heights,
+  void add_planes(const IcpScan::Samples& samples, double scan_m2, const std::vector<float>& heights,
                   const std::vector<float>& clearances, const Pose& world_from_samples,
                   ComparedPlanes& planes) const;
   double observations(std::size_t kind) const;
@@ -113,18 +114,23 @@ class ScanProblem {
 };
 
 // The samples of a supercluster follow each other and share its normal.
-void ScanProblem::add_planes(const IcpScan::Samples& samples, const std::vector<float>& heights,
-                             const std::vector<float>& clearances, const Pose& world_from_samples,
-                             ComparedPlanes& planes) const {
+void ScanProblem::add_planes(const IcpScan::Samples& samples, double scan_m2,
+                             const std::vector<float>& heights, const std::vector<float>& clearances,
+                             const Pose& world_from_samples, ComparedPlanes& planes) const {
   for (std::size_t begin = 0, end = 0; begin < heights.size(); begin = end) {
-    double on = 0, through = 0;
-    int seen_through = 0;
+    double on = 0, through = 0, beside = 0, moment = 0;
+    int seen_through = 0, seen_beside = 0;
     for (end = begin; end < heights.size() && samples.normals[end] == samples.normals[begin]; ++end) {
-      if (std::abs(static_cast<double>(heights[end])) < options_.overlap_m) {
-        on += samples.area_m2[end];
-      } else if (static_cast<double>(clearances[end]) > options_.clear_m) {
-        through += samples.area_m2[end];
+      const double area = samples.area_m2[end], height = heights[end], clearance = clearances[end];
+      if (std::abs(height) < options_.overlap_m) {
+        on += area;
+        moment += area * height;
+      } else if (clearance > options_.clear_m) {
+        through += area;
         ++seen_through;
+      } else if (clearance > options_.overlap_m || std::abs(height) < options_.clear_m) {
+        beside += area;
+        ++seen_beside;
       }
     }
     const auto& n = samples.normals[begin];
@@ -132,6 +138,9 @@ void ScanProblem::add_planes(const IcpScan::Samples& samples, const std::vector<
     planes.on += on * normal * normal.transpose();
     planes.through += through * normal * normal.transpose();
     if (through > on && seen_through >= kSamplesOfPlane) planes.contradicted_m2 += through;
+    if (beside > on && seen_beside >= kSamplesOfPlane) planes.beside_m2 += beside;
+    if (on >= kLeastOfScan * scan_m2 && on > 0)
+      planes.farthest_m = std::max(planes.farthest_m, std::abs(moment) / on);
   }
 }
 
@@ -165,8 +174,8 @@ void ScanProblem::overlaps(ScanIcp& result) {
       }
     }
     if (kind == IcpScan::kPlanar)
-      add_planes(pairs.samples(), heights, clearances,
-                 pairs.forward() ? result.icp.world_from_scan : placed_[other].world_from_scan,
+      add_planes(pairs.samples(), (pairs.forward() ? scan_ : *placed_[other].scan).area_m2, heights,
+                 clearances, pairs.forward() ? result.icp.world_from_scan : placed_[other].world_from_scan,
                  result.planes);
   }
   for (std::size_t k = 0; k < compared.size(); ++k) {

@@ -1,0 +1,124 @@
+// Places of one scan on another, told by what is no plane.
+#include "stages/registration/pair_places.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cases/trial_room.hpp"
+#include "device.hpp"
+#include "geometry/angles.hpp"
+
+namespace hybrid::pair_places_test {
+namespace {
+
+using testing::queue;
+
+constexpr int kSamples = 20000;
+
+struct Seen {
+  testing::TrialScan scan;
+  std::unique_ptr<stages::IcpScan> icp;
+};
+
+// Walls, floor and ceiling stay superclusters; `others`: what stands in the room, too, so that hardly a
+// sample is of no plane.
+Seen see(const testing::TrialRoom& room, std::uint32_t seed, bool others = false) {
+  Seen seen;
+  seen.scan = testing::scan_trial_room(queue(), room, seed, 1);
+  auto& planes = seen.scan.segmentation;
+  const auto bounds = [&](const Supercluster& one) {
+    return std::none_of(planes.superclusters.begin(), planes.superclusters.end(), [&](const auto& other) {
+      return other.plane.normal.dot(one.plane.normal) > 0.99 &&
+             other.plane.distance(Vec3::Zero()) > one.plane.distance(Vec3::Zero()) + 0.2;
+    });
+  };
+  std::vector<Supercluster> kept;
+  std::vector<std::uint32_t> new_id(planes.superclusters.size() + 1, 0);
+  for (const Supercluster& one : planes.superclusters) {
+    if (!others && !bounds(one)) continue;
+    kept.push_back(one);
+    kept.back().id = new_id[one.id] = static_cast<std::uint32_t>(kept.size());
+  }
+  planes.superclusters = std::move(kept);
+  for (auto& label : planes.sample_label) label = new_id[label];
+  seen.icp = testing::icp_scan_of(queue(), seen.scan, kSamples);
+  return seen;
+}
+
+// About the middle of a room's footprint, by half a turn: of a box its walls lie on each other so.
+Pose turned_by_half(const testing::TrialRoom& room, const Pose& pose) {
+  Vec2 middle = Vec2::Zero();
+  for (const Vec2& corner : room.proxy_plan.footprint) middle += corner / 4;
+  Pose half;
+  half.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ()));
+  half.translation = Vec3(2 * middle.x(), 2 * middle.y(), 0);
+  return half * pose;
+}
+
+int trial_count() {
+  return std::getenv("TRIALS") ? 60 : 6;
+}
+
+stages::PairPlaces tell(const Seen& a, const Seen& b, const std::vector<Pose>& places) {
+  return stages::tell_places(queue(), *b.icp, {a.icp.get(), a.scan.world_from_scan}, places);
+}
+
+}  // namespace
+
+TEST(PairPlaces, what_is_no_plane_tells_a_box_from_itself_turned_by_half) {
+  const int count = trial_count();
+  int told = 0;
+  for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(count); ++seed) {
+    const auto room = testing::make_trial_room("box", 9100 + seed);
+    const Seen a = see(room, 9100 + seed), b = see(room, 9200 + seed);
+    const Pose truth = b.scan.world_from_scan;
+    const Pose near = testing::moved_at_random(truth, 0.01, 0.1, seed), half = turned_by_half(room, truth);
+    EXPECT_FALSE(tell(a, b, {half}).fits) << seed;
+    EXPECT_TRUE(tell(a, b, {}).open.empty());
+    const auto places = tell(a, b, {half, near, truth});
+    ASSERT_FALSE(places.open.empty()) << seed;
+    const auto off = difference(truth, places.open.front().icp.world_from_scan);
+    EXPECT_LT(off.distance_m, 0.003) << seed;
+    EXPECT_LT(off.angle_rad, 0.05 * kDegree) << seed;
+    told += places.is_told();
+  }
+  if (std::getenv("TRIALS")) printf("told %d of %d\n", told, count);
+  EXPECT_GE(told, count * 0.7);
+}
+
+// All is as in the room but that two walls are 7 cm farther apart.
+TEST(PairPlaces, a_room_of_nearly_the_same_size_is_another_place) {
+  const int count = trial_count();
+  int told = 0;
+  for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(count); ++seed) {
+    const auto room = testing::make_trial_room("box", 9300 + seed);
+    double low = 1e9, high = -1e9;
+    for (const Vec2& corner : room.proxy_plan.footprint) {
+      low = std::min(low, corner.x());
+      high = std::max(high, corner.x());
+    }
+    auto wider = room;
+    for (Vec3& vertex : wider.truth.vertices)
+      vertex.x() = low + (vertex.x() - low) * (1 + 0.07 / (high - low));
+    const Seen a = see(room, 9300 + seed), b = see(room, 9400 + seed), c = see(wider, 9400 + seed);
+    told += tell(a, b, {b.scan.world_from_scan}).is_told();
+    EXPECT_FALSE(tell(a, c, {c.scan.world_from_scan}).fits) << seed;
+  }
+  if (std::getenv("TRIALS")) printf("told %d of %d\n", told, count);
+  EXPECT_GE(told, count * 0.7);
+}
+
+// With hardly a sample of no plane nothing tells.
+TEST(PairPlaces, planes_alone_tell_nothing) {
+  const auto room = testing::make_trial_room("box", 9500);
+  const Seen a = see(room, 9500, true), b = see(room, 9501, true);
+  const auto told = tell(a, b, {b.scan.world_from_scan});
+  ASSERT_EQ(told.open.size(), 1u);
+  EXPECT_LT(told.open.front().free_m2, 0.008 * b.icp->area_m2);
+  EXPECT_FALSE(told.fits);
+}
+
+}  // namespace hybrid::pair_places_test
