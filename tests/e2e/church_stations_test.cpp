@@ -193,4 +193,10 @@ TEST(ChurchStations, without_a_model_an_aisle_that_lies_on_the_other_has_no_pose
                                    "it may be of another place that is alike");
 }
 
+// Outside two scans share the ground and two walls, too little for their planes to tell; what is no plane
+// tells. (By planes all but the first one abstained.)
+TEST(ChurchStations, without_a_model_scans_round_the_church_hang_together) {
+  expect_all_right_without_a_model({"front", "front-south", "corner", "north-corner", "porch"});
+}
+
 }  // namespace hybrid::e2e
