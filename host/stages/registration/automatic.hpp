@@ -61,7 +61,7 @@ struct AutomaticAlignment {
   std::ptrdiff_t close_rivals = 0;  // of strength below 1, whether `rivals` names them or not
   std::optional<double> seen_through;  // as of rivals
   // Planes alone left a doubt, and the scans' samples told the pose: what that doubt was, the best pose by
-  // planes, which all below is of, and what is seen through of samples of no plane.
+  // planes, which the figures and rivals below are of, and what is seen through of samples of no plane.
   struct BySamples {
     std::string doubt;
     Pose best_by_planes;

@@ -11,27 +11,31 @@ namespace hybrid::stages {
 namespace {
 
 // So many times as much as a place may have contradicts one. An eighth of the samples tells, too, where there
-// is once more so many times as much, and where planes lay it, which they do within centimetres.
+// is once more so many times as much, and where planes lay a place, which they do within centimetres.
 constexpr double kTimes = 2, kTimesOfFew = kTimes * kTimes;
-// Nor need ICP's gate be wide, in overlap_m.
-constexpr double kGate = 6;
+// With less of no plane to compare, as a share of the scan's area, that says nothing.
+constexpr double kFreeSays = 0.002;
+// So ICP's gate need not be wide, in overlap_m.
+constexpr double kPairGate = 6;
 // A place that overlaps by less than this share of the best one is none: nothing speaks for it.
 constexpr double kLeastRival = 0.5;
 // Ends of ICP this near are one place.
-constexpr double kOnePlace_m = 0.05, kOnePlaceDeg = 0.5;
+constexpr double kSamePair_m = 0.05, kSamePairDeg = 0.5;
 
 double overlap_of(const ScanIcp& found) {
   return found.others.front().overlap;
 }
 
-bool is_contradicted(const ScanIcp& found, const PairPlaceOptions& options, double times = kTimes) {
-  return found.seen_through > times * options.most_through ||
-         alike_through(found) > times * options.most_alike_through ||
-         found.free_seen_through > times * options.most_free_through;
+bool is_contradicted(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options,
+                     double times = kTimes) {
+  if (found.seen_through > times * options.most_through) return true;
+  return found.free_m2 > kFreeSays * scan.area_m2 &&
+         (alike_through(found) > times * options.most_alike_through ||
+          found.free_seen_through > times * options.most_free_through);
 }
 
 bool is_one_place(const ScanIcp& a, const ScanIcp& b) {
-  return difference(a.icp.world_from_scan, b.icp.world_from_scan).within(kOnePlace_m, kOnePlaceDeg * kDegree);
+  return difference(a.icp.world_from_scan, b.icp.world_from_scan).within(kSamePair_m, kSamePairDeg * kDegree);
 }
 
 // Of what lies on surfaces, what bears on a shift along the direction along which least does.
@@ -47,7 +51,7 @@ double share_beside(const ComparedPlanes& planes) {
 }
 
 bool fits(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options) {
-  return found.icp.converged && found.icp.degenerate.empty() && !is_contradicted(found, options, 1) &&
+  return found.icp.converged && found.icp.degenerate.empty() && !is_contradicted(found, scan, options, 1) &&
          overlap_of(found) >= options.least_overlap && found.free_m2 >= options.least_free * scan.area_m2 &&
          found.planes.farthest_m <= options.most_off_m && share_beside(found.planes) <= options.most_beside &&
          least_held(found.planes) >= options.least_held;
@@ -63,16 +67,16 @@ PairPlaces tell_places(device::Queue& queue, const IcpScan& scan, const PlacedSc
                        const std::vector<Pose>& places, const PairPlaceOptions& options) {
   const std::vector<PlacedScan> on = {other};
   ScanIcpOptions icp = options.icp;
-  icp.gate_m = kGate * icp.overlap_m;
+  icp.gate_m = kPairGate * icp.overlap_m;
   ScanIcpOptions few = icp;
   few.few = true;
   PairPlaces result;
   for (const Pose& place : places) {
-    if (is_contradicted(assess_on_scans(queue, scan, on, place, few), options, kTimesOfFew)) continue;
+    if (is_contradicted(assess_on_scans(queue, scan, on, place, few), scan, options, kTimesOfFew)) continue;
     const ScanIcp near = register_to_scans(queue, scan, on, place, few);
-    if (is_contradicted(near, options, kTimesOfFew)) continue;
+    if (is_contradicted(near, scan, options, kTimesOfFew)) continue;
     ScanIcp found = register_to_scans(queue, scan, on, near.icp.world_from_scan, icp);
-    if (is_contradicted(found, options)) continue;
+    if (is_contradicted(found, scan, options)) continue;
     const bool known = std::any_of(result.open.begin(), result.open.end(),
                                    [&](const ScanIcp& one) { return is_one_place(one, found); });
     if (!known) result.open.push_back(std::move(found));
