@@ -17,8 +17,9 @@ constexpr double kTimes = 2, kTimesOfFew = kTimes * kTimes;
 constexpr double kFreeSays = 0.002;
 // So ICP's gate need not be wide, in overlap_m.
 constexpr double kPairGate = 6;
-// A place that overlaps by less than this share of the best one is none: nothing speaks for it.
-constexpr double kLeastRival = 0.5;
+// A place that overlaps by less than this share of the best one is none: nothing speaks for it; and one that
+// nothing holds along a direction, as ground and a wall lie on any other such, by less than that.
+constexpr double kLeastRival = 0.5, kLeastSliding = 0.8;
 // Ends of ICP this near are one place.
 constexpr double kSamePair_m = 0.05, kSamePairDeg = 0.5;
 
@@ -50,11 +51,14 @@ double share_beside(const ComparedPlanes& planes) {
   return total > 0 ? planes.beside_m2 / total : 0;
 }
 
+bool is_held(const ScanIcp& found, const PairPlaceOptions& options) {
+  return found.icp.degenerate.empty() && least_held(found.planes) >= options.least_held;
+}
+
 bool fits(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options) {
-  return found.icp.converged && found.icp.degenerate.empty() && !is_contradicted(found, scan, options, 1) &&
+  return found.icp.converged && is_held(found, options) && !is_contradicted(found, scan, options, 1) &&
          overlap_of(found) >= options.least_overlap && found.free_m2 >= options.least_free * scan.area_m2 &&
-         found.planes.farthest_m <= options.most_off_m && share_beside(found.planes) <= options.most_beside &&
-         least_held(found.planes) >= options.least_held;
+         found.planes.farthest_m <= options.most_off_m && share_beside(found.planes) <= options.most_beside;
 }
 
 }  // namespace
@@ -87,8 +91,10 @@ PairPlaces tell_places(device::Queue& queue, const IcpScan& scan, const PlacedSc
   std::stable_sort(result.open.begin(), result.open.end(),
                    [&](const ScanIcp& a, const ScanIcp& b) { return rank(a) < rank(b); });
   if (result.open.empty()) return result;
-  const double least = kLeastRival * overlap_of(result.open.front());
-  std::erase_if(result.open, [&](const ScanIcp& one) { return overlap_of(one) < least; });
+  const double best = overlap_of(result.open.front());
+  std::erase_if(result.open, [&](const ScanIcp& one) {
+    return overlap_of(one) < (is_held(one, options) ? kLeastRival : kLeastSliding) * best;
+  });
   result.fits = fits(result.open.front(), scan, options);
   return result;
 }

@@ -39,7 +39,7 @@ struct PairPlaces {
 // METHOD 7, scan to scan: two scans before a wall share too few planes for these to tell their places alone,
 // but see the same of what is no plane. Each place is refined by register_to_scans(). One is told where
 // little of all and of what is no plane is seen through, it is held along all directions, and each other one
-// is contradicted: twice as much seen through as a place may have, or hardly anything overlaps.
+// is contradicted: twice as much seen through as a place may have, or less overlaps.
 PairPlaces tell_places(device::Queue& queue, const IcpScan& scan, const PlacedScan& other,
                        const std::vector<Pose>& places, const PairPlaceOptions& options = {});
 
