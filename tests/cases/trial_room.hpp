@@ -68,6 +68,13 @@ TrialScan scan_trial_room(device::Queue& queue, const TrialRoom& room, std::uint
 // As scan-to-scan ICP takes it, so many samples of each kind.
 std::unique_ptr<stages::IcpScan> icp_scan_of(device::Queue& queue, const TrialScan& scan, int samples);
 
+// A scan, and as scan-to-scan ICP takes it.
+struct SeenRoom {
+  TrialScan scan;
+  std::unique_ptr<stages::IcpScan> icp;
+  const Pose& pose() const { return scan.world_from_scan; }
+};
+
 // Keeps what lies within `crop` of the full turn from `from_rad` of azimuth on.
 void crop_scan(RangeImage& image, PlaneSegmentation& segmentation, double from_rad, double crop);
 

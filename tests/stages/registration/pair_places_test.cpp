@@ -15,13 +15,9 @@ namespace hybrid::pair_places_test {
 namespace {
 
 using testing::queue;
+using Seen = testing::SeenRoom;
 
 constexpr int kSamples = 20000;
-
-struct Seen {
-  testing::TrialScan scan;
-  std::unique_ptr<stages::IcpScan> icp;
-};
 
 // Walls, floor and ceiling stay superclusters; `others`: what stands in the room, too, so that hardly a
 // sample is of no plane.
@@ -63,7 +59,7 @@ int trial_count() {
 }
 
 stages::PairPlaces tell(const Seen& a, const Seen& b, const std::vector<Pose>& places) {
-  return stages::tell_places(queue(), *b.icp, {a.icp.get(), a.scan.world_from_scan}, places);
+  return stages::tell_places(queue(), *b.icp, {a.icp.get(), a.pose()}, places);
 }
 
 }  // namespace
@@ -74,7 +70,7 @@ TEST(PairPlaces, what_is_no_plane_tells_a_box_from_itself_turned_by_half) {
   for (std::uint32_t seed = 0; seed < static_cast<std::uint32_t>(count); ++seed) {
     const auto room = testing::make_trial_room("box", 9100 + seed);
     const Seen a = see(room, 9100 + seed), b = see(room, 9200 + seed);
-    const Pose truth = b.scan.world_from_scan;
+    const Pose truth = b.pose();
     const Pose near = testing::moved_at_random(truth, 0.01, 0.1, seed), half = turned_by_half(room, truth);
     EXPECT_FALSE(tell(a, b, {half}).fits) << seed;
     EXPECT_TRUE(tell(a, b, {}).open.empty());
@@ -104,8 +100,8 @@ TEST(PairPlaces, a_room_of_nearly_the_same_size_is_another_place) {
     for (Vec3& vertex : wider.truth.vertices)
       vertex.x() = low + (vertex.x() - low) * (1 + 0.07 / (high - low));
     const Seen a = see(room, 9300 + seed), b = see(room, 9400 + seed), c = see(wider, 9400 + seed);
-    told += tell(a, b, {b.scan.world_from_scan}).is_told();
-    EXPECT_FALSE(tell(a, c, {c.scan.world_from_scan}).fits) << seed;
+    told += tell(a, b, {b.pose()}).is_told();
+    EXPECT_FALSE(tell(a, c, {c.pose()}).fits) << seed;
   }
   if (std::getenv("TRIALS")) printf("told %d of %d\n", told, count);
   EXPECT_GE(told, count * 0.7);
@@ -115,7 +111,7 @@ TEST(PairPlaces, a_room_of_nearly_the_same_size_is_another_place) {
 TEST(PairPlaces, planes_alone_tell_nothing) {
   const auto room = testing::make_trial_room("box", 9500);
   const Seen a = see(room, 9500, true), b = see(room, 9501, true);
-  const auto told = tell(a, b, {b.scan.world_from_scan});
+  const auto told = tell(a, b, {b.pose()});
   ASSERT_EQ(told.open.size(), 1u);
   EXPECT_LT(told.open.front().free_m2, 0.008 * b.icp->area_m2);
   EXPECT_FALSE(told.fits);

@@ -15,13 +15,9 @@ namespace hybrid::scan_icp_test {
 namespace {
 
 using testing::queue;
+using Seen = testing::SeenRoom;
 
 constexpr int kSamples = 20000;
-
-struct Seen {
-  testing::TrialScan scan;
-  std::unique_ptr<stages::IcpScan> icp;
-};
 
 // `planes` false: as if no supercluster were found, all samples are free ones.
 Seen see(const testing::TrialRoom& room, std::uint32_t seed, double crop, bool planes) {
