@@ -1,6 +1,5 @@
 #include "stages/registration/pair_places.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -39,26 +38,14 @@ bool is_one_place(const ScanIcp& a, const ScanIcp& b) {
   return difference(a.icp.world_from_scan, b.icp.world_from_scan).within(kSamePair_m, kSamePairDeg * kDegree);
 }
 
-// Of what lies on surfaces, what bears on a shift along the direction along which least does.
-double least_held(const ComparedPlanes& planes) {
-  const double total = planes.on.trace();
-  if (!(total > 0)) return 0;
-  return Eigen::SelfAdjointEigenSolver<Mat3>(planes.on, Eigen::EigenvaluesOnly).eigenvalues()(0) / total;
-}
-
-double share_beside(const ComparedPlanes& planes) {
-  const double total = planes.on.trace() + planes.through.trace();
-  return total > 0 ? planes.beside_m2 / total : 0;
-}
-
 bool is_held(const ScanIcp& found, const PairPlaceOptions& options) {
-  return found.icp.degenerate.empty() && least_held(found.planes) >= options.least_held;
+  return found.icp.degenerate.empty() && found.planes.weakest().share >= options.least_held;
 }
 
 bool fits(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options) {
   return found.icp.converged && is_held(found, options) && !is_contradicted(found, scan, options, 1) &&
          overlap_of(found) >= options.least_overlap && found.free_m2 >= options.least_free * scan.area_m2 &&
-         found.planes.farthest_m <= options.most_off_m && share_beside(found.planes) <= options.most_beside;
+         found.planes.farthest_m <= options.most_off_m && found.planes.beside() <= options.most_beside;
 }
 
 }  // namespace

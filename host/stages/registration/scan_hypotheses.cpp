@@ -52,25 +52,6 @@ Against against(const ComparedPlanes& area) {
   return {solver.eigenvalues()(2), solver.eigenvectors().col(2).normalized()};
 }
 
-struct Held {
-  double share = 0;  // of what lies on surfaces, what bears on a shift along `direction`
-  Vec3 direction = Vec3::UnitZ();
-};
-
-// The direction along which least holds.
-Held held(const ComparedPlanes& area) {
-  const double total = area.on.trace();
-  if (!(total > 0)) return {};
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(area.on);
-  return {solver.eigenvalues()(0) / total, solver.eigenvectors().col(0)};
-}
-
-// Of the planar area that can be compared, that of planes that are contradicted as a whole.
-double contradicted(const ComparedPlanes& planes) {
-  const double total = planes.on.trace() + planes.through.trace();
-  return total > 0 ? planes.contradicted_m2 / total : 0;
-}
-
 // Without what bears on a shift along the direction.
 ComparedPlanes without(const ComparedPlanes& area, const Vec3& direction) {
   const Mat3 rest = Mat3::Identity() - direction * direction.transpose();
@@ -110,7 +91,7 @@ class Chooser {
     return found.seen_through > options_.most_through || against(found.planes).share > options_.most_along;
   }
   std::string doubt(const ScanIcp& found) const;
-  bool is_held(const ScanIcp& found) const { return held(found.planes).share >= options_.least_held; }
+  bool is_held(const ScanIcp& found) const { return found.planes.weakest().share >= options_.least_held; }
   // Whether the scans contradict the one place where they do not contradict the other.
   bool is_ruled_out(const ScanIcp& other, const ScanIcp& best, double times = 1) const;
   // The place, or one beside it along what nothing holds, that is not ruled out; nothing where there is none.
@@ -150,7 +131,7 @@ bool Chooser::is_hopeless(const ScanIcp& found, const Vec3& direction) const {
 }
 
 Chooser::Contradictions Chooser::contradictions(const ScanIcp& found) const {
-  const double planes = contradicted(found.planes) / options_.most_contradicted;
+  const double planes = found.planes.contradicted() / options_.most_contradicted;
   const double free = free_tells(found) ? found.free_seen_through / kFreeThrough : 0;
   return {is_contradicted(found), std::max(planes, free)};
 }
@@ -194,7 +175,7 @@ std::optional<End> Chooser::end_of(const Pose& hypothesis) {
     return end;
   }
   const bool beside = is_contradicted(end.found);
-  const Vec3 direction = beside ? against(end.found.planes).direction : held(end.found.planes).direction;
+  const Vec3 direction = beside ? against(end.found.planes).direction : end.found.planes.weakest().direction;
   if (beside && (is_hopeless(end.found, direction) || is_on_line(hypothesis, direction))) return std::nullopt;
   LineOfPlaces line(queue_, scan_, end.on, hypothesis, direction, kSamplesOnLine, options_.icp);
   double shift_m = 0;
@@ -238,12 +219,12 @@ std::string Chooser::doubt(const ScanIcp& found) const {
         "shift along {}",
         100 * found.seen_through, 100 * most.share, vector_in_words(most.direction));
   }
-  if (const double share = held(found.planes).share; share < options_.least_held)
+  if (const double share = found.planes.weakest().share; share < options_.least_held)
     return fmt::format(
         "of the planar area that lies on surfaces of others {:.2f} % hold the scan along its weakest "
         "direction, at least {:.2f} % should",
         100 * share, 100 * options_.least_held);
-  if (const double share = contradicted(found.planes); share > options_.most_contradicted)
+  if (const double share = found.planes.contradicted(); share > options_.most_contradicted)
     return fmt::format(
         "planes of {:.2f} % of the planar area that can be compared are seen through, at most {:.2f} % "
         "should: has something moved, or is it another place that is alike?",
@@ -258,8 +239,8 @@ std::string Chooser::doubt(const ScanIcp& found) const {
 }
 
 bool Chooser::is_ruled_out(const ScanIcp& other, const ScanIcp& best, double times) const {
-  if (contradicted(other.planes) >
-      times * std::max(options_.most_contradicted, kTimesBest * contradicted(best.planes)))
+  if (other.planes.contradicted() >
+      times * std::max(options_.most_contradicted, kTimesBest * best.planes.contradicted()))
     return true;
   return free_tells(other) && free_tells(best) &&
          other.free_seen_through > times * std::max(kFreeThrough, kTimesBest * best.free_seen_through);
@@ -270,10 +251,11 @@ bool Chooser::is_ruled_out(const ScanIcp& other, const ScanIcp& best, double tim
 std::optional<Pose> Chooser::room_at(const ScanIcp& other, const ScanIcp& best) const {
   Pose place = other.icp.world_from_scan;
   const bool slides = !is_held(best);  // and is refused for that
-  if (slides && is_along(place, best.icp.world_from_scan, held(best.planes).direction)) return std::nullopt;
+  if (slides && is_along(place, best.icp.world_from_scan, best.planes.weakest().direction))
+    return std::nullopt;
   if (!is_ruled_out(other, best)) return place;
   if (is_held(other) || slides) return std::nullopt;
-  const Vec3 step = LineOfPlaces::step_m(few_.overlap_m) * held(other.planes).direction;
+  const Vec3 step = LineOfPlaces::step_m(few_.overlap_m) * other.planes.weakest().direction;
   for (int k = -steps_on_line(); k <= steps_on_line(); ++k) {
     place.translation = other.icp.world_from_scan.translation + k * step;
     const ScanIcp found = assess_on_scans(queue_, scan_, placed_, place, options_.icp);
@@ -336,7 +318,7 @@ ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
   chosen.start = best->hypothesis;
   chosen.found = best->found;
   chosen.along = against(best->found.planes).share;
-  chosen.held = held(best->found.planes).share;
+  chosen.held = best->found.planes.weakest().share;
   chosen.reason = chosen.has_rival
                       ? fmt::format("the scans that have a pose contradict neither one place nor another: {}",
                                     motion_in_words(best->found.icp.world_from_scan, *rival))

@@ -1,5 +1,6 @@
 #include "stages/registration/scan_icp.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -233,7 +234,27 @@ void ScanProblem::describe(const Pose& pose, ScanIcp& result) {
   result.icp.covariance = pose_covariance(informed, 1 / informed.weight, pivot, radius_m(pose), false);
 }
 
+double share_of(double part_m2, const ComparedPlanes& planes) {
+  const double total = planes.on.trace() + planes.through.trace();
+  return total > 0 ? part_m2 / total : 0;
+}
+
 }  // namespace
+
+ComparedPlanes::Weakest ComparedPlanes::weakest() const {
+  const double total = on.trace();
+  if (!(total > 0)) return {};
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(on);
+  return {solver.eigenvalues()(0) / total, solver.eigenvectors().col(0)};
+}
+
+double ComparedPlanes::contradicted() const {
+  return share_of(contradicted_m2, *this);
+}
+
+double ComparedPlanes::beside() const {
+  return share_of(beside_m2, *this);
+}
 
 ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                           const Pose& start, const ScanIcpOptions& options) {

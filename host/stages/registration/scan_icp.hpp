@@ -44,6 +44,16 @@ struct ComparedPlanes {
   // the largest mean height over surfaces, without sign, of those of 1 % of their scan's area and more. Of
   // places that are alike walls stand centimetres beside each other.
   double beside_m2 = 0, farthest_m = 0;
+
+  struct Weakest {
+    double share = 0;  // of what lies on surfaces, what bears on a shift along `direction`
+    Vec3 direction = Vec3::UnitZ();
+  };
+  // The direction along which least holds.
+  Weakest weakest() const;
+  // Of the area that can be compared, 0 where there is none: contradicted_m2, beside_m2.
+  double contradicted() const;
+  double beside() const;
 };
 
 struct ScanIcp {
