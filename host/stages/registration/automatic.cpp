@@ -40,6 +40,8 @@ std::vector<RivalPose> rivals_of(const ScanEvidence& scan, const Search& search,
   return rivals;
 }
 
+constexpr double kUpright = 1e-6;  // of equals the one that stands
+
 // The pose whose weakest comparison is strongest: the score alone lets one large doubtful face decide.
 std::size_t choose(const ScanEvidence& scan, const Search& search) {
   std::size_t best = 0;
@@ -48,12 +50,11 @@ std::size_t choose(const ScanEvidence& scan, const Search& search) {
   for (std::size_t k = 0; k < search.finalists.size(); ++k) {
     if (search.finalists[k].shares.score < search.finalists[0].shares.score - 0.1) continue;
     double weakest = std::numeric_limits<double>::infinity();
-    for (std::size_t l = 0; l < search.finalists.size(); ++l)
+    for (std::size_t l = 0; l < search.finalists.size() && weakest + kUpright > best_strength; ++l)
       if (l != k && !is_near(scan, search.finalists[k], search.finalists[l]))
         weakest =
             std::min(weakest, compare(scan.rays, search.finalists[k].lines, search.finalists[l].lines).gap());
-    const double upright = search.finalists[k].fit.world_from_scan.rotate(Vec3::UnitZ()).z();
-    weakest += 1e-6 * upright;  // of equals the one that stands
+    weakest += kUpright * search.finalists[k].fit.world_from_scan.rotate(Vec3::UnitZ()).z();
     if (weakest > best_strength) {
       best_strength = weakest;
       best = k;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <map>
 
 namespace hybrid::stages {
 namespace {
@@ -33,11 +32,12 @@ struct Said {
 
 Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLine>& pose,
                    const std::vector<SightLine>& other) {
-  std::map<std::uint32_t, Said> by_plane;
+  std::vector<Said> by_plane;
   double total = 0, against = 0, recess = 0;
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const double area = rays[k].area_m2;
     total += area;
+    if (rays[k].plane >= by_plane.size()) by_plane.resize(rays[k].plane + 1);
     if (other[k].sight == Sight::supported) {
       against += area * contradiction(pose[k].sight, rays[k].spans);
       if (pose[k].sight == Sight::through && !rays[k].spans && !other[k].recess) recess += area;
@@ -52,7 +52,7 @@ Comparison compare(const std::vector<SightRay>& rays, const std::vector<SightLin
   }
   Comparison result;
   if (!(total > 0)) return result;
-  for (auto& [plane, said] : by_plane) {
+  for (Said& said : by_plane) {
     double firm = said.through;
     if (said.spans || said.shared >= said.in_front) {
       said.all += (1 - contradiction(Sight::in_front, said.spans)) * said.in_front;
