@@ -52,7 +52,6 @@ void make_frame(ScanRegistration& one, const Pose& pose) {
   one.how = "frame";
   one.fixed = true;
   one.abstained = false;
-  one.automatic.reset();
   one.neighbour.reset();
   one.neighbour_reason.clear();
   one.start = one.icp.world_from_scan = pose;
@@ -62,7 +61,6 @@ void make_unplaced(ScanRegistration& one) {
   one.how = "neighbour";
   one.fixed = false;
   one.abstained = true;
-  one.automatic = stages::AutomaticAlignment{};
   one.neighbour.reset();
   one.carried_by.clear();
   one.start = one.icp.world_from_scan = Pose();
@@ -120,7 +118,6 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
           entries[i].landmarks.size(), entries[i].landmarks[0].line));
       log::warning("scan {}: {}", products_[i].id, one.warnings.back());
     }
-    if (one.abstained) one.automatic = stages::AutomaticAlignment{};
     auto& list = one.abstained ? abstentions : registrations;
     list[i] = std::move(one);
   }

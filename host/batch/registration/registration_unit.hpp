@@ -58,8 +58,8 @@ struct ScanRegistration {
   std::vector<std::string> warnings;  // what a person should look at: pose.json, summary.json, report
   Pose start;                         // from landmarks, the automatic alignment or the scene file
   std::optional<stages::LandmarkFit> landmarks;
-  std::optional<stages::AutomaticAlignment> automatic;
-  stages::Registration icp;  // world_from_scan: the result
+  std::optional<stages::AutomaticAlignment> automatic;  // to the model
+  stages::Registration icp;                             // world_from_scan: the result
   // Of a pose that ICP found from the scene's pose or landmarks, and that was judged: under it.
   std::optional<stages::SightShares> planar_area;
   // Planes and lines of sight, for what follows: face offsets, neighbours, joint refinement.

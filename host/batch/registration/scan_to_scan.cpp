@@ -230,7 +230,6 @@ bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start
   one.how = "scan-icp";
   one.abstained = false;
   one.held_by_model = false;
-  one.automatic.reset();
   one.start = start.world_from_scan;
   one.on_scans.emplace(*std::move(start.found));
   one.carried_by = one.on_scans->nearest();
@@ -267,7 +266,6 @@ void ScanToScan::settle(std::size_t i, const ScanStart& start, Registrations& re
   one.how = start.from;
   one.abstained = false;
   one.unjudged = true;
-  one.automatic.reset();
   one.start = one.icp.world_from_scan = start.world_from_scan;
   one.icp.converged = true;
   warn(i,
