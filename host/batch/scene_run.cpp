@@ -275,11 +275,11 @@ class Run {
     const ScanRegistration& scan = *run_.abstentions[i];
     const auto& neighbours = scan.neighbour_reason;
     if (!run_.model) {
-      const std::string other = neighbours.empty() ? "there is no other scan to align to" : neighbours;
-      const std::string reason = scan.refusal.empty() ? other : scan.refusal + "; " + other;
+      const std::string reason =
+          scan.refusal.empty() || neighbours.empty() ? reason_of(scan) : scan.refusal + "; " + neighbours;
       if (run_.scene.implied)
         return log::info("scan {}: no pose, it may be of another place: {}", run_.products[i].id, reason);
-      fail_input("no pose: {}; give a pose in the scene file, or a [model]", reason);
+      fail_input("no pose: {}", reason);
     }
     if (wants("register"))
       write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,

@@ -267,8 +267,9 @@ stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOpti
 std::string reason_of(const ScanRegistration& abstained) {
   const std::string own = abstained.automatic ? abstained.automatic->reason : "";
   if (abstained.refusal.empty() && own.empty())  // without a model
-    return abstained.neighbour_reason.empty() ? "there is no other scan to align to"
-                                              : abstained.neighbour_reason;
+    return (abstained.neighbour_reason.empty() ? "there is no other scan to align to"
+                                               : abstained.neighbour_reason) +
+           "; give a pose in the scene file, a [model], or a scan taken between this one and others";
   if (abstained.refusal.empty()) return own;
   return abstained.refusal + (own.empty() ? "" : "; the automatic alignment abstains, too: " + own);
 }

@@ -22,8 +22,7 @@ constexpr double kTogether = 2, kTogetherOfFew = 1.2;
 
 // Landmarks are corners of a model: between scans there are none, and who asks says what to do.
 const char* remedy(const AutomaticOptions& options) {
-  return options.of_scan ? "; give a pose"
-                         : "; give 3 or more landmarks (the landmark sheet helps) or a pose";
+  return options.of_scan ? "" : "; give 3 or more landmarks (the landmark sheet helps) or a pose";
 }
 
 const char* other_side(const AutomaticOptions& options) {
