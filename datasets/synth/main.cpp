@@ -6,8 +6,8 @@
 //   hybrid-synth room    --out DIR --seed 1 --preset tiny|demo [--megapixels M]
 //   hybrid-synth church  --out DIR --seed 1 --preset tiny|demo|full [--megapixels M] [--proxy-error 0.02]
 //                       [--only-scan nave]          that scan alone, the same bytes
-//                       [--scans 24]                more stations: before the door, round the church, along
-//                       its aisles
+//                       [--scans 25]                more stations: before the door, round the church, along
+//                       its aisles, in the door
 //   hybrid-synth archive N --out DIR --seed 1        scene-0000 ...: small churches, seeds one apart
 //                       [--from 101]                those that an earlier, interrupted call has made stay
 //
@@ -135,9 +135,10 @@ void add_only_scan(CLI::App& command, Request& r) {
 
 void add_church_options(CLI::App& command, Request& r) {
   command
-      .add_option("--scans", r.options.scans,
-                  "front, nave, chancel, then before the door, round the church and along its aisles")
-      ->check(CLI::Range(3, 24))
+      .add_option(
+          "--scans", r.options.scans,
+          "front, nave, chancel, then before the door, round the church and along its aisles, in the door")
+      ->check(CLI::Range(3, 25))
       ->capture_default_str();
   synth::ScannerModel& scanner = r.options.scanner;
   command

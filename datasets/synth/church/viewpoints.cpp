@@ -59,7 +59,7 @@ struct Station {
 // In the order in which a survey takes them: the three of the small scenes; what ties them together (before
 // the door; the corner, which sees front and side wall; an aisle, which sees the other through the arcades);
 // then round the church, near and far in turn, and along its aisles, so that the first n are a survey as
-// well.
+// well; last, in the open half of the door, what sees inside and outside.
 std::vector<Station> stations(const Plan& p) {
   const double from = p.wall, to = p.wall + p.length, back = p.outer_length(), high = p.floor + 1.6;
   const double aisle = (p.arcade + p.arcade_thick / 2 + p.half_width) / 2;
@@ -88,7 +88,8 @@ std::vector<Station> stations(const Plan& p) {
           {"south-east", {p.outer_half() + 3.5, back + 4.5, 1.6}, false},
           {"north-far", {-far, along(0.75), 1.6}, false},
           {"nave-middle", {-0.1, along(0.22), high}, false},
-          {"front-south", {3.6, -6.2, 1.6}, true}};
+          {"front-south", {3.6, -6.2, 1.6}, true},
+          {"doorway", {0.45, p.wall / 2, high}, false}};
 }
 
 ScannerPose scanner(const Station& station, std::uint64_t index, std::uint64_t seed) {
