@@ -200,6 +200,13 @@ TEST(ChurchStations, without_a_model_scans_round_the_church_hang_together) {
   expect_all_right_without_a_model({"front", "front-south", "corner", "north-corner", "porch"});
 }
 
+// Along the north wall no scan alone tells where it belongs; the three of its side, which hang together, do
+// among all others. (Each by itself they stayed an island.)
+TEST(ChurchStations, without_a_model_an_island_finds_its_place_as_one) {
+  expect_all_right_without_a_model({"corner", "front", "north-corner", "south", "south-far", "south-east",
+                                    "east", "north", "north-east", "north-far"});
+}
+
 // Through the door inside and outside see too little of each other; a station in the door sees both.
 TEST(ChurchStations, without_a_model_a_station_in_the_door_joins_inside_and_outside) {
   expect_all_right_without_a_model({"front", "porch", "nave"}, "or a scan taken between this one and others");

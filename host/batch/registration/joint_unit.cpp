@@ -136,12 +136,36 @@ void NeighbourRegistration::carry(Registrations& registrations, Registrations& a
   if (frame_is_free_) keep_largest_island(registrations, abstentions);
 }
 
+// Of two the smaller one is laid on the larger one, and what that gives may tell the next one's place. What
+// single scans tell of each other is known.
+void NeighbourRegistration::join_islands(std::vector<Registrations>& islands) {
+  Registrations unplaced(products_.size());
+  for (const Registrations& island : islands)
+    for (std::size_t i = 0; i < island.size(); ++i)
+      if (island[i]) {
+        unplaced[i] = island[i];
+        make_unplaced(*unplaced[i]);
+      }
+  const auto joins = [&] {
+    std::stable_sort(islands.begin(), islands.end(), [](const Registrations& a, const Registrations& b) {
+      return count_of(a) > count_of(b);
+    });
+    for (auto on = islands.begin(); on != islands.end() && count_of(*on) > 1; ++on)
+      for (auto island = on + 1; island != islands.end(); ++island)
+        if (places_.lay_island(*island, unplaced, *on)) {
+          islands.erase(island);
+          return true;
+        }
+    return false;
+  };
+  while (joins()) {
+  }
+}
+
 void NeighbourRegistration::keep_largest_island(Registrations& registrations, Registrations& abstentions) {
   std::vector<Registrations> islands;
-  std::size_t largest = 0;
   for (;;) {
     islands.push_back(std::exchange(registrations, Registrations(products_.size())));
-    if (count_of(islands.back()) > count_of(islands[largest])) largest = islands.size() - 1;
     if (count_of(abstentions) < 2) break;  // no more can hang together
     const auto first =
         std::find_if(abstentions.begin(), abstentions.end(), [](const auto& one) { return one.has_value(); });
@@ -150,7 +174,11 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
     registrations[frame] = std::exchange(*first, std::nullopt);
     places_.carry_all(registrations, abstentions);
   }
-  registrations = std::exchange(islands[largest], {});
+  join_islands(islands);
+  const auto largest = std::max_element(
+      islands.begin(), islands.end(),
+      [](const Registrations& a, const Registrations& b) { return count_of(a) < count_of(b); });
+  registrations = std::exchange(*largest, {});
   for (const Registrations& island : islands)
     for (std::size_t i = 0; i < island.size(); ++i)
       if (island[i]) {

@@ -40,6 +40,7 @@ class NeighbourRegistration {
   // Along what the model leaves open, those first that scans which do not slide hold.
   void hold_slides(Registrations& registrations);
   void keep_largest_island(Registrations& registrations, Registrations& abstentions);
+  void join_islands(std::vector<Registrations>& islands);
   void tell_island(Registrations& island, Registrations& abstentions);
 
   device::Queue& queue_;

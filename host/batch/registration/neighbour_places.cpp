@@ -175,6 +175,57 @@ std::vector<Pose> NeighbourPlaces::places_of(std::size_t scan, const Registratio
   return places;
 }
 
+std::vector<Pose> NeighbourPlaces::places_of_island(const Registrations& island,
+                                                    const Registrations& on) const {
+  std::vector<Pose> places;
+  const auto first =
+      std::find_if(island.begin(), island.end(), [](const auto& one) { return one.has_value(); });
+  const auto of_first = [&](const Pose& place) { return place * (*first)->world_from_scan(); };
+  const auto add = [&](const Pose& place) {
+    if (std::none_of(places.begin(), places.end(),
+                     [&](const Pose& known) { return lie_together(of_first(known), of_first(place)); }))
+      places.push_back(place);
+  };
+  const auto add_all = [&](const Registrations& scans, const Registrations& others, bool inverse) {
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      if (!scans[i]) continue;
+      for (const auto& [by, alignment] : aligned_[i]) {
+        if (!others[by]) continue;
+        auto poses = alignment.uncontradicted;
+        if (alignment.accepted || alignment.only_rivals)
+          poses.insert(poses.end(), alignment.hypotheses.begin(), alignment.hypotheses.end());
+        for (const Pose& pose : poses) {
+          const Pose place = others[by]->world_from_scan() * pose * scans[i]->world_from_scan().inverse();
+          add(inverse ? place.inverse() : place);
+        }
+      }
+    }
+  };
+  add_all(island, on, false);
+  add_all(on, island, true);
+  return places;
+}
+
+bool NeighbourPlaces::lay_island(const Registrations& island, const Registrations& unplaced,
+                                 Registrations& on) {
+  const auto found = scan_to_scan_.place_of_island(island, on, places_of_island(island, on));
+  if (!found) return false;
+  std::vector<std::size_t> scans;
+  for (std::size_t i = 0; i < island.size(); ++i)
+    if (island[i]) scans.push_back(i);
+  Registrations laid_on = on, left = unplaced;
+  for (const std::size_t k : found->order) {
+    const std::size_t i = scans[k];
+    const Pose start = found->world_from_island * island[i]->world_from_scan();
+    auto laid = scan_to_scan_.lay(i, start, laid_on);
+    if (!laid.contradiction.empty()) return false;
+    laid.on_scans.start = "island";
+    lay(i, start, std::move(laid.on_scans), laid_on, left);
+  }
+  on = std::move(laid_on);
+  return true;
+}
+
 // Where all of its places are contradicted, as by what has moved since, the single scan's word stands.
 bool NeighbourPlaces::carry_by_all(const Neighbour& best, Registrations& registrations,
                                    Registrations& abstentions) {

@@ -43,6 +43,9 @@ class NeighbourPlaces {
 
   // Those with hypotheses on the model, on all scans that have a pose at once.
   void lay_all(Registrations& registrations, Registrations& abstentions);
+  // The scans of an island on those of another, each on all, from where all together tell the island's place;
+  // false where they do not, and then nothing has changed. `unplaced`: the scans without a pose.
+  bool lay_island(const Registrations& island, const Registrations& unplaced, Registrations& on);
   // All others, by planes; what abstains is told why.
   void carry_all(Registrations& registrations, Registrations& abstentions);
 
@@ -60,6 +63,8 @@ class NeighbourPlaces {
   // In the world, where its alignments to scans that have a pose lay it, each place once; `likely`: of those
   // that nothing or nothing but rivals speaks against.
   std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool likely) const;
+  // Where the alignments between its scans and those of the other lay an island, each place once.
+  std::vector<Pose> places_of_island(const Registrations& island, const Registrations& on) const;
   void carry_one(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
   // By samples, on all scans that have a pose; false where these contradict it.
   bool carry_by_samples(const Neighbour& best, Registrations& registrations, Registrations& abstentions);

@@ -27,7 +27,8 @@ constexpr double kFreeReach_m = 0.5;
 // How a scan lies on the other scans of its scene, planar samples and the others.
 struct OnScans {
   // ICP began at: "given" | "recorded" (in the scan's file) | "coordinates" (of the file) | "automatic" (a
-  // hypothesis of the alignment to the model or to other scans); "" = no ICP
+  // hypothesis of the alignment to the model or to other scans) | "island" (the place of its island on all
+  // placed scans); "" = no ICP
   std::string start;
   stages::ScanIcp icp;
   std::vector<std::string> others;     // whose figures icp.others are

@@ -309,6 +309,7 @@ void ScanToScan::judge_by_samples(std::size_t i, std::size_t other, stages::Auto
   stages::PairPlaceOptions options;
   options.icp = icp_;
   const auto told = stages::tell_places(queue_, scan(i), {&scan(other), Pose()}, places, options);
+  found.uncontradicted = told.uncontradicted;
   if (!told.fits) return;
   const stages::ScanIcp& best = told.open.front();
   found.by_samples = {found.reason, found.world_from_scan, best.free_seen_through};
@@ -382,6 +383,17 @@ ScanToScan::Laid ScanToScan::lay(std::size_t i, const Pose& start, const Registr
   auto found = stages::register_to_scans(queue_, scan(i), others.scans, start, icp_);
   std::string contradiction = contradiction_of(found, start);
   return {{"automatic", std::move(found), std::move(others.ids)}, std::move(contradiction)};
+}
+
+std::optional<stages::IslandFit> ScanToScan::place_of_island(const Registrations& island,
+                                                             const Registrations& on,
+                                                             const std::vector<Pose>& places) {
+  std::vector<stages::PlacedScan> moved;
+  for (std::size_t i = 0; i < island.size(); ++i)
+    if (island[i]) moved.push_back({&scan(i), island[i]->world_from_scan()});
+  stages::IslandOptions options;
+  options.icp = icp_;
+  return stages::tell_island_place(queue_, moved, others_than(products_.size(), on).scans, places, options);
 }
 
 void ScanToScan::measure_distances(std::size_t i, const Others& others, ScanRegistration& one) {

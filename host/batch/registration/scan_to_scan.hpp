@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batch/registration/registration_unit.hpp"
+#include "stages/registration/island_places.hpp"
 #include "stages/registration/pair_places.hpp"
 #include "stages/registration/scan_hypotheses.hpp"
 
@@ -65,6 +66,11 @@ class ScanToScan {
     std::string contradiction;
   };
   Laid lay(std::size_t i, const Pose& start, const Registrations& registrations);
+
+  // Of an island as one: the place among these (to the frame of `on`) that the samples of all scans of both
+  // leave; `order` counts its scans.
+  std::optional<stages::IslandFit> place_of_island(const Registrations& island, const Registrations& on,
+                                                   const std::vector<Pose>& places);
 
   // Of a scan that slides() where the scans that have a pose and do not slide hold it; nothing where there
   // are none.

@@ -81,6 +81,8 @@ struct AutomaticAlignment {
   std::vector<RivalPose> rivals;     // closest first, at most 8
   std::vector<Pose> hypotheses;      // the best pose, and all rivals of strength below 1, closest first
   std::vector<Pose> beaten;          // all other rivals
+  // Scan to scan, where the samples were asked: what they do not contradict of all these, after ICP.
+  std::vector<Pose> uncontradicted;
   int rotations = 0, guesses = 0, finalists = 0;
 };
 

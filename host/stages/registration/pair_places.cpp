@@ -78,6 +78,7 @@ PairPlaces tell_places(device::Queue& queue, const IcpScan& scan, const PlacedSc
   std::stable_sort(result.open.begin(), result.open.end(),
                    [&](const ScanIcp& a, const ScanIcp& b) { return rank(a) < rank(b); });
   if (result.open.empty()) return result;
+  for (const ScanIcp& one : result.open) result.uncontradicted.push_back(one.icp.world_from_scan);
   const double best = overlap_of(result.open.front());
   std::erase_if(result.open, [&](const ScanIcp& one) {
     return overlap_of(one) < (is_held(one, options) ? kLeastRival : kLeastSliding) * best;

@@ -33,7 +33,8 @@ struct PairPlaceOptions {
 struct PairPlaces {
   // After ICP, each once: those that the samples do not contradict, the least contradicted first.
   std::vector<ScanIcp> open;
-  bool fits = false;  // the first one is held, and the samples speak for it
+  std::vector<Pose> uncontradicted;  // with those that overlap too little to be rivals
+  bool fits = false;                 // the first one is held, and the samples speak for it
   bool is_told() const { return fits && open.size() == 1; }
 };
 
