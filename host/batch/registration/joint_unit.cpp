@@ -62,6 +62,7 @@ void make_unplaced(ScanRegistration& one) {
   one.fixed = false;
   one.abstained = true;
   one.neighbour.reset();
+  one.on_scans.reset();
   one.carried_by.clear();
   one.start = one.icp.world_from_scan = Pose();
 }
