@@ -163,6 +163,9 @@ void expect_all_right_without_a_model(std::vector<std::string> ids,
     EXPECT_EQ(json_of(out / "scans" / ids.back() / "pose.json")["status"], "abstained");
     ids.pop_back();
   }
+  const auto summary = json_of(out / "summary.json");
+  const auto frame = summary["joint"]["frame"].get<std::string>();
+  EXPECT_EQ(json_of(out / "scans" / frame / "pose.json")["how"], "frame") << frame;
   const auto found = [&](std::size_t i) {
     const auto pose = json_of(out / "scans" / ids[i] / "pose.json");
     EXPECT_FALSE(pose.contains("automatic")) << ids[i];  // there is no model to align to

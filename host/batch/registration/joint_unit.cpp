@@ -48,6 +48,15 @@ Json pair_json(const stages::PairReport& pair, const std::vector<std::string>& i
           {"strength", pair.strength}};
 }
 
+// Of some that have a pose the one in whose frame they are: where it was taken from them, the first.
+std::size_t frame_of(const Registrations& registrations) {
+  const auto fixed = std::find_if(registrations.begin(), registrations.end(),
+                                  [](const auto& one) { return one && one->fixed; });
+  const auto first = std::find_if(registrations.begin(), registrations.end(),
+                                  [](const auto& one) { return one.has_value(); });
+  return static_cast<std::size_t>((fixed == registrations.end() ? first : fixed) - registrations.begin());
+}
+
 void make_frame(ScanRegistration& one, const Pose& pose) {
   one.how = "frame";
   one.fixed = true;
@@ -199,7 +208,7 @@ void NeighbourRegistration::tell_island(Registrations& island, Registrations& ab
   std::vector<std::size_t> scans;
   for (std::size_t i = 0; i < island.size(); ++i)
     if (island[i]) scans.push_back(i);
-  const std::size_t frame = scans.front();
+  const std::size_t frame = frame_of(island);
   island[frame]->fixed = true;
   if (options_.joint) figures_["islands"].push_back(refine_all(island));
   scan_to_scan_.describe(island);
@@ -286,7 +295,7 @@ Json NeighbourRegistration::refine_all(Registrations& registrations) {
   }
   for (const auto& pair : joint.pairs) pairs.push_back(pair_json(pair, ids));
   return {{"scans", ids},
-          {"frame", model_ ? "model" : ids.front()},
+          {"frame", model_ ? "model" : products_[frame_of(registrations)].id},
           {"iterations", joint.iterations},
           {"converged", joint.converged},
           {"plane_sigma_m", joint.sigma_m},
