@@ -1,12 +1,14 @@
-// Nearest surface along rays of one origin, among triangles and tiny spheres (METHOD 10: primary visibility
-// by ray casting in a BVH).
+// Nearest surface along rays of one origin, or of some, among triangles and tiny spheres (METHOD 10: primary
+// visibility by ray casting in a BVH).
 //
 // Mapping: one work-item per packet of VW rays, PACKET_COLS x PACKET_ROWS neighbouring pixels (VW in a row
 // for a list of rays); the host launches ceil(cols / PACKET_COLS) x ceil(rows / PACKET_ROWS).
 //
 // in: the tree (shared/bvh_records.h; metres, local frame); directions[3 * cols * rows]: unit, local frame,
-// NaN = no ray; read only without use_camera. With it, ray (col, row) passes through pixel first + (col, row)
-// + offset of the camera, distortion included; pixels no direction projects to have no ray.
+// NaN = no ray; read only without use_camera. In a row of them every rays_per_origin, a multiple of VW, may
+// have an origin of their own: three floats each, local frame, after the last direction. With use_camera ray
+// (col, row) passes through pixel first + (col, row) + offset of the camera, distortion included; pixels no
+// direction projects to have no ray.
 //
 // out, row-major: distance[cols * rows] along the ray, metres, +inf = nothing hit; id[cols * rows]: 0 =
 // nothing, else the primitive's (1 + face, 0x80000000 + splat); with want_surface the planes
@@ -129,7 +131,11 @@ kernel void ray_cast(const RayCastParams params, global const BvhNode* restrict 
   packet_directions(&params, directions, corner, &x, &y, &z);
   const intv used = MASK(x + y + z == x + y + z);  // no NaN
   x = PICK(used, x, (floatv)(0.0f)), y = PICK(used, y, (floatv)(0.0f)), z = PICK(used, z, (floatv)(1.0f));
-  const PacketRays rays = bvh_rays(vload3(0, params.camera.centre), x, y, z, used);
+  const float3 origin =
+      params.rays_per_origin
+          ? vload3(params.cols * params.rows + corner.x / params.rays_per_origin, directions)
+          : vload3(0, params.camera.centre);
+  const PacketRays rays = bvh_rays(origin, x, y, z, used);
   const PacketHit hit =
       bvh_nearest(&rays, nodes, triangles, spheres, sphere_surfaces, params.root,
                   PICK(used, (floatv)(INFINITY), (floatv)(-1.0f)), SLACK * params.tolerance_m);

@@ -11,7 +11,8 @@ typedef struct RayCastParams {
   HYBRID_UINT root;                  // child code of the tree's root, BVH_EMPTY for an empty scene
   HYBRID_UINT use_camera;            // 0: directions are given
   HYBRID_UINT want_surface;          // 0: `surface` is not written
-  HYBRID_UINT pad[2];
+  HYBRID_UINT rays_per_origin;       // 0: one origin; else so many directions share one of their own
+  HYBRID_UINT pad;
 } RayCastParams;
 LAYOUT_CHECK(RayCastParams, 176);
 

@@ -53,6 +53,7 @@ struct RayCastCase {
   struct Input {
     RayScene scene;
     std::array<float, 3> origin{};
+    std::vector<float> origins;     // 3 per group of as many rays each; none = `origin` for all
     std::vector<float> directions;  // 3 per ray; every 13th is NaN
     float tolerance_m = 0.3f;       // large, so that the rule decides often
     int vector_width = 0;           // 0 = the device's
@@ -91,7 +92,11 @@ struct RayCastCase {
     params.tolerance_m = input.tolerance_m;
     params.root = bvh.root;
     params.want_surface = 1;
-    const auto directions = queue.array(input.directions);
+    if (!input.origins.empty())
+      params.rays_per_origin = static_cast<std::uint32_t>(3 * input.count() / input.origins.size());
+    auto given = input.directions;
+    given.insert(given.end(), input.origins.begin(), input.origins.end());
+    const auto directions = queue.array(given);
     const auto distance = queue.array<float>(input.count());
     const auto id = queue.array<std::uint32_t>(input.count());
     const auto surface = queue.array<float>(SURFACE_PLANES * input.count());

@@ -42,6 +42,35 @@ TEST(RayCast, gives_the_same_bits_at_two_work_group_sizes_and_every_vector_width
   }
 }
 
+TEST(RayCast, rays_of_several_origins_hit_what_those_of_each_alone_hit) {
+  constexpr std::size_t kEach = 48, kGroups = 5;
+  auto all = RayCastCase::make(kEach * kGroups, 7);
+  for (std::size_t group = 0; group < kGroups; ++group)
+    all.origins.insert(all.origins.end(), {0.4f * static_cast<float>(group), -0.3f, 0.7f});
+  for (int width : vector_widths()) {
+    all.vector_width = width;
+    const auto together = RayCastCase::run(queue(), all);
+    for (std::size_t group = 0; group < kGroups; ++group) {
+      auto alone = all;
+      alone.origins.clear();
+      std::copy_n(all.origins.begin() + static_cast<std::ptrdiff_t>(3 * group), 3, alone.origin.begin());
+      const auto begin = all.directions.begin() + static_cast<std::ptrdiff_t>(3 * kEach * group);
+      alone.directions.assign(begin, begin + 3 * kEach);
+      const auto expected = RayCastCase::run(queue(), alone);
+      std::vector<float> distance, x;
+      std::vector<std::uint32_t> id;
+      for (std::size_t i = kEach * group; i < kEach * (group + 1); ++i) {
+        distance.push_back(together.distance[i]);
+        id.push_back(together.id[i]);
+        x.push_back(together.surface[i]);
+      }
+      EXPECT_TRUE(same_bits(distance, expected.distance)) << group;
+      EXPECT_EQ(id, expected.id) << group;
+      EXPECT_TRUE(same_bits(x, {expected.surface.begin(), expected.surface.begin() + kEach})) << group;
+    }
+  }
+}
+
 TEST(RayCast, rays_without_a_direction_and_empty_scenes_hit_nothing) {
   auto input = RayCastCase::make(129, 1);
   const auto full = input.directions;

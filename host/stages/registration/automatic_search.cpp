@@ -28,24 +28,17 @@ void look_coarsely(SightCaster& caster, const ScanEvidence& scan, const Automati
   coarse.clear_m = std::max(0.4, 2 * coarse.clear_m);
   coarse.recesses = false;
   const std::size_t stride = std::max<std::size_t>(1, scan.rays.size() / kCoarseRays);
-  for (PoseGuess& guess : guesses)
-    guess.score =
-        shares_of(scan.rays, caster.cast(scan.rays, guess.world_from_scan, coarse, stride), stride).score;
+  std::vector<Pose> poses;
+  for (const PoseGuess& guess : guesses) poses.push_back(guess.world_from_scan);
+  const auto lines = caster.cast(scan.rays, poses, coarse, stride);
+  parallel_for(guesses.size(),
+               [&](std::size_t k) { guesses[k].score = shares_of(scan.rays, lines[k], stride).score; });
   sort_by_score(guesses);
 }
 
-bool add_finalist(SightCaster& caster, const ScanEvidence& scan, const TileFit& fit,
-                  const AutomaticOptions& options, std::vector<Finalist>& finalists) {
-  Finalist one;
-  one.fit = fit;
-  if (!one.fit.world_from_scan.translation.allFinite() || one.fit.least_share <= 0) return false;
-  if (options.levelled && (one.fit.world_from_scan.rotate(Vec3::UnitZ())).z() < 0.99) return false;
-  for (const Finalist& other : finalists)
-    if (same_place(scan, other.fit.world_from_scan, one.fit.world_from_scan, kSamePlace_m)) return false;
-  one.lines = caster.cast(scan.rays, one.fit.world_from_scan, sight_options(options));
-  one.shares = shares_of(scan.rays, one.lines);
-  finalists.push_back(std::move(one));
-  return true;
+bool may_be_final(const TileFit& fit, const AutomaticOptions& options) {
+  if (!fit.world_from_scan.translation.allFinite() || fit.least_share <= 0) return false;
+  return !options.levelled || fit.world_from_scan.rotate(Vec3::UnitZ()).z() >= 0.99;
 }
 
 void add_finalists(SightCaster& caster, const ScanEvidence& scan, const ModelShapes& model,
@@ -53,7 +46,22 @@ void add_finalists(SightCaster& caster, const ScanEvidence& scan, const ModelSha
                    std::vector<Finalist>& finalists) {
   std::vector<TileFit> fits(starts.size());
   parallel_for(starts.size(), [&](std::size_t k) { fits[k] = fit_tiles(scan, model, starts[k]); });
-  for (const TileFit& fit : fits) add_finalist(caster, scan, fit, options, finalists);
+  const std::size_t known = finalists.size();
+  std::vector<Pose> poses;
+  for (const TileFit& fit : fits) {
+    if (!may_be_final(fit, options)) continue;
+    if (std::any_of(finalists.begin(), finalists.end(), [&](const Finalist& other) {
+          return same_place(scan, other.fit.world_from_scan, fit.world_from_scan, kSamePlace_m);
+        }))
+      continue;
+    finalists.push_back({fit, {}, {}});
+    poses.push_back(fit.world_from_scan);
+  }
+  auto lines = caster.cast(scan.rays, poses, sight_options(options));
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    finalists[known + k].shares = shares_of(scan.rays, lines[k]);
+    finalists[known + k].lines = std::move(lines[k]);
+  }
 }
 
 void sort_by_score(std::vector<Finalist>& finalists) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/disjoint_sets.hpp"
+#include "core/parallel.hpp"
 #include "shared/params_ray_cast.h"
 #include "stages/rendering/render_geometry.hpp"
 
@@ -21,7 +22,8 @@ struct SightCaster::Hit {
 
 namespace {
 
-constexpr double kSmallFace = 0.05;  // of the model's area: larger ones are walls
+constexpr std::size_t kRaysAtATime = 1 << 18;  // by one launch, or those of one pose
+constexpr double kSmallFace = 0.05;            // of the model's area: larger ones are walls
 constexpr double kStrayShare = 0.1;  // of what a face supports: less beside its neighbours are a few at edges
 
 // What a sample counts that no face supports, and how much of all area one face can cost: openings exist.
@@ -129,46 +131,78 @@ void SightCaster::doubt_recesses(const std::vector<SightRay>& rays, std::size_t 
   }
 }
 
-std::vector<SightLine> SightCaster::cast(const std::vector<SightRay>& rays, const Pose& world_from_scan,
-                                         const SightOptions& options, std::size_t stride) {
-  const std::size_t count = (rays.size() + stride - 1) / stride;
-  if (count == 0) return {};
-  const Mat3 rotation = world_from_scan.rotation.toRotationMatrix();
-  std::vector<float> directions(3 * count);
-  for (std::size_t k = 0; k < count; ++k) store(rotation * rays[k * stride].direction, &directions[3 * k]);
+// Of each pose a whole number of the device's packets.
+SightCaster::Seen SightCaster::trace(const std::vector<SightRay>& rays, std::span<const Pose> poses,
+                                     std::size_t stride) {
+  constexpr std::size_t kWidest = 16;
+  const std::size_t count = (rays.size() + stride - 1) / stride,
+                    padded = (count + kWidest - 1) / kWidest * kWidest, all = padded * poses.size();
+  std::vector<float> directions(3 * (all + poses.size()), std::numeric_limits<float>::quiet_NaN());
+  parallel_for(poses.size(), [&](std::size_t p) {
+    const Mat3 rotation = poses[p].rotation.toRotationMatrix();
+    for (std::size_t k = 0; k < count; ++k)
+      store(rotation * rays[k * stride].direction, &directions[3 * (p * padded + k)]);
+    store(poses[p].translation - origin_, &directions[3 * (all + p)]);
+  });
   RayCastParams params{};
-  store(world_from_scan.translation - origin_, params.camera.centre);
-  params.cols = static_cast<std::uint32_t>(count);
+  params.cols = static_cast<std::uint32_t>(all);
   params.rows = 1;
   params.root = bvh_.root;
-  auto distance = queue_.array<float>(count);
-  auto id = queue_.array<std::uint32_t>(count);
+  params.rays_per_origin = static_cast<std::uint32_t>(padded);
+  auto distance = queue_.array<float>(all);
+  auto id = queue_.array<std::uint32_t>(all);
   const auto no_surface = queue_.array<float>(0);
   queue_.launch("ray_cast", queue_.kernel("ray_cast", {{"VW", queue_.vector_width()}}),
-                packet_grid(queue_.vector_width(), count, 1), params, bvh_.nodes, bvh_.triangles,
-                bvh_.spheres, bvh_.surfaces, queue_.array(directions), distance, id, no_surface);
-  const auto ids = queue_.read(id);
-  const auto predicted = queue_.read(distance);
+                packet_grid(queue_.vector_width(), all, 1), params, bvh_.nodes, bvh_.triangles, bvh_.spheres,
+                bvh_.surfaces, queue_.array(directions), distance, id, no_surface);
+  return {padded, queue_.read(distance), queue_.read(id)};
+}
 
-  std::vector<Hit> hits(count);
+std::vector<SightLine> SightCaster::judge_all(const std::vector<SightRay>& rays, const Pose& world_from_scan,
+                                              const SightOptions& options, std::size_t stride,
+                                              const Seen& seen, std::size_t pose) const {
+  const Mat3 rotation = world_from_scan.rotation.toRotationMatrix();
+  std::vector<Hit> hits((rays.size() + stride - 1) / stride);
   const double compatible = std::cos(options.normal_deg * std::numbers::pi / 180);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (ids[k] == 0) continue;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    const std::size_t at = pose * seen.rays_of_each + k;
+    if (seen.id[at] == 0) continue;
     const SightRay& ray = rays[k * stride];
-    const Plane& plane = planes_[ids[k] - 1];
+    const Plane& plane = planes_[seen.id[at] - 1];
     const double cosine = -plane.normal.dot(rotation * ray.direction);
-    const double beyond = world_from_scan.scale * ray.range_m - static_cast<double>(predicted[k]);
-    hits[k] = {-beyond * std::abs(cosine), ids[k] - 1, true, cosine > 0,
+    const double beyond = world_from_scan.scale * ray.range_m - static_cast<double>(seen.distance_m[at]);
+    hits[k] = {-beyond * std::abs(cosine), seen.id[at] - 1, true, cosine > 0,
                plane.normal.dot(rotation * ray.normal) > compatible};
   }
   const auto offsets = face_offsets(rays, hits, options, stride);
-  std::vector<SightLine> lines(count);
-  for (std::size_t k = 0; k < count; ++k) {
+  std::vector<SightLine> lines(hits.size());
+  for (std::size_t k = 0; k < hits.size(); ++k) {
     const auto offset = offsets.find(hits[k].face);
     lines[k] = {judge(hits[k], offset == offsets.end() ? 0 : offset->second, options), hits[k].face,
                 recess_[hits[k].face] != 0};
   }
   if (options.recesses) doubt_recesses(rays, stride, hits, options, lines);
+  return lines;
+}
+
+std::vector<SightLine> SightCaster::cast(const std::vector<SightRay>& rays, const Pose& world_from_scan,
+                                         const SightOptions& options, std::size_t stride) {
+  return cast(rays, std::vector<Pose>{world_from_scan}, options, stride).front();
+}
+
+std::vector<std::vector<SightLine>> SightCaster::cast(const std::vector<SightRay>& rays,
+                                                      const std::vector<Pose>& poses,
+                                                      const SightOptions& options, std::size_t stride) {
+  std::vector<std::vector<SightLine>> lines(poses.size());
+  if (rays.empty()) return lines;
+  const std::size_t at_a_time = std::max<std::size_t>(kRaysAtATime * stride / rays.size(), 1);
+  for (std::size_t first = 0; first < poses.size(); first += at_a_time) {
+    const auto some = std::span(poses).subspan(first, std::min(at_a_time, poses.size() - first));
+    const Seen seen = trace(rays, some, stride);
+    parallel_for(some.size(), [&](std::size_t p) {
+      lines[first + p] = judge_all(rays, some[p], options, stride, seen, p);
+    });
+  }
   return lines;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "device/queue.hpp"
@@ -45,9 +46,21 @@ class SightCaster {
   // Kernel: ray_cast.
   std::vector<SightLine> cast(const std::vector<SightRay>& rays, const Pose& world_from_scan,
                               const SightOptions& options, std::size_t stride = 1);
+  // The same of each pose, many in one launch.
+  std::vector<std::vector<SightLine>> cast(const std::vector<SightRay>& rays, const std::vector<Pose>& poses,
+                                           const SightOptions& options, std::size_t stride = 1);
 
  private:
   struct Hit;
+  struct Seen {
+    std::size_t rays_of_each = 0;  // of a pose, one after the other
+    std::vector<float> distance_m;
+    std::vector<std::uint32_t> id;
+  };
+  Seen trace(const std::vector<SightRay>& rays, std::span<const Pose> poses, std::size_t stride);
+  std::vector<SightLine> judge_all(const std::vector<SightRay>& rays, const Pose& world_from_scan,
+                                   const SightOptions& options, std::size_t stride, const Seen& seen,
+                                   std::size_t pose) const;
   void doubt_recesses(const std::vector<SightRay>& rays, std::size_t stride, const std::vector<Hit>& hits,
                       const SightOptions& options, std::vector<SightLine>& lines) const;
 

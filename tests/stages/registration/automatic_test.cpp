@@ -144,6 +144,34 @@ TEST(SightLines, ARecessSpeaksForAPoseWhereItsSidesDoToo) {
   EXPECT_EQ(back_of(true)[stages::Sight::supported], 0);
 }
 
+TEST(SightLines, PosesCastTogetherSeeWhatEachSeesAlone) {
+  const auto room = testing::make_trial_room("niche", 3);
+  const auto scan = scan_trial_room(testing::queue(), room, 3, 1);
+  const auto evidence = stages::gather_evidence(scan.image, scan.segmentation, 20000, 1);
+  stages::SightCaster caster(testing::queue(), room.proxy);
+  std::vector<Pose> poses;
+  for (int k = 0; k < 40; ++k) {
+    poses.push_back(testing::moved_at_random(scan.world_from_scan, 1, 20, static_cast<std::uint32_t>(k)));
+    poses.back().scale = 1 + 0.01 * k;
+  }
+  for (const std::size_t stride : {1, 7}) {
+    const auto together = caster.cast(evidence.rays, poses, {}, stride);
+    ASSERT_EQ(together.size(), poses.size());
+    for (std::size_t p = 0; p < poses.size(); ++p) {
+      const auto alone = caster.cast(evidence.rays, poses[p], {}, stride);
+      ASSERT_EQ(together[p].size(), (evidence.rays.size() + stride - 1) / stride);
+      ASSERT_EQ(alone.size(), together[p].size());
+      for (std::size_t k = 0; k < alone.size(); ++k) {
+        EXPECT_EQ(alone[k].sight, together[p][k].sight);
+        EXPECT_EQ(alone[k].face, together[p][k].face);
+        EXPECT_EQ(alone[k].recess, together[p][k].recess);
+      }
+    }
+  }
+  EXPECT_TRUE(caster.cast(evidence.rays, std::vector<Pose>(), {}).empty());
+  EXPECT_EQ(caster.cast({}, poses, {}).size(), poses.size());
+}
+
 // These see one corner, and rooms of the same height have such corners: all that they see fits.
 TEST(Automatic, a_corner_that_would_fit_another_room_places_nothing) {
   const std::pair<const char*, std::uint32_t> cases[] = {{"niche", 15043}, {"oblique", 15049}};
