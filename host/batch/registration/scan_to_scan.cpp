@@ -168,7 +168,7 @@ stages::ScanIcp ScanToScan::best_from(std::size_t i, const Others& others, const
       end.found =
           stages::register_to_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, how);
     tight.few = how.few;
-    end.close = stages::assess_on_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, tight)
+    end.close = stages::compare_on_scans(queue_, scan(i), others.scans, end.found.icp.world_from_scan, tight)
                     .icp.overlap;
     return end;
   };
@@ -328,7 +328,7 @@ void ScanToScan::judge_by_samples(std::size_t i, std::size_t other, stages::Auto
 
 void ScanToScan::judge_by_planes(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
   const std::vector<stages::PlacedScan> placed = {{&scan(other), Pose()}};
-  const auto best = stages::assess_on_scans(queue_, scan(i), placed, found.world_from_scan, icp_);
+  const auto best = stages::compare_on_scans(queue_, scan(i), placed, found.world_from_scan, icp_);
   found.seen_through = best.seen_through;
   if (const auto words = contradiction_of(best, found.world_from_scan); !words.empty()) {
     found.accepted = false;

@@ -64,7 +64,7 @@ Judged IslandTeller::judge(const Pose& place) const {
     std::vector<PlacedScan> near;
     for (const PlacedScan& other : placed_) {
       const auto pair =
-          assess_on_scans(queue_, *island_[i].scan, {other}, place * island_[i].world_from_scan, few_);
+          compare_on_scans(queue_, *island_[i].scan, {other}, place * island_[i].world_from_scan, few_);
       const ScanOverlap& overlap = pair.others.front();
       fit.all.add(pair);
       fit.overlap = std::max(fit.overlap, overlap.overlap);

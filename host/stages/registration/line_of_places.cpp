@@ -58,7 +58,7 @@ LineOfPlaces::Bearing LineOfPlaces::bearing(double shift_m, double within_m) {
   find(shift_m, within_m);
   Bearing sums;
   sums.on_other_m2.resize(placed_.size());
-  for (const auto& [other, pairs, bears_m2] : all_) {
+  for (auto& [other, pairs, bears_m2] : all_) {
     const auto heights = pairs.heights(), clearances = pairs.clearances();
     for (std::size_t i = 0; i < bears_m2.size(); ++i)
       if (std::abs(static_cast<double>(heights[i])) < within_m)
@@ -91,7 +91,7 @@ LineOfPlaces::Settled LineOfPlaces::settle(double shift_m, double gate_m) {
   for (int iteration = 0; iteration < options_.max_iterations && !settled.converged; ++iteration) {
     find(settled.shift_m, gate_m);
     std::vector<float> heights, areas;
-    for (const auto& [other, pairs, bears_m2] : all_) {
+    for (auto& [other, pairs, bears_m2] : all_) {
       const auto own = pairs.used_heights();
       heights.insert(heights.end(), own.begin(), own.end());
       areas.insert(areas.end(), pairs.samples().area_m2.begin(), pairs.samples().area_m2.end());
@@ -99,8 +99,9 @@ LineOfPlaces::Settled LineOfPlaces::settle(double shift_m, double gate_m) {
     if (!cutoff.update(heights, areas)) break;
     PlaneSums sums;
     PairObservations seen;
+    for (auto& one : all_) one.pairs.sum(at(settled.shift_m).translation, cutoff.metres());
     for (auto& one : all_) {
-      one.pairs.add_sums(at(settled.shift_m).translation, cutoff.metres(), 1, sums);
+      one.pairs.add_sums(1, sums);
       seen.add(one.pairs, cutoff.metres());
     }
     const double holds = direction_.dot(sums.matrix.block<3, 3>(3, 3) * direction_);

@@ -26,12 +26,21 @@ double overlap_of(const ScanIcp& found) {
   return found.others.front().overlap;
 }
 
+bool free_says(const ScanIcp& found, const IcpScan& scan) {
+  return found.free_m2 > kFreeSays * scan.area_m2;
+}
+
+// By samples of no plane alone.
+bool free_contradicts(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options,
+                      double times) {
+  return free_says(found, scan) && found.free_seen_through > times * options.most_free_through;
+}
+
 bool is_contradicted(const ScanIcp& found, const IcpScan& scan, const PairPlaceOptions& options,
                      double times = kTimes) {
-  if (found.seen_through > times * options.most_through) return true;
-  return found.free_m2 > kFreeSays * scan.area_m2 &&
-         (alike_through(found) > times * options.most_alike_through ||
-          found.free_seen_through > times * options.most_free_through);
+  return found.seen_through > times * options.most_through ||
+         (free_says(found, scan) && alike_through(found) > times * options.most_alike_through) ||
+         free_contradicts(found, scan, options, times);
 }
 
 bool is_one_place(const ScanIcp& a, const ScanIcp& b) {
@@ -61,9 +70,13 @@ PairPlaces tell_places(device::Queue& queue, const IcpScan& scan, const PlacedSc
   icp.gate_m = kPairGate * icp.overlap_m;
   ScanIcpOptions few = icp;
   few.few = true;
+  const auto free_is_enough = [&](const ScanIcp& found) {
+    return free_contradicts(found, scan, options, kTimesOfFew);
+  };
   PairPlaces result;
   for (const Pose& place : places) {
-    if (is_contradicted(assess_on_scans(queue, scan, on, place, few), scan, options, kTimesOfFew)) continue;
+    const ScanIcp here = compare_on_scans(queue, scan, on, place, few, free_is_enough);
+    if (is_contradicted(here, scan, options, kTimesOfFew)) continue;
     const ScanIcp near = register_to_scans(queue, scan, on, place, few);
     if (is_contradicted(near, scan, options, kTimesOfFew)) continue;
     ScanIcp found = register_to_scans(queue, scan, on, near.icp.world_from_scan, icp);

@@ -157,7 +157,7 @@ double Chooser::least_contradicted_m(const LineOfPlaces& line, const std::vector
   std::vector<double> shifts_m;
   std::optional<Contradictions> least;
   for (const auto& place : places) {
-    const auto of = contradictions(assess_on_scans(queue_, scan_, on, line.at(place.shift_m), few_));
+    const auto of = contradictions(compare_on_scans(queue_, scan_, on, line.at(place.shift_m), few_));
     if (least && *least < of) continue;
     if (least && of < *least) shifts_m.clear();
     least = of;
@@ -167,7 +167,7 @@ double Chooser::least_contradicted_m(const LineOfPlaces& line, const std::vector
 }
 
 std::optional<End> Chooser::end_of(const Pose& hypothesis) {
-  End end{hypothesis, assess_on_scans(queue_, scan_, placed_, hypothesis, few_), {}};
+  End end{hypothesis, compare_on_scans(queue_, scan_, placed_, hypothesis, few_), {}};
   for (std::size_t k = 0; k < placed_.size(); ++k)
     if (end.found.others[k].overlap >= kNearOverlap) end.on.push_back(placed_[k]);
   if (end.on.empty()) {
@@ -258,7 +258,7 @@ std::optional<Pose> Chooser::room_at(const ScanIcp& other, const ScanIcp& best) 
   const Vec3 step = LineOfPlaces::step_m(few_.overlap_m) * other.planes.weakest().direction;
   for (int k = -steps_on_line(); k <= steps_on_line(); ++k) {
     place.translation = other.icp.world_from_scan.translation + k * step;
-    const ScanIcp found = assess_on_scans(queue_, scan_, placed_, place, options_.icp);
+    const ScanIcp found = compare_on_scans(queue_, scan_, placed_, place, options_.icp);
     if (!is_contradicted(found) && !is_ruled_out(found, best)) return place;
   }
   return std::nullopt;

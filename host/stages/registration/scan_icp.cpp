@@ -17,6 +17,7 @@ constexpr double kFreePerObservation = 100;
 // Leaves and railings are seen through from elsewhere: where planes are so much of what can be compared, they
 // alone tell what is seen through.
 constexpr double kPlanesTell = 0.2;
+constexpr std::size_t kFree = 1 - IcpScan::kPlanar;
 constexpr int kSamplesOfPlane = 5;     // seen through, that contradict it
 constexpr double kLeastOfScan = 0.01;  // of its area, of a plane whose height counts
 
@@ -42,7 +43,11 @@ class ScanProblem {
   }
 
   void find(const Pose& pose, double gate_m) {
+    for (std::size_t kind = 0; kind < 2; ++kind) find(pose, gate_m, kind);
+  }
+  void find(const Pose& pose, double gate_m, std::size_t only) {
     for (auto& [other, kind, pairs] : pairs_) {
+      if (kind != only) continue;
       const Pose& there = placed_[other].world_from_scan;
       pairs.find(pairs.forward() ? pose : there, pairs.forward() ? there : pose, gate_m, options_.normal_deg);
     }
@@ -53,7 +58,7 @@ class ScanProblem {
     bool any = false;
     for (std::size_t kind = 0; kind < 2; ++kind) {
       std::vector<float> heights, areas;
-      for (const auto& one : pairs_) {
+      for (auto& one : pairs_) {
         if (one.kind != kind) continue;
         const auto own = one.pairs.used_heights();
         heights.insert(heights.end(), own.begin(), own.end());
@@ -74,20 +79,23 @@ class ScanProblem {
 
   // Each kind counts by what it is off.
   PlaneSums sums(const Vec3& pivot) {
+    for (auto& one : pairs_)
+      if (cutoffs_[one.kind].paired()) one.pairs.sum(pivot, cutoffs_[one.kind].metres());
     std::array<double, 2> factors;
     for (std::size_t kind = 0; kind < 2; ++kind)
       factors[kind] = 1 / (cutoffs_[kind].scale_m() * cutoffs_[kind].scale_m());
-    return sums(pivot, factors);
+    return same_sums(factors);
   }
-  PlaneSums sums(const Vec3& pivot, const std::array<double, 2>& factors) {
+  // The last ones, weighted otherwise.
+  PlaneSums same_sums(const std::array<double, 2>& factors) {
     PlaneSums total;
     for (auto& one : pairs_)
-      if (cutoffs_[one.kind].paired())
-        one.pairs.add_sums(pivot, cutoffs_[one.kind].metres(), factors[one.kind], total);
+      if (cutoffs_[one.kind].paired()) one.pairs.add_sums(factors[one.kind], total);
     return total;
   }
 
   double radius_m(const Pose& pose) const { return pose.scale * scan_.radius_m; }
+  void compare(const Pose& pose, ScanIcp& result, const std::function<bool(const ScanIcp&)>& enough = {});
   void describe(const Pose& pose, ScanIcp& result);
 
  private:
@@ -101,11 +109,18 @@ class ScanProblem {
   static double own_spacing(const IcpScan& scan, std::size_t kind) {
     return kind == 1 && scan.surface->known() ? scan.surface->spacing() : 0;
   }
+  // Area of the samples of one kind, both ways.
+  struct Seen {
+    double on = 0, through = 0;
+    double all() const { return on + through; }
+  };
+  Seen seen_of(std::size_t kind);
+  static void tell_free(const Seen& free, ScanIcp& result);
   void overlaps(ScanIcp& result);
   void add_planes(const IcpScan::Samples& samples, double scan_m2, const std::vector<float>& heights,
                   const std::vector<float>& clearances, const Pose& world_from_samples,
                   ComparedPlanes& planes) const;
-  double observations(std::size_t kind) const;
+  double observations(std::size_t kind);
 
   const IcpScan& scan_;
   const std::vector<PlacedScan>& placed_;
@@ -145,20 +160,35 @@ void ScanProblem::add_planes(const IcpScan::Samples& samples, double scan_m2,
   }
 }
 
+ScanProblem::Seen ScanProblem::seen_of(std::size_t kind) {
+  Seen seen;
+  for (auto& one : pairs_) {
+    if (one.kind != kind) continue;
+    const auto heights = one.pairs.heights(), clearances = one.pairs.clearances();
+    const auto& area = one.pairs.samples().area_m2;
+    for (std::size_t i = 0; i < area.size(); ++i)
+      if (std::abs(static_cast<double>(heights[i])) < options_.overlap_m)
+        seen.on += area[i];
+      else if (static_cast<double>(clearances[i]) > options_.clear_m)
+        seen.through += area[i];
+  }
+  return seen;
+}
+
+void ScanProblem::tell_free(const Seen& free, ScanIcp& result) {
+  result.free_m2 = free.all();
+  if (free.all() > 0) result.free_seen_through = free.through / free.all();
+}
+
 // What lies on surfaces of the other scans, and what these look through.
 void ScanProblem::overlaps(ScanIcp& result) {
   struct Compared {
     double forward = 0, backward = 0, through = 0, square = 0;
   };
-  struct Seen {
-    double on = 0, through = 0;
-    double all() const { return on + through; }
-  };
-  std::array<Seen, 2> seen;  // by kind
   std::vector<Compared> compared(placed_.size());
   std::array<std::vector<char>, 2> on_any;  // per own sample
   for (std::size_t kind = 0; kind < 2; ++kind) on_any[kind].assign(of(scan_)[kind].area_m2.size(), 0);
-  for (const auto& [other, kind, pairs] : pairs_) {
+  for (auto& [other, kind, pairs] : pairs_) {
     const auto heights = pairs.heights(), clearances = pairs.clearances();
     const auto& area = pairs.samples().area_m2;
     Compared& sums = compared[other];
@@ -167,11 +197,9 @@ void ScanProblem::overlaps(ScanIcp& result) {
       if (std::abs(height) < options_.overlap_m) {
         (pairs.forward() ? sums.forward : sums.backward) += a;
         sums.square += a * height * height;
-        seen[kind].on += a;
         if (pairs.forward()) on_any[kind][i] = 1;
       } else if (static_cast<double>(clearances[i]) > options_.clear_m) {
         sums.through += a;
-        seen[kind].through += a;
       }
     }
     if (kind == IcpScan::kPlanar)
@@ -189,12 +217,10 @@ void ScanProblem::overlaps(ScanIcp& result) {
     if (one.on_m2 > 0) one.rms_m = std::sqrt(sums.square / one.on_m2);
     result.others.push_back(one);
   }
-  const bool by_planes = seen[0].all() > kPlanesTell * (seen[0].all() + seen[1].all());
-  const Seen judge{seen[0].on + (by_planes ? 0 : seen[1].on),
-                   seen[0].through + (by_planes ? 0 : seen[1].through)};
-  const Seen& free = seen[1 - IcpScan::kPlanar];
-  result.free_m2 = free.all();
-  if (free.all() > 0) result.free_seen_through = free.through / free.all();
+  const Seen planar = seen_of(IcpScan::kPlanar), free = seen_of(kFree);
+  tell_free(free, result);
+  const bool by_planes = planar.all() > kPlanesTell * (planar.all() + free.all());
+  const Seen judge{planar.on + (by_planes ? 0 : free.on), planar.through + (by_planes ? 0 : free.through)};
   if (judge.all() > 0) result.seen_through = judge.through / judge.all();
   double own = 0;
   for (std::size_t kind = 0; kind < 2; ++kind)
@@ -204,33 +230,43 @@ void ScanProblem::overlaps(ScanIcp& result) {
 }
 
 // How many of a kind's pairs are independent: of those outside superclusters, neighbours are off together.
-double ScanProblem::observations(std::size_t kind) const {
+double ScanProblem::observations(std::size_t kind) {
   PairObservations seen;
-  for (const auto& one : pairs_)
+  for (auto& one : pairs_)
     if (one.kind == kind) seen.add(one.pairs, cutoffs_[kind].metres());
   return kind == IcpScan::kPlanar ? seen.planes() : std::max(seen.samples() / kFreePerObservation, 1.0);
 }
 
-void ScanProblem::describe(const Pose& pose, ScanIcp& result) {
-  find(pose, options_.overlap_m);
+void ScanProblem::compare(const Pose& pose, ScanIcp& result,
+                          const std::function<bool(const ScanIcp&)>& enough) {
+  find(pose, options_.overlap_m, kFree);
+  if (enough) {
+    tell_free(seen_of(kFree), result);
+    if (enough(result)) return;
+  }
+  find(pose, options_.overlap_m, IcpScan::kPlanar);
   overlaps(result);
+}
+
+void ScanProblem::describe(const Pose& pose, ScanIcp& result) {
+  compare(pose, result);
   if (!update_cutoffs()) return;
   const Vec3 pivot = pose * scan_.centre;
   const PlaneSums all = sums(pivot);
   if (!(all.weight > 0)) return;
   // Of what lies within the cutoffs, both kinds by area.
-  const PlaneSums by_area = sums(pivot, {1, 1});
+  const PlaneSums by_area = same_sums({1, 1});
   result.icp.rms_m = std::sqrt(by_area.mean_square());
   result.icp.degenerate = degenerate_directions(all, radius_m(pose), false).in_words();
   std::array<double, 2> factors{};
   for (std::size_t kind = 0; kind < 2; ++kind) {
     std::array<double, 2> only{};
     only[kind] = 1;
-    const PlaneSums own = sums(pivot, only);
+    const PlaneSums own = same_sums(only);
     if (own.weight > 0)
       factors[kind] = observations(kind) / (own.weight * cutoffs_[kind].scale_m() * cutoffs_[kind].scale_m());
   }
-  const PlaneSums informed = sums(pivot, factors);
+  const PlaneSums informed = same_sums(factors);
   result.icp.covariance = pose_covariance(informed, 1 / informed.weight, pivot, radius_m(pose), false);
 }
 
@@ -294,6 +330,17 @@ ScanIcp assess_on_scans(device::Queue& queue, const IcpScan& scan, const std::ve
   result.icp.world_from_scan = pose;
   result.icp.converged = true;
   problem.describe(pose, result);
+  return result;
+}
+
+ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
+                         const Pose& pose, const ScanIcpOptions& options,
+                         const std::function<bool(const ScanIcp&)>& enough) {
+  ScanProblem problem(queue, scan, placed, options);
+  ScanIcp result;
+  result.icp.world_from_scan = pose;
+  result.icp.converged = true;
+  problem.compare(pose, result, enough);
   return result;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "stages/registration/icp.hpp"
@@ -79,5 +80,12 @@ ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::
 // What register_to_scans() says of a pose that was found otherwise.
 ScanIcp assess_on_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                         const Pose& pose, const ScanIcpOptions& options = {});
+
+// Of that only what lies on surfaces and what is seen through, which needs no sums: icp's rms, covariance and
+// directions left open stay as they are made. `enough`: asked when samples of no plane alone are compared
+// (free_seen_through, free_m2); where it says so, planes are not.
+ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
+                         const Pose& pose, const ScanIcpOptions& options = {},
+                         const std::function<bool(const ScanIcp&)>& enough = {});
 
 }  // namespace hybrid::stages

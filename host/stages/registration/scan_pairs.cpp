@@ -1,11 +1,8 @@
 #include "stages/registration/scan_pairs.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-
-#include "shared/params_icp_sums.h"
 
 namespace hybrid::stages {
 
@@ -16,56 +13,69 @@ ScanPairs::ScanPairs(device::Queue& queue, const IcpScan::Samples& samples, cons
       forward_(forward),
       queue_(queue),
       surface_(surface),
-      answers_(queue, samples.queries.count),
-      partial_(queue.array<float>((samples.queries.count + kSamplesPerSum - 1) / kSamplesPerSum *
-                                  ICP_PLANE_SUMS)) {}
+      answers_(queue, samples.queries.count) {}
 
 void ScanPairs::find(const Pose& world_from, const Pose& world_to, double gate_m, double normal_deg) {
   scan_from_queries_ = world_to.inverse() * world_from;
   world_from_grid_ = world_to * surface_.grid_from_scan().inverse();
   world_from_ = world_from;
-  if (samples_.queries.count == 0) return;
-  surface_.find(samples_.queries, scan_from_queries_, gate_m / world_to.scale, normal_deg, answers_);
-  if (own_spacing_ > 0) leave_out_coarse();
+  clearances_.reset();
+  heights_.reset();
+  dense_heights_.reset();
+  if (samples_.queries.count > 0)
+    surface_.find(samples_.queries, scan_from_queries_, gate_m / world_to.scale, normal_deg, answers_);
 }
 
-std::vector<float> ScanPairs::in_world(const device::Array<float>& values) const {
-  auto read = queue_.read(values);
+std::vector<float> ScanPairs::in_world(std::vector<float> values) const {
   if (world_from_grid_.scale != 1)
-    for (float& value : read) value *= static_cast<float>(world_from_grid_.scale);
-  return read;
+    for (float& value : values) value *= static_cast<float>(world_from_grid_.scale);
+  return values;
+}
+
+const std::vector<float>& ScanPairs::raw_heights() {
+  if (!heights_) heights_ = queue_.read(answers_.height);
+  return *heights_;
+}
+
+const std::vector<float>& ScanPairs::raw_clearances() {
+  if (!clearances_) clearances_ = queue_.read(answers_.clearance);
+  return *clearances_;
 }
 
 // What lies in no plane is told by the samples around, and the worse the farther these are: where two scans
 // have it, it is where the denser one says. (With the coarser one's word churches held through a door came to
 // lie two to eight times as far off.)
-void ScanPairs::leave_out_coarse() {
-  auto heights = queue_.read(answers_.height);
-  for (std::size_t i = 0; i < heights.size(); ++i) {
+const std::vector<float>& ScanPairs::raw_used() {
+  if (!(own_spacing_ > 0)) return raw_heights();
+  if (dense_heights_) return *dense_heights_;
+  dense_heights_ = raw_heights();
+  for (std::size_t i = 0; i < dense_heights_->size(); ++i) {
     const auto& p = samples_.points[i];
     const Vec3 point(p[0], p[1], p[2]);
     const double own = scan_from_queries_.scale * point.norm() * own_spacing_,
                  there = (scan_from_queries_ * point).norm() * surface_.spacing();
-    if (there > own) heights[i] = std::numeric_limits<float>::quiet_NaN();
+    if (there > own) (*dense_heights_)[i] = std::numeric_limits<float>::quiet_NaN();
   }
-  dense_ = queue_.array(heights);
+  dense_ = queue_.array(*dense_heights_);
+  return *dense_heights_;
 }
 
-// The device sums in the axes of the grid, in its scale; a sample of the scan that stays, on a surface of the
-// one that moves, has the Jacobian of the former with the other sign.
-void ScanPairs::add_sums(const Vec3& pivot, double cutoff_m, double factor, PlaneSums& total) {
+// In the axes of the grid, in its scale.
+void ScanPairs::sum(const Vec3& pivot, double cutoff_m) {
+  sums_.reset();
   const std::size_t count = samples_.queries.count;
   if (count == 0) return;
-  const double scale = world_from_grid_.scale;
   const Pose grid_from_queries = surface_.grid_from_scan() * scan_from_queries_;
   const Mat3 linear = grid_from_queries.scale * grid_from_queries.rotation.toRotationMatrix();
   const Vec3 centre = world_from_.inverse() * pivot;
   IcpSumsParams params{};
   for (int k = 0; k < 9; ++k) params.linear[k] = static_cast<float>(linear(k / 3, k % 3));
   for (int k = 0; k < 3; ++k) params.centre_scan[k] = static_cast<float>(centre(k));
-  params.cutoff = static_cast<float>(cutoff_m / scale);
+  params.cutoff = static_cast<float>(cutoff_m / world_from_grid_.scale);
   params.samples = static_cast<std::uint32_t>(count);
   const std::size_t blocks = (count + kSamplesPerSum - 1) / kSamplesPerSum;
+  if (partial_.count() == 0) partial_ = queue_.array<float>(blocks * ICP_PLANE_SUMS);
+  if (own_spacing_ > 0) raw_used();
   const auto& kernel = queue_.kernel("icp_sums", {{"VW", queue_.vector_width()},
                                                   {"BLOCK", static_cast<int>(kSamplesPerSum)},
                                                   {"POINT", 0},
@@ -73,12 +83,22 @@ void ScanPairs::add_sums(const Vec3& pivot, double cutoff_m, double factor, Plan
   const auto no_triangle = queue_.array<std::uint32_t>(0);
   const auto no_triangles = queue_.array<ProxyTriangle>(0);
   queue_.launch("icp_sums", kernel, device::grid(blocks), params, samples_.queries.x, samples_.queries.y,
-                samples_.queries.z, samples_.area, used(), no_triangle, answers_.normal_x, answers_.normal_y,
-                answers_.normal_z, no_triangles, partial_);
-  std::array<double, ICP_PLANE_SUMS> sums{};
-  const auto partial = queue_.read(partial_);
-  for (std::size_t k = 0; k < partial.size(); ++k) sums[k % sums.size()] += static_cast<double>(partial[k]);
+                samples_.queries.z, samples_.area, own_spacing_ > 0 ? dense_ : answers_.height, no_triangle,
+                answers_.normal_x, answers_.normal_y, answers_.normal_z, no_triangles, partial_);
+}
 
+// A sample of the scan that stays, on a surface of the one that moves, has the Jacobian of the former with
+// the other sign.
+void ScanPairs::add_sums(double factor, PlaneSums& total) {
+  if (samples_.queries.count == 0) return;
+  if (!sums_) {
+    sums_.emplace();
+    const auto partial = queue_.read(partial_);
+    for (std::size_t k = 0; k < partial.size(); ++k)
+      (*sums_)[k % sums_->size()] += static_cast<double>(partial[k]);
+  }
+  const auto& sums = *sums_;
+  const double scale = world_from_grid_.scale;
   Matrix7 matrix;
   Vector7 right;
   std::size_t k = 0;
@@ -108,7 +128,7 @@ bool PairsCutoff::update(const std::vector<float>& heights, const std::vector<fl
   return true;
 }
 
-void PairObservations::add(const ScanPairs& pairs, double cutoff_m) {
+void PairObservations::add(ScanPairs& pairs, double cutoff_m) {
   const auto heights = pairs.used_heights();
   const auto& with = pairs.samples();
   double of_this = 0;

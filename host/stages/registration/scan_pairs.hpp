@@ -1,7 +1,10 @@
 #pragma once
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <vector>
 
+#include "shared/params_icp_sums.h"
 #include "stages/registration/icp_pairs.hpp"
 #include "stages/registration/icp_scan.hpp"
 #include "stages/registration/scan_surface.hpp"
@@ -16,25 +19,28 @@ class ScanPairs {
   ScanPairs(device::Queue& queue, const IcpScan::Samples& samples, const ScanSurface& surface,
             double own_spacing, bool forward);
 
-  // `from`: of the samples' scan, `to`: of the surface's.
+  // `from`: of the samples' scan, `to`: of the surface's. Returns at once.
   void find(const Pose& world_from, const Pose& world_to, double gate_m, double normal_deg);
 
-  // World metres, per sample.
-  std::vector<float> heights() const { return in_world(answers_.height); }
+  // Of the last find(), world metres, per sample.
+  std::vector<float> heights() { return in_world(raw_heights()); }
   // Of those that count, the others NaN.
-  std::vector<float> used_heights() const { return in_world(used()); }
-  std::vector<float> clearances() const { return in_world(answers_.clearance); }
+  std::vector<float> used_heights() { return in_world(raw_used()); }
+  std::vector<float> clearances() { return in_world(raw_clearances()); }
 
-  // Adds `factor` times the normal equations of the moving scan's step about `pivot` (world).
-  void add_sums(const Vec3& pivot, double cutoff_m, double factor, PlaneSums& total);
+  // Sums the normal equations of the moving scan's step about `pivot` (world), and returns at once.
+  void sum(const Vec3& pivot, double cutoff_m);
+  // Adds `factor` times what sum() summed.
+  void add_sums(double factor, PlaneSums& total);
 
   const IcpScan::Samples& samples() const { return samples_; }
   bool forward() const { return forward_; }
 
  private:
-  const device::Array<float>& used() const { return own_spacing_ > 0 ? dense_ : answers_.height; }
-  void leave_out_coarse();
-  std::vector<float> in_world(const device::Array<float>& values) const;
+  const std::vector<float>& raw_heights();
+  const std::vector<float>& raw_used();
+  const std::vector<float>& raw_clearances();
+  std::vector<float> in_world(std::vector<float> values) const;
 
   const IcpScan::Samples& samples_;
   double own_spacing_;
@@ -42,8 +48,11 @@ class ScanPairs {
   device::Queue& queue_;
   const ScanSurface& surface_;
   SampleAnswers answers_;
-  device::Array<float> dense_;  // heights, NaN where the surface is coarser than the samples
-  device::Array<float> partial_;
+  // Read when first asked for, in the grid's scale: clearances, heights, and these with NaN where the surface
+  // is coarser than the samples, which the device gets, too.
+  std::optional<std::vector<float>> clearances_, heights_, dense_heights_;
+  device::Array<float> dense_, partial_;
+  std::optional<std::array<double, ICP_PLANE_SUMS>> sums_;  // read when first asked for
   Pose scan_from_queries_, world_from_grid_, world_from_;
 };
 
@@ -68,7 +77,7 @@ class PairsCutoff {
 // normal).
 class PairObservations {
  public:
-  void add(const ScanPairs& pairs, double cutoff_m);
+  void add(ScanPairs& pairs, double cutoff_m);
   double samples() const { return samples_; }
   // As many as there are planes of one area, 1 at least.
   double planes() const { return squares_ > 0 ? std::max(area_ * area_ / squares_, 1.0) : 1; }

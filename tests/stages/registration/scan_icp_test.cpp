@@ -182,6 +182,43 @@ TEST(ScanIcp, an_eighth_of_the_samples_tells_what_all_of_them_do_where_that_is_c
   EXPECT_GE(right, trial_count() * 0.9);
 }
 
+// What comparing leaves out is what is said of the pose; planes are left out where samples of none are
+// enough.
+TEST(ScanIcp, comparing_says_what_assessing_says_of_the_others) {
+  const auto room = testing::make_trial_room("alcoves", 9400);
+  const Seen a = see(room, 9400, 1, true), b = see(room, 10100, 1, true), c = see(room, 10800, 0.7, true);
+  const std::vector<stages::PlacedScan> placed = {{a.icp.get(), a.scan.world_from_scan},
+                                                  {c.icp.get(), c.scan.world_from_scan}};
+  const Pose pose = testing::moved_at_random(b.scan.world_from_scan, 0.1, 2, 3);
+  const auto all = stages::assess_on_scans(queue(), *b.icp, placed, pose);
+  const auto same = [&](const stages::ScanIcp& some) {
+    EXPECT_EQ(some.seen_through, all.seen_through);
+    EXPECT_EQ(some.free_m2, all.free_m2);
+    EXPECT_EQ(some.icp.overlap, all.icp.overlap);
+    EXPECT_EQ(some.planes.on, all.planes.on);
+    EXPECT_EQ(some.planes.farthest_m, all.planes.farthest_m);
+    ASSERT_EQ(some.others.size(), 2u);
+    for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(some.others[k].on_m2, all.others[k].on_m2);
+  };
+  EXPECT_GT(all.free_m2, 0);
+  EXPECT_GT(all.seen_through, 0);
+  EXPECT_GT(all.icp.rms_m, 0);
+  same(stages::compare_on_scans(queue(), *b.icp, placed, pose));
+  double asked_of = -1;
+  const auto answer = [&](bool enough) {
+    return stages::compare_on_scans(queue(), *b.icp, placed, pose, {}, [&](const stages::ScanIcp& found) {
+      asked_of = found.free_seen_through;
+      return enough;
+    });
+  };
+  same(answer(false));
+  EXPECT_EQ(asked_of, all.free_seen_through);
+  const auto free_alone = answer(true);
+  EXPECT_EQ(free_alone.free_seen_through, all.free_seen_through);
+  EXPECT_EQ(free_alone.free_m2, all.free_m2);
+  EXPECT_TRUE(free_alone.others.empty());
+}
+
 TEST(ScanIcp, a_start_far_off_ends_elsewhere_and_is_seen_through) {
   for (int k = 0; k < trial_count(); ++k) {
     const auto seed = static_cast<std::uint32_t>(9500 + k);
