@@ -72,10 +72,8 @@ Vec3 middle_of(const FaceShape& face) {
 
 }  // namespace
 
-double FaceShape::outside_m(const Vec3& point, double most_m) const {
-  constexpr double kRoundedUp = 1 + 1e-9;
-  const Vec2 p(u.dot(point - origin), v.dot(point - origin));
-  if (const double least_m = box.exteriorDistance(p); least_m > most_m * kRoundedUp) return least_m;
+double FaceShape::outside_ring_m(const Vec2& p) const {
+  constexpr double kRoundedDown = 1 - 1e-9;
   bool inside = false;
   for (const auto& ring : rings)
     for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
@@ -88,8 +86,12 @@ double FaceShape::outside_m(const Vec3& point, double most_m) const {
   double nearest2 = std::numeric_limits<double>::infinity();
   for (const auto& ring : rings)
     for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
-      const Vec2& a = ring[last];
-      const Vec2 side = ring[k] - a;
+      const Vec2 &a = ring[last], &b = ring[k];
+      // Most sides are farther by their box alone.
+      const double x = std::max({std::min(a.x(), b.x()) - p.x(), p.x() - std::max(a.x(), b.x()), 0.0}),
+                   y = std::max({std::min(a.y(), b.y()) - p.y(), p.y() - std::max(a.y(), b.y()), 0.0});
+      if (kRoundedDown * (x * x + y * y) > nearest2) continue;
+      const Vec2 side = b - a;
       const double length2 = side.squaredNorm();
       const double at = length2 > 0 ? std::clamp((p - a).dot(side) / length2, 0.0, 1.0) : 0.0;
       nearest2 = std::min(nearest2, (a + at * side - p).squaredNorm());

@@ -1,6 +1,7 @@
 #include "stages/registration/automatic_offsets.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <queue>
@@ -87,18 +88,37 @@ std::vector<const Axis*> independent_axes(std::vector<Axis>& axes) {
   return chosen;
 }
 
+// Offsets along the three axes, from and to.
+struct OffsetRange {
+  Vec3 from, to;
+};
+
+// A coordinate that grows with the offsets, and where it is to be.
+struct Reach {
+  Vec3 slope;
+  double base, low, high;
+  bool is_met(const OffsetRange& offsets) const {
+    constexpr double kRounding_m = 1e-6;
+    const Vec3 a = slope.cwiseProduct(offsets.from), b = slope.cwiseProduct(offsets.to);
+    return base + a.cwiseMin(b).sum() <= high + kRounding_m &&
+           base + a.cwiseMax(b).sum() >= low - kRounding_m;
+  }
+};
+
 // A tile beside a face whose normal it could have, but for the translation.
 struct Candidate {
   const FaceShape* face;
+  Vec3 normal;    // the face's
   Vec3 centroid;  // turned, not moved
   double height;  // over the face without translation
   double area;
   std::size_t tile;
-  double rest = 0;  // area of this tile and of those after it
+  std::array<Reach, 3> near;  // over the face and within its box, give or take kNear_m
 };
 
+// `translation`: of offsets.
 std::vector<Candidate> candidates_of(const ScanEvidence& scan, const ModelShapes& model, const Mat3& linear,
-                                     double scale) {
+                                     double scale, const Mat3& translation) {
   std::vector<std::size_t> order(scan.tiles.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -108,18 +128,59 @@ std::vector<Candidate> candidates_of(const ScanEvidence& scan, const ModelShapes
   std::vector<Candidate> found;
   const double along = scale * std::cos(kAlongDeg * kDegree);
   for (const std::size_t t : order)
-    for (const FaceShape& face : model.faces)
-      if (face.plane.normal.dot(linear * scan.tiles[t].normal) > along) {
-        const Vec3 centroid = linear * scan.tiles[t].centroid;
-        found.push_back({&face, centroid, face.plane.distance(centroid), scan.tiles[t].area_m2, t});
-      }
-  for (std::size_t k = found.size(); k-- > 0;) {
-    found[k].rest = found[k].area;
-    if (k + 1 < found.size())
-      found[k].rest = found[k + 1].rest + (found[k].tile == found[k + 1].tile ? 0 : found[k].area);
-  }
+    for (const FaceShape& face : model.faces) {
+      const Vec3& normal = face.plane.normal;
+      if (!(normal.dot(linear * scan.tiles[t].normal) > along)) continue;
+      const Vec3 centroid = linear * scan.tiles[t].centroid, beside = centroid - face.origin;
+      const double height = face.plane.distance(centroid);
+      const auto reach = [&](const Vec3& direction, double base, double low, double high) {
+        return Reach{translation.transpose() * direction, base, low - kNear_m, high + kNear_m};
+      };
+      found.push_back({&face,
+                       normal,
+                       centroid,
+                       height,
+                       scan.tiles[t].area_m2,
+                       t,
+                       {reach(normal, height, 0, 0),
+                        reach(face.u, face.u.dot(beside), face.box.min().x(), face.box.max().x()),
+                        reach(face.v, face.v.dot(beside), face.box.min().y(), face.box.max().y())}});
+    }
   return found;
 }
+
+// Some of the candidates, in their order.
+struct Likely {
+  struct One {
+    const Candidate* candidate;
+    double rest = 0;  // area of this tile and of those after it
+  };
+  std::vector<One> all;
+
+  explicit Likely(const std::vector<Candidate>& candidates) {
+    for (const Candidate& c : candidates) all.push_back({&c});
+    sum_rests();
+  }
+  // Those of them that some of these offsets bring near their face.
+  Likely(const Likely& of, const OffsetRange& offsets) {
+    for (const One& one : of.all) {
+      const auto& near = one.candidate->near;
+      if (std::all_of(near.begin(), near.end(), [&](const Reach& reach) { return reach.is_met(offsets); }))
+        all.push_back(one);
+    }
+    sum_rests();
+  }
+
+ private:
+  void sum_rests() {
+    double rest = 0;
+    for (std::size_t k = all.size(); k-- > 0;) {
+      const bool same = k + 1 < all.size() && all[k + 1].candidate->tile == all[k].candidate->tile;
+      if (!same) rest += all[k].candidate->area;
+      all[k].rest = rest;
+    }
+  }
+};
 
 // The scores of the best guesses so far, as many as are wanted.
 class BestScores {
@@ -138,14 +199,15 @@ class BestScores {
 };
 
 // The area of the tiles near a face; where it cannot reach `least` something below.
-double near_area(const std::vector<Candidate>& candidates, const Vec3& translation, double least) {
+double near_area(const Likely& likely, const Vec3& translation, double least) {
   constexpr double kRoundedDown = 1 - 1e-9;
   double area = 0;
   std::size_t counted = static_cast<std::size_t>(-1);
-  for (const Candidate& c : candidates) {
+  for (const auto& [candidate, rest] : likely.all) {
+    const Candidate& c = *candidate;
     if (c.tile == counted) continue;
-    if (area + c.rest < kRoundedDown * least) return 0;
-    if (std::abs(c.height + c.face->plane.normal.dot(translation)) > kNear_m) continue;
+    if (area + rest < kRoundedDown * least) return 0;
+    if (std::abs(c.height + c.normal.dot(translation)) > kNear_m) continue;
     if (c.face->outside_m(c.centroid + translation, kNear_m) > kNear_m) continue;
     area += c.area;
     counted = c.tile;
@@ -169,17 +231,31 @@ std::vector<PoseGuess> guess_offsets(const ScanEvidence& scan, const ModelShapes
     offsets[k] = peaks(chosen[static_cast<std::size_t>(k)]->votes);
   }
   const Mat3 inverse = directions.inverse();
-  const auto candidates = candidates_of(scan, model, linear, scale);
+  const auto candidates = candidates_of(scan, model, linear, scale, inverse);
+  const Likely all(candidates);
+  OffsetRange range;
+  for (int k = 0; k < 3; ++k) {
+    const auto [least, most_m] = std::minmax_element(offsets[k].begin(), offsets[k].end());
+    range.from(k) = *least;
+    range.to(k) = *most_m;
+  }
   BestScores best(most);
-  for (const double a : offsets[0])
-    for (const double b : offsets[1])
+  for (const double a : offsets[0]) {
+    OffsetRange at = range;
+    at.from.x() = at.to.x() = a;
+    const Likely at_a(all, at);
+    for (const double b : offsets[1]) {
+      at.from.y() = at.to.y() = b;
+      const Likely at_b(at_a, at);
       for (const double c : offsets[2]) {
         const Vec3 translation = inverse * Vec3(a, b, c);
-        const double area = near_area(candidates, translation, best.least());
+        const double area = near_area(at_b, translation, best.least());
         if (area <= 0) continue;
         guesses.push_back({{scale, rotation, translation}, area});
         best.add(area);
       }
+    }
+  }
   std::stable_sort(guesses.begin(), guesses.end(),
                    [](const PoseGuess& a, const PoseGuess& b) { return a.score > b.score; });
   if (guesses.size() > most) guesses.resize(most);

@@ -65,9 +65,18 @@ struct FaceShape {
   std::uint32_t face = 0;         // index in the model
   std::uint32_t plane_index = 0;  // index of the model plane
 
-  // How far the point's foot on the plane lies outside the polygon (0 inside), world scale. Beyond `most_m`
-  // any distance beyond it.
-  double outside_m(const Vec3& point, double most_m = std::numeric_limits<double>::infinity()) const;
+  // How far the point's foot on the plane lies outside the polygon (0 inside), world scale; beyond `most_m`
+  // infinity, or as far.
+  double outside_m(const Vec3& point, double most_m = std::numeric_limits<double>::infinity()) const {
+    const Vec2 foot(u.dot(point - origin), v.dot(point - origin));
+    constexpr double kRoundedUp = 1 + 1e-9;
+    if (box.squaredExteriorDistance(foot) > most_m * most_m * kRoundedUp)
+      return std::numeric_limits<double>::infinity();
+    return outside_ring_m(foot);
+  }
+
+ private:
+  double outside_ring_m(const Vec2& foot) const;
 };
 
 // Faces of one plane taken together.

@@ -71,7 +71,7 @@ TilePair pair_of(const PlaneTile& tile, const FaceShape& face, const Pose& pose)
 }
 
 std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose,
-                                      double reach_m) {
+                                      double reach_m, const std::vector<TilePair>& last) {
   std::vector<TilePair> pairs(scan.tiles.size());
   for (std::size_t t = 0; t < scan.tiles.size(); ++t) {
     const PlaneTile& tile = scan.tiles[t];
@@ -79,15 +79,20 @@ std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShape
     const Vec3 normal = pose.rotate(tile.normal);
     const FaceShape* nearest = nullptr;
     double nearest2 = reach_m * reach_m;
-    for (const FaceShape& face : model.faces) {
+    // The squared distance where it is less than `nearest2`, else that.
+    const auto distance2 = [&](const FaceShape& face) {
       const double height = face.plane.distance(pairs[t].centroid);
-      if (height * height >= nearest2 || face.plane.normal.dot(normal) < kCompatible) continue;
+      if (height * height >= nearest2 || face.plane.normal.dot(normal) < kCompatible) return nearest2;
       const double outside = face.outside_m(pairs[t].centroid, std::sqrt(nearest2 - height * height));
-      const double distance2 = height * height + outside * outside;
-      if (distance2 >= nearest2) continue;
-      nearest2 = distance2;
-      nearest = &face;
-    }
+      return std::min(height * height + outside * outside, nearest2);
+    };
+    if (t < last.size() && last[t].face)  // no farther than that, and of equal ones still the first
+      nearest2 = std::nextafter(distance2(*last[t].face), reach_m * reach_m);
+    for (const FaceShape& face : model.faces)
+      if (const double found2 = distance2(face); found2 < nearest2) {
+        nearest2 = found2;
+        nearest = &face;
+      }
     if (nearest) pairs[t] = pair_of(tile, *nearest, pose);
   }
   return pairs;
@@ -125,8 +130,9 @@ TileFit fit_tiles(const ScanEvidence& scan, const ModelShapes& model, const Pose
   centre /= area;
   const double radius = start.scale * std::max(scan.reach_m, 1e-6);
   double scale = kScaleStart_m;
+  std::vector<TilePair> pairs;
   for (bool settled = false; !settled && fit.iterations < max_iterations; ++fit.iterations) {
-    const auto pairs = find_tile_pairs(scan, model, fit.world_from_scan, kTileReach_m);
+    pairs = find_tile_pairs(scan, model, fit.world_from_scan, kTileReach_m, pairs);
     const double median = median_rms(scan, pairs);
     if (median < 0) return fit;
     const double wanted = std::max(1.4826 * median, kScaleFloor_m), last = scale;

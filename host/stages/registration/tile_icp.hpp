@@ -23,9 +23,10 @@ struct TilePair {
   double rms_m = 0;                 // of the tile's samples over it
 };
 
-// Per tile: the closest face within `reach_m` whose normal is within 45 degrees of the tile's.
+// Per tile: the closest face within `reach_m` whose normal is within 45 degrees of the tile's. `last`: the
+// pairs of a pose nearby, which are quicker than nothing to start from.
 std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose,
-                                      double reach_m);
+                                      double reach_m, const std::vector<TilePair>& last = {});
 
 // The same with the face given.
 TilePair pair_of(const PlaneTile& tile, const FaceShape& face, const Pose& pose);
