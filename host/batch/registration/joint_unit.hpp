@@ -13,10 +13,10 @@ namespace hybrid::batch {
 // The scans of one scene among each other (METHOD 7). Without a model the first scan is the frame: its pose
 // is the scene file's, else that in its file, else none; the poses that these give others are where ICP on
 // the other scans starts (scan_to_scan.hpp). Where nothing gives a pose and more scans hang together without
-// the first than with it, the first of those is the frame. A scan without a pose of its own, because the
-// alignment to the model abstained or nothing gave one that holds, is aligned to the planes of those that
-// have one; what abstains there, too, stays without. Then all poses are refined together. Takes scans from
-// `abstentions` to `registrations`.
+// the first than with it, the one of those on which the others were laid is. A scan without a pose of its
+// own, because the alignment to the model abstained or nothing gave one that holds, is aligned to the planes
+// of those that have one; what abstains there, too, stays without. Then all poses are refined together. Takes
+// scans from `abstentions` to `registrations`.
 class NeighbourRegistration {
  public:
   // `model` may be null. The references must outlive it.
