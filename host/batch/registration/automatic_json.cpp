@@ -17,6 +17,7 @@ Json automatic_json(const stages::AutomaticAlignment& alignment) {
   json["accepted"] = alignment.accepted;
   if (!alignment.accepted) json["reason"] = alignment.reason;
   if (!alignment.has_pose) return json;
+  if (alignment.back) json["back"] = true;
   if (!alignment.accepted) json["best_world_from_scan"] = row_major(alignment.world_from_scan);
   if (const auto& told = alignment.by_samples)
     json["by_samples"] = {{"free_seen_through", told->free_seen_through},

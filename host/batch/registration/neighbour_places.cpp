@@ -45,7 +45,8 @@ NeighbourPlaces::NeighbourPlaces(device::Queue& queue, const stages::ProxyModel*
       models_(models),
       scan_to_scan_(scan_to_scan),
       on_all_(products.size()),
-      aligned_(products.size()) {}
+      aligned_(products.size()),
+      aligned_back_(products.size()) {}
 
 // What is accepted before what is not; then by what the samples see through, or by the margin.
 bool NeighbourPlaces::Neighbour::is_surer_than(const Neighbour& other) const {
@@ -67,7 +68,14 @@ const stages::AutomaticAlignment& NeighbourPlaces::aligned(const ScanRegistratio
   return found;
 }
 
-NeighbourPlaces::Neighbour NeighbourPlaces::best_neighbour(std::size_t scan,
+const stages::AutomaticAlignment& NeighbourPlaces::aligned_back(const ScanRegistration& other, std::size_t by,
+                                                                std::size_t index) {
+  auto& known = aligned_back_[index];
+  if (const auto found = known.find(by); found != known.end()) return found->second;
+  return known[by] = stages::inverted(aligned(other, by, index));
+}
+
+NeighbourPlaces::Neighbour NeighbourPlaces::best_neighbour(std::size_t scan, bool back,
                                                            const Registrations& registrations,
                                                            const Registrations& abstentions) {
   Neighbour best{scan};
@@ -77,6 +85,9 @@ NeighbourPlaces::Neighbour NeighbourPlaces::best_neighbour(std::size_t scan,
     if (!abstentions[scan]->refusal.empty() && registrations[other]->unjudged) continue;
     const Neighbour found{scan, other, &aligned(*abstentions[scan], scan, other)};
     if (best.alignment == nullptr || found.is_surer_than(best)) best = found;
+    if (!back || models_.of(scan).polygons.faces.empty()) continue;
+    const Neighbour other_way{scan, other, &aligned_back(*registrations[other], other, scan)};
+    if (other_way.alignment->accepted && other_way.is_surer_than(best)) best = other_way;
   }
   return best;
 }
@@ -163,15 +174,16 @@ void NeighbourPlaces::lay_all(Registrations& registrations, Registrations& abste
 std::vector<Pose> NeighbourPlaces::places_of(std::size_t scan, const Registrations& registrations,
                                              bool likely) const {
   std::vector<Pose> places;
-  for (const auto& [by, alignment] : aligned_[scan]) {
-    if (!registrations[by] || (likely && !alignment.accepted && !alignment.only_rivals)) continue;
-    for (const Pose& hypothesis : alignment.hypotheses) {
-      const Pose place = registrations[by]->world_from_scan() * hypothesis;
-      if (std::none_of(places.begin(), places.end(),
-                       [&](const Pose& known) { return lie_together(known, place); }))
-        places.push_back(place);
+  for (const auto* alignments : {&aligned_[scan], &aligned_back_[scan]})
+    for (const auto& [by, alignment] : *alignments) {
+      if (!registrations[by] || (likely && !alignment.accepted && !alignment.only_rivals)) continue;
+      for (const Pose& hypothesis : alignment.hypotheses) {
+        const Pose place = registrations[by]->world_from_scan() * hypothesis;
+        if (std::none_of(places.begin(), places.end(),
+                         [&](const Pose& known) { return lie_together(known, place); }))
+          places.push_back(place);
+      }
     }
-  }
   return places;
 }
 
@@ -273,14 +285,16 @@ bool NeighbourPlaces::carry_by_samples(const Neighbour& best, Registrations& reg
 // One that was carried may carry others, and what the samples contradict least goes first: of a church two
 // aisles lie on each other, turned, with planes that fit better than those of two ends of one do. Then those
 // whose alignments leave a choice of places. Alignments that more than rivals speaks against have none: of
-// scans of a church's outside each has a dozen places inside.
+// scans of a church's outside each has a dozen places inside. Where that places no more, those that have a
+// pose are aligned to the planes of the others: of two scans one may show what tells their place, and it is
+// seen by the other, not on its planes.
 void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abstentions) {
-  for (;;) {
+  for (bool back = false;;) {
     std::vector<Neighbour> accepted;
     std::vector<std::size_t> others;
     for (std::size_t i = 0; i < products_.size(); ++i) {
       if (!abstentions[i]) continue;
-      const Neighbour best = best_neighbour(i, registrations, abstentions);
+      const Neighbour best = best_neighbour(i, back, registrations, abstentions);
       if (best.alignment == nullptr) continue;
       if (best.alignment->accepted) {
         accepted.push_back(best);
@@ -300,9 +314,10 @@ void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abs
       return !places.empty() && count_of(registrations) > 1 &&
              lay_at_one_of(places, kLeastRival, i, registrations, abstentions).empty();
     };
-    if (std::none_of(accepted.begin(), accepted.end(), carries) &&
-        std::none_of(others.begin(), others.end(), lays))
-      return;
+    const bool placed = std::any_of(accepted.begin(), accepted.end(), carries) ||
+                        std::any_of(others.begin(), others.end(), lays);
+    if (!placed && back) return;
+    back = !placed;
   }
 }
 

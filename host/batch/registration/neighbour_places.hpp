@@ -52,13 +52,17 @@ class NeighbourPlaces {
  private:
   const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,
                                             std::size_t other);
+  // aligned() the other way round: the other, which has a pose, to the planes of the scan.
+  const stages::AutomaticAlignment& aligned_back(const ScanRegistration& other, std::size_t by,
+                                                 std::size_t index);
   // An alignment of a scan without a pose to one that has one; none where it is null.
   struct Neighbour {
     std::size_t scan = 0, by = 0;
     const stages::AutomaticAlignment* alignment = nullptr;
     bool is_surer_than(const Neighbour& other) const;
   };
-  Neighbour best_neighbour(std::size_t scan, const Registrations& registrations,
+  // `back`: what those that have a pose tell of it when they are aligned to its planes, too.
+  Neighbour best_neighbour(std::size_t scan, bool back, const Registrations& registrations,
                            const Registrations& abstentions);
   // In the world, where its alignments to scans that have a pose lay it, each place once; `likely`: of those
   // that nothing or nothing but rivals speaks against.
@@ -87,7 +91,8 @@ class NeighbourPlaces {
   ScanModels& models_;
   ScanToScan& scan_to_scan_;
   std::vector<std::string> on_all_;  // by scan, why lay_all() left it without a pose
-  std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_;  // by scan, to others' planes
+  // By scan, its alignments to others' planes, and those of others to its own, inverted.
+  std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_, aligned_back_;
 };
 
 }  // namespace hybrid::batch

@@ -208,4 +208,15 @@ AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence&
   return result;
 }
 
+AutomaticAlignment inverted(AutomaticAlignment alignment) {
+  alignment.back = !alignment.back;
+  const auto invert = [](Pose& pose) { pose = pose.inverse(); };
+  invert(alignment.world_from_scan);
+  if (alignment.by_samples) invert(alignment.by_samples->best_by_planes);
+  for (RivalPose& rival : alignment.rivals) invert(rival.world_from_scan);
+  for (auto* poses : {&alignment.hypotheses, &alignment.beaten, &alignment.uncontradicted})
+    std::for_each(poses->begin(), poses->end(), invert);
+  return alignment;
+}
+
 }  // namespace hybrid::stages

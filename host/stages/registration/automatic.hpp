@@ -84,6 +84,7 @@ struct AutomaticAlignment {
   // Scan to scan, where the samples were asked: what they do not contradict of all these, after ICP.
   std::vector<Pose> uncontradicted;
   int rotations = 0, guesses = 0, finalists = 0;
+  bool back = false;  // inverted(): the figures are of the other scan on the planes of this one
 };
 
 // METHOD 7: aligns superclusters to the proxy's faces without a start. Hypotheses from planes in fixed order,
@@ -94,5 +95,9 @@ struct AutomaticAlignment {
 // measure_model() and triangulate() throw.
 AutomaticAlignment align_automatically(device::Queue& queue, const ScanEvidence& scan,
                                        const ProxyModel& model, const AutomaticOptions& options = {});
+
+// What an alignment of scan a to the planes of scan b says of b in a's frame: all poses inverted, the figures
+// as they are.
+AutomaticAlignment inverted(AutomaticAlignment alignment);
 
 }  // namespace hybrid::stages

@@ -277,6 +277,40 @@ TEST(Automatic, the_direction_in_which_the_scanner_was_set_up_changes_nothing) {
   EXPECT_LT(apart.angle_rad, 0.02 * kDegree);
 }
 
+TEST(Automatic, what_a_scan_says_of_another_is_inverted_pose_by_pose) {
+  const auto pose = [](double by) {
+    return Pose{1, Eigen::Quaterniond(Eigen::AngleAxisd(by, Vec3(1, 2, 3).normalized())), Vec3(by, 2, -by)};
+  };
+  AutomaticAlignment of_a;
+  of_a.accepted = true;
+  of_a.seen_through = 0.01;
+  of_a.world_from_scan = pose(0.1);
+  of_a.by_samples = {"few planes", pose(0.2), 0.02};
+  of_a.rivals = {{pose(0.3), "beside it", {}, 0.5, 0.4}};
+  of_a.hypotheses = {pose(0.1), pose(0.3)};
+  of_a.beaten = {pose(0.4)};
+  of_a.uncontradicted = {pose(0.5), pose(0.6), pose(0.7)};
+  const auto of_b = stages::inverted(of_a);
+  EXPECT_TRUE(of_b.back);
+  EXPECT_TRUE(of_b.accepted);
+  EXPECT_EQ(of_b.seen_through, 0.01);
+  const auto poses_of = [](const AutomaticAlignment& one) {
+    std::vector<Pose> poses = {one.world_from_scan, one.by_samples->best_by_planes,
+                               one.rivals.at(0).world_from_scan};
+    for (const auto* more : {&one.hypotheses, &one.beaten, &one.uncontradicted})
+      poses.insert(poses.end(), more->begin(), more->end());
+    return poses;
+  };
+  const auto a = poses_of(of_a), b = poses_of(of_b), again = poses_of(stages::inverted(of_b));
+  ASSERT_EQ(a.size(), 9u);
+  ASSERT_EQ(b.size(), 9u);
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_TRUE(difference(a[k] * b[k], Pose()).within(1e-9, 1e-9)) << k;
+    EXPECT_TRUE(difference(a[k], again.at(k)).within(1e-9, 1e-9)) << k;
+  }
+  EXPECT_FALSE(stages::inverted(of_b).back);
+}
+
 TEST(Automatic, a_proxy_in_millimetres_inside_out_or_mirrored_is_named) {
   const Trial t = trial("ell", 31);
   ASSERT_TRUE(align(t.evidence, t.room.proxy).accepted);
