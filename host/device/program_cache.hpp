@@ -7,9 +7,9 @@
 namespace hybrid::device {
 
 // PoCL keeps what it compiles, but preprocesses a program's source and its own headers each time to find it:
-// 25 ms a program, most of what a small scan takes. So the programs it has built are kept as its binaries
-// beside its own files, in kernel_cache_folder()/hybrid, and loaded within a millisecond. Other drivers keep
-// their own.
+// 25 ms a program, nearly half of what a small scan takes. So the programs it has built are kept as its
+// binaries beside its own files, in kernel_cache_folder()/hybrid, and loaded within a millisecond. Other
+// drivers keep their own.
 
 // The file of the program of `source` built with `options`; empty for drivers other than PoCL, and where
 // POCL_KERNEL_CACHE=0 tells PoCL to keep nothing.
