@@ -6,8 +6,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <memory>
-#include <vector>
 
 #include "core/error.hpp"
 
@@ -25,13 +23,6 @@ std::string checksum(const std::string& bytes) {
 }
 
 constexpr std::size_t kChecksumLength = 32;
-
-std::string info_text(cl_device_id id, cl_device_info what) {
-  std::size_t size = 0;
-  if (clGetDeviceInfo(id, what, 0, nullptr, &size) != CL_SUCCESS) return "";
-  std::string text(size, '\0');
-  return clGetDeviceInfo(id, what, size, text.data(), nullptr) == CL_SUCCESS ? text : "";
-}
 
 std::string binary_of(cl_program program) {
   std::size_t size = 0;
@@ -61,8 +52,7 @@ fs::path program_file(const DeviceInfo& device, const std::string& name, const s
   const char* cached = std::getenv("POCL_KERNEL_CACHE");
   if (device.platform != "Portable Computing Language" || (cached && std::string(cached) == "0")) return {};
   std::string key;
-  for (const auto& part :
-       {device.name, device.driver_version, info_text(device.id, CL_DEVICE_VERSION), options, source})
+  for (const auto& part : {device.name, device.driver_version, device.opencl_c_version, options, source})
     key += part + '\0';
   return kernel_cache_folder() / "hybrid" / fmt::format("{}-{}.bin", name, checksum(key));
 }
