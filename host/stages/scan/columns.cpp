@@ -7,7 +7,7 @@
 
 #include "core/error.hpp"
 #include "core/log.hpp"
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 #include "geometry/angles.hpp"
 #include "stages/scan/scattered.hpp"
 #include "stages/scan/sweeps.hpp"
@@ -15,9 +15,10 @@
 namespace hybrid::stages {
 namespace {
 
-constexpr double kSameColumn = 0.5;         // columns: sweeps closer than this share one
-constexpr double kMissingColumn = 1.75;     // columns: wider gaps get empty columns
-constexpr double kOpenGap = 3;              // columns: a wider gap may stay open
+constexpr double kSameColumn = 0.5;      // columns: sweeps closer than this share one
+constexpr double kMissingColumn = 1.75;  // columns: wider gaps get empty columns
+constexpr double kOpenGap = 3;           // columns: a wider gap may stay open
+constexpr std::size_t kSweepsInBlock = 64;
 constexpr double kMostNodesPerSample = 50;  // beyond, the steps found are not the scan's
 
 // Sweeps in the order of increasing azimuth, azimuths unwrapped from the first, which follows the widest gap.
@@ -98,19 +99,10 @@ std::vector<Group> lay_out(const Turn& turn, bool wraps) {
   return filled;
 }
 
-// By descending elevation, ties by index.
-struct HigherFirst {
-  const SampleAngles& angles;
-  bool operator()(std::uint32_t a, std::uint32_t b) const {
-    const double at_a = angles.elevation_rad[a], at_b = angles.elevation_rad[b];
-    return at_a != at_b ? at_a > at_b : a < b;
-  }
-};
-
 void sort_sweeps(const SampleAngles& angles, Sweeps& sweeps) {
   parallel_for(sweeps.count(), [&](std::size_t s) {
     const auto at = [&](std::size_t k) { return sweeps.samples.begin() + static_cast<std::ptrdiff_t>(k); };
-    std::sort(at(sweeps.begin[s]), at(sweeps.begin[s + 1]), HigherFirst{angles});
+    sort_by_elevation(angles, {at(sweeps.begin[s]), at(sweeps.begin[s + 1])});
   });
 }
 
@@ -126,17 +118,27 @@ double elevation_step(const SampleAngles& angles, const Sweeps& sweeps) {
                               angles.elevation_rad[sweeps.samples[k]]);
   const double rough = typical_step(std::move(differences));
   if (rough <= 0) return 0;
-  double length = 0, steps = 0;
-  for (std::size_t s = 0; s < sweeps.count(); ++s)
-    for (std::size_t k = sweeps.begin[s] + 1; k < sweeps.begin[s + 1]; ++k) {
-      const double difference =
-          angles.elevation_rad[sweeps.samples[k - 1]] - angles.elevation_rad[sweeps.samples[k]];
-      const double whole = std::round(difference / rough);
-      if (whole < 1 || whole > 8 || std::abs(difference / rough - whole) > 0.3) continue;
-      length += difference;
-      steps += whole;
+  struct Length {
+    double rad = 0, steps = 0;
+    void operator+=(const Length& other) {
+      rad += other.rad;
+      steps += other.steps;
     }
-  return steps > 0 ? length / steps : rough;
+  };
+  const auto length_of = [&](std::size_t first, std::size_t last) {
+    Length length;
+    for (std::size_t s = first; s < last; ++s)
+      for (std::size_t k = sweeps.begin[s] + 1; k < sweeps.begin[s + 1]; ++k) {
+        const double difference =
+            angles.elevation_rad[sweeps.samples[k - 1]] - angles.elevation_rad[sweeps.samples[k]];
+        const double whole = std::round(difference / rough);
+        if (!(whole < 1 || whole > 8 || std::abs(difference / rough - whole) > 0.3))
+          length += {difference, whole};
+      }
+    return length;
+  };
+  const auto length = sum_blocks<Length>(sweeps.count(), length_of, kSweepsInBlock);
+  return length.steps > 0 ? length.rad / length.steps : rough;
 }
 
 // Offset of the rows, in steps, that lies closest to the samples' own elevations: circular mean. Exact when
@@ -172,18 +174,20 @@ void fill(const SampleAngles& angles, const Sweeps& sweeps, const std::vector<Gr
           ScanColumns& columns) {
   columns.begin.push_back(0);
   for (const auto& column : groups) {
-    for (const std::size_t s : column.sweeps)
-      columns.samples.insert(columns.samples.end(),
-                             sweeps.samples.begin() + static_cast<std::ptrdiff_t>(sweeps.begin[s]),
-                             sweeps.samples.begin() + static_cast<std::ptrdiff_t>(sweeps.begin[s + 1]));
-    columns.begin.push_back(columns.samples.size());
+    std::size_t end = columns.begin.back();
+    for (const std::size_t s : column.sweeps) end += sweeps.begin[s + 1] - sweeps.begin[s];
+    columns.begin.push_back(end);
     columns.azimuth_rad.push_back(column.azimuth_rad);
   }
-  columns.row_position.resize(columns.samples.size());
+  columns.samples.resize(columns.begin.back());
+  columns.row_position.resize(columns.begin.back());
   parallel_for(groups.size(), [&](std::size_t c) {
     const auto first = columns.samples.begin() + static_cast<std::ptrdiff_t>(columns.begin[c]);
-    const auto last = columns.samples.begin() + static_cast<std::ptrdiff_t>(columns.begin[c + 1]);
-    if (groups[c].sweeps.size() > 1) std::sort(first, last, HigherFirst{angles});
+    auto last = first;
+    for (const std::size_t s : groups[c].sweeps)
+      last = std::copy(sweeps.samples.begin() + static_cast<std::ptrdiff_t>(sweeps.begin[s]),
+                       sweeps.samples.begin() + static_cast<std::ptrdiff_t>(sweeps.begin[s + 1]), last);
+    if (groups[c].sweeps.size() > 1) sort_by_elevation(angles, {first, last});
     for (std::size_t k = columns.begin[c]; k < columns.begin[c + 1]; ++k)
       columns.row_position[k] =
           static_cast<float>((columns.top_elevation_rad - angles.elevation_rad[columns.samples[k]]) /

@@ -1,10 +1,15 @@
 #include "stages/scan/resample.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
+#include <utility>
 
 #include "core/log.hpp"
-#include "core/parallel.hpp"
+#include "core/parallel_blocks.hpp"
 #include "geometry/tiles.hpp"
 #include "shared/params_resample.h"
 #include "stages/scan/columns.hpp"
@@ -122,26 +127,114 @@ void carry_attributes(const Scan& scan, RangeImage& image) {
       4096);
 }
 
-// Returns that no node took: copies of a measured node's point (some scanners write every column twice) are
-// duplicates, the others extra.
-void list_extra(const Scan& scan, const ScanColumns& columns, RangeImage& image) {
-  std::vector<bool> left(scan.points.size(), false);
-  for (const std::uint32_t sample : columns.samples) left[sample] = true;
-  for (const std::uint32_t source : image.source)
-    if (source != kNoSource) left[source] = false;
-  std::vector<std::uint32_t> beside;
-  for (std::size_t i = 0; i < left.size(); ++i)
-    if (left[i]) beside.push_back(static_cast<std::uint32_t>(i));
+// What became of a return.
+enum Fate : std::uint8_t { kNoReturn, kInNode, kBeside, kCopy };
 
-  std::vector<std::array<float, 3>> taken;
-  if (!beside.empty())
-    for (const std::uint32_t source : image.source)
-      if (source != kNoSource) taken.push_back(scan.points[source]);
-  std::sort(taken.begin(), taken.end());
-  for (const std::uint32_t sample : beside) {
-    const bool copy = std::binary_search(taken.begin(), taken.end(), scan.points[sample]);
-    (copy ? image.duplicates : image.extra).push_back(sample);
+// Samples of a scan by their points, to find those that others are copies of.
+class SamplesByPoint {
+ public:
+  using Point = std::array<float, 3>;
+
+  void add(const Point& point, std::uint32_t sample) { samples_.push_back({point, sample, false}); }
+
+  // To be called before what follows.
+  void sort() {
+    tbb::parallel_sort(samples_, [](const auto& a, const auto& b) {
+      return a.point != b.point ? a.point < b.point : a.sample < b.sample;
+    });
+    while (bits_.size() < kBitsPerSample * samples_.size()) bits_.resize(2 * bits_.size());
+    for (const auto& sample : samples_) bits_[bit_of(sample.point)] = true;
   }
+
+  // Notes that another sample has this point; on any thread.
+  void meet(const Point& point) {
+    if (!bits_[bit_of(point)]) return;
+    const auto at = std::lower_bound(samples_.begin(), samples_.end(), point,
+                                     [](const auto& sample, const Point& of) { return sample.point < of; });
+    if (at != samples_.end() && at->point == point)
+      std::atomic_ref(at->met).store(true, std::memory_order_relaxed);
+  }
+
+  // visit(sample) for all that were met, in no order.
+  template <typename Visit>
+  void for_met(const Visit& visit) const {
+    bool met = false;
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+      met = samples_[k].met || (met && samples_[k].point == samples_[k - 1].point);
+      if (met) visit(samples_[k].sample);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBitsPerSample = 16;  // one of 16 other points has a bit of these
+
+  struct Sample {
+    Point point;
+    std::uint32_t sample;
+    bool met;  // of the first with a point, for all of them
+  };
+
+  std::size_t bit_of(const Point& point) const {
+    std::uint64_t bits = 0;
+    for (const float length : point)  // + 0: both zeros are the same length
+      bits = (bits ^ std::bit_cast<std::uint32_t>(length + 0.0f)) * 0x9e3779b97f4a7c15;
+    return bits >> 32 & (bits_.size() - 1);
+  }
+
+  std::vector<Sample> samples_;
+  std::vector<bool> bits_ = std::vector<bool>(64);
+};
+
+// Where a scanner writes every column twice, a sample's copy is next to it.
+void mark_copies_in_columns(const Scan& scan, const ScanColumns& columns, std::vector<Fate>& fate) {
+  constexpr std::size_t kLookedAt = 8;
+  parallel_for(static_cast<std::size_t>(columns.count()), [&](std::size_t c) {
+    const std::size_t begin = columns.begin[c], end = columns.begin[c + 1];
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint32_t sample = columns.samples[k];
+      if (fate[sample] != kBeside) continue;
+      const auto is_copy_of = [&](std::size_t other) {
+        return fate[columns.samples[other]] == kInNode &&
+               scan.points[columns.samples[other]] == scan.points[sample];
+      };
+      const auto level = [&](std::size_t other) {
+        return columns.row_position[other] == columns.row_position[k];
+      };
+      bool found = false;
+      for (std::size_t n = 1; n <= kLookedAt && !found && k >= begin + n && level(k - n); ++n)
+        found = is_copy_of(k - n);
+      for (std::size_t n = 1; n <= kLookedAt && !found && k + n < end && level(k + n); ++n)
+        found = is_copy_of(k + n);
+      if (found) fate[sample] = kCopy;
+    }
+  });
+}
+
+// Returns that no node took: copies of a measured node's point are duplicates, the others extra.
+void list_extra(const Scan& scan, const ScanColumns& columns, RangeImage& image) {
+  constexpr std::size_t kAtOnce = 1 << 16;
+  std::vector<Fate> fate(scan.points.size(), kNoReturn);
+  for_blocks(columns.samples.size(), kAtOnce, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) fate[columns.samples[k]] = kBeside;
+  });
+  for_blocks(image.source.size(), kAtOnce, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (image.source[i] != kNoSource) fate[image.source[i]] = kInNode;
+  });
+  mark_copies_in_columns(scan, columns, fate);
+
+  SamplesByPoint beside;
+  for (std::size_t i = 0; i < fate.size(); ++i)
+    if (fate[i] == kBeside) beside.add(scan.points[i], static_cast<std::uint32_t>(i));
+  beside.sort();
+  for_blocks(fate.size(), kAtOnce, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (fate[i] == kInNode) beside.meet(scan.points[i]);
+  });
+  beside.for_met([&](std::uint32_t sample) { fate[sample] = kCopy; });
+  for (std::size_t i = 0; i < fate.size(); ++i)
+    if (fate[i] == kBeside || fate[i] == kCopy)
+      (fate[i] == kCopy ? image.duplicates : image.extra).push_back(static_cast<std::uint32_t>(i));
 }
 
 // Empties the nodes nearer than `min_range_m`: what was measured there is kept beside the grid, but is no

@@ -1,9 +1,13 @@
 #include "stages/scan/scattered.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "core/group_items.hpp"
 #include "geometry/angles.hpp"
 
 namespace hybrid::stages {
@@ -12,41 +16,51 @@ namespace {
 constexpr double kPerBin = 16;  // samples of a bin in which they are counted
 constexpr int kRounds = 4;      // each makes the bins fit the density that the one before found
 
+// Where an azimuth lies among `bins` that part the turn.
+std::uint32_t bin_of(double azimuth_rad, double bins) {
+  return static_cast<std::uint32_t>(
+      std::clamp(std::floor((azimuth_rad / kTurn + 0.5) * bins), 0.0, bins - 1));
+}
+
 // Samples per steradian around the median sample, counted in bins about `side` high and wide.
 double median_density(const SampleAngles& angles, double side) {
   struct Counted {
     double density;
-    std::size_t samples;
+    std::uint32_t samples;
+    auto operator<=>(const Counted&) const = default;
   };
   const double bands = std::max(1.0, std::round(std::numbers::pi / side));
   const auto top_of = [&](double band) { return std::numbers::pi * (0.5 - band / bands); };
-  const auto bins_of = [&](double band) {
-    return std::max(1.0, std::round(kTurn * std::cos(top_of(band + 0.5)) / side));
+  std::vector<double> bins(static_cast<std::size_t>(bands));  // of each band
+  for (std::size_t band = 0; band < bins.size(); ++band)
+    bins[band] = std::max(1.0, std::round(kTurn * std::cos(top_of(static_cast<double>(band) + 0.5)) / side));
+  const auto band_of = [&](std::size_t i) {
+    return static_cast<std::uint32_t>(
+        std::clamp(std::floor((0.5 - angles.elevation_rad[i] / std::numbers::pi) * bands), 0.0, bands - 1));
   };
-  std::vector<std::uint64_t> keys;
-  for (std::size_t i = 0; i < angles.azimuth_rad.size(); ++i) {
-    if (std::isnan(angles.elevation_rad[i])) continue;
-    const double band =
-        std::clamp(std::floor((0.5 - angles.elevation_rad[i] / std::numbers::pi) * bands), 0.0, bands - 1);
-    const double bins = bins_of(band);
-    const double bin = std::clamp(std::floor((angles.azimuth_rad[i] / kTurn + 0.5) * bins), 0.0, bins - 1);
-    keys.push_back(static_cast<std::uint64_t>(band) << 32 | static_cast<std::uint64_t>(bin));
-  }
-  std::sort(keys.begin(), keys.end());
+  const ItemGroups bin_by_band = group_items(
+      angles.azimuth_rad.size(), bins.size(),
+      [&](std::size_t i) { return std::isnan(angles.elevation_rad[i]) ? kNoGroup : band_of(i); },
+      [&](std::size_t i) { return bin_of(angles.azimuth_rad[i], bins[band_of(i)]); });
+
+  std::vector<std::vector<Counted>> in_band(bins.size());
+  parallel_for(bins.size(), [&](std::size_t band) {
+    const std::size_t begin = bin_by_band.begin[band], end = bin_by_band.begin[band + 1];
+    if (begin == end) return;
+    std::vector<std::uint32_t> samples(static_cast<std::size_t>(bins[band]));
+    for (std::size_t k = begin; k < end; ++k) ++samples[bin_by_band.values[k]];
+    const auto at = static_cast<double>(band);
+    const double steradian = kTurn / bins[band] * (std::sin(top_of(at)) - std::sin(top_of(at + 1)));
+    for (const std::uint32_t in_bin : samples)
+      if (in_bin > 0) in_band[band].push_back({in_bin / steradian, in_bin});
+  });
   std::vector<Counted> counted;
-  for (std::size_t begin = 0, end; begin < keys.size(); begin = end) {
-    end = begin;
-    while (end < keys.size() && keys[end] == keys[begin]) ++end;
-    const auto band = static_cast<double>(keys[begin] >> 32);
-    const double steradian = kTurn / bins_of(band) * (std::sin(top_of(band)) - std::sin(top_of(band + 1)));
-    counted.push_back({static_cast<double>(end - begin) / steradian, end - begin});
-  }
-  std::sort(counted.begin(), counted.end(),
-            [](const Counted& a, const Counted& b) { return a.density < b.density; });
+  for (const auto& of_band : in_band) counted.insert(counted.end(), of_band.begin(), of_band.end());
+  tbb::parallel_sort(counted);
   std::size_t passed = 0;
   for (const Counted& bin : counted) {
     passed += bin.samples;
-    if (2 * passed >= keys.size()) return bin.density;
+    if (2 * passed >= bin_by_band.values.size()) return bin.density;
   }
   return 0;
 }
@@ -64,22 +78,20 @@ ScatteredSweeps scatter_sweeps(const SampleAngles& angles) {
 
   const double bins = std::max(1.0, std::round(kTurn * std::sqrt(density)));
   result.step_rad = kTurn / bins;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> bin_and_sample;
-  for (std::size_t i = 0; i < angles.azimuth_rad.size(); ++i)
-    if (!std::isnan(angles.elevation_rad[i])) {
-      const double bin = std::clamp(std::floor((angles.azimuth_rad[i] / kTurn + 0.5) * bins), 0.0, bins - 1);
-      bin_and_sample.emplace_back(static_cast<std::uint32_t>(bin), static_cast<std::uint32_t>(i));
-    }
-  std::sort(bin_and_sample.begin(), bin_and_sample.end());
-  for (const auto& [bin, sample] : bin_and_sample) {
-    const double middle = (bin + 0.5) * result.step_rad - std::numbers::pi;
-    if (result.sweeps.azimuth_rad.empty() || result.sweeps.azimuth_rad.back() != middle) {
-      result.sweeps.azimuth_rad.push_back(middle);
-      result.sweeps.begin.push_back(result.sweeps.samples.size());
-    }
-    result.sweeps.samples.push_back(sample);
+  ItemGroups by_bin = group_items(
+      angles.azimuth_rad.size(), static_cast<std::size_t>(bins),
+      [&](std::size_t i) {
+        return std::isnan(angles.elevation_rad[i]) ? kNoGroup : bin_of(angles.azimuth_rad[i], bins);
+      },
+      [](std::size_t i) { return static_cast<std::uint32_t>(i); });
+  for (std::size_t bin = 0; bin + 1 < by_bin.begin.size(); ++bin) {
+    if (by_bin.begin[bin] == by_bin.begin[bin + 1]) continue;
+    result.sweeps.azimuth_rad.push_back((static_cast<double>(bin) + 0.5) * result.step_rad -
+                                        std::numbers::pi);
+    result.sweeps.begin.push_back(by_bin.begin[bin]);
   }
-  result.sweeps.begin.push_back(result.sweeps.samples.size());
+  result.sweeps.begin.push_back(by_bin.values.size());
+  result.sweeps.samples = std::move(by_bin.values);
   return result;
 }
 

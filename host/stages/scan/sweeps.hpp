@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/scan.hpp"
@@ -10,6 +11,7 @@ namespace hybrid::stages {
 // Directions of a scan's samples as seen from the scanner (scan frame), one per input sample; NaN where the
 // sample is no return (not finite, or at the origin).
 struct SampleAngles {
+  const Scan& scan;                   // whose they are
   std::vector<double> azimuth_rad;    // (-pi, pi]
   std::vector<double> elevation_rad;  // [-pi/2, pi/2]
   std::vector<float> horizontal_m;    // distance from the vertical axis: what azimuth noise is relative to
@@ -23,6 +25,9 @@ struct Sweeps {
   std::vector<double> azimuth_rad;     // per sweep, (-pi, pi]: mean direction weighted by cos(elevation)
   std::size_t count() const { return azimuth_rad.size(); }
 };
+
+// For sorting a sweep's samples: by descending elevation, ties by index.
+void sort_by_elevation(const SampleAngles& angles, std::span<std::uint32_t> samples);
 
 // Cuts the samples in file order where the elevation turns back (a flyback, or the other half of a sweep to
 // and fro) or the azimuth jumps by a good part of a column. No sweeps when that yields no columns: samples

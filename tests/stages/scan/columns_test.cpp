@@ -4,6 +4,7 @@
 
 #include "core/error.hpp"
 #include "stages/room_scan.hpp"
+#include "stages/scan/sweeps.hpp"
 
 namespace hybrid::testing::columns_test {
 namespace {
@@ -118,6 +119,42 @@ TEST(Columns, a_cloud_in_any_order_falls_back_to_clusters_of_azimuth) {
   EXPECT_EQ(columns.wraps, expected.wraps);
   for (std::size_t k = 0; k < columns.samples.size(); ++k)
     ASSERT_EQ(shuffled.points[columns.samples[k]], scan.points[expected.samples[k]]);
+}
+
+// Up and down again at one azimuth, so that it is the turn alone that parts two sweeps. Samples are followed
+// in blocks, each as if nothing was known of the one before.
+TEST(Columns, a_sweep_ends_where_the_mirror_turns_wherever_that_is_in_the_file) {
+  constexpr std::size_t kBlock = 1 << 16;
+  RoomScanOptions regular;
+  regular.columns = 150;
+  regular.step_rad = 0.008;
+  regular.start_steps = regular.jitter_steps = regular.dropouts = 0;
+  const Scan up = scan_room(regular);
+  const std::size_t rows = up.points.size() / 150;
+  Scan scan = up;
+  scan.points.clear();
+  std::vector<std::size_t> begins;
+  for (std::size_t c = 0; c < 150; ++c) {
+    const auto first = up.points.begin() + static_cast<std::ptrdiff_t>(c * rows),
+               last = first + static_cast<std::ptrdiff_t>(rows);
+    begins.push_back(scan.points.size());
+    scan.points.insert(scan.points.end(), first, last);
+    begins.push_back(scan.points.size());
+    scan.points.insert(scan.points.end(), std::make_reverse_iterator(last - 1),
+                       std::make_reverse_iterator(first));
+  }
+  begins.push_back(scan.points.size());
+  const std::size_t turn = begins[kBlock / rows / 2 * 2 + 3];
+  ASSERT_GT(turn, kBlock + 2);
+  for (const std::size_t at : {kBlock - 2, kBlock - 1, kBlock, kBlock + 1, kBlock + 2}) {
+    const std::size_t without = turn - at;
+    Scan later = scan;
+    later.points.erase(later.points.begin(), later.points.begin() + static_cast<std::ptrdiff_t>(without));
+    std::vector<std::size_t> wanted{0};
+    for (const std::size_t begin : begins)
+      if (begin > without) wanted.push_back(begin - without);
+    EXPECT_EQ(stages::sweeps_of_acquisition(stages::sample_angles(later)).begin, wanted) << at;
+  }
 }
 
 TEST(Columns, samples_listed_by_rows_are_columns_too) {

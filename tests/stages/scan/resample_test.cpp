@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/error.hpp"
 #include "device.hpp"
@@ -176,6 +177,34 @@ TEST(Resample, second_returns_are_kept_beside_the_grid) {
   expect_verbatim(twice, image);
   const double count = static_cast<double>(scan.points.size());
   EXPECT_NEAR(static_cast<double>(image.extra.size()), count / 3, 0.03 * count);
+}
+
+// Columns written again, whole and in part, and points many times in a row.
+TEST(Resample, what_repeats_a_nodes_point_is_a_duplicate_and_all_else_is_extra) {
+  constexpr int kTimes = 40;
+  RoomScanOptions lone;
+  lone.columns = 1;
+  Scan scan;
+  for (int c = 0; c < 60; ++c) {
+    lone.first_azimuth_rad = 0.1 * c - 3;
+    lone.seed = static_cast<unsigned>(c + 1);
+    const Scan column = scan_room(lone);
+    for (int time = 0; time <= c % 3; ++time) {
+      const auto from = column.points.begin() + (time == 2 ? 40 : 0);
+      scan.points.insert(scan.points.end(), from, column.points.end());
+      if (time == 0) scan.points.insert(scan.points.end(), kTimes, column.points.back());
+    }
+  }
+  const RangeImage image = resample_scan(queue(), scan);
+  expect_complete(scan, image);
+  std::set<std::array<float, 3>> in_nodes;
+  for (const auto source : image.source)
+    if (source != kNoSource) in_nodes.insert(scan.points[source]);
+  for (const auto duplicate : image.duplicates)
+    EXPECT_TRUE(in_nodes.contains(scan.points[duplicate])) << duplicate;
+  for (const auto extra : image.extra) EXPECT_FALSE(in_nodes.contains(scan.points[extra])) << extra;
+  EXPECT_GT(image.duplicates.size(), 60u * kTimes);
+  EXPECT_GT(image.extra.size(), 10u);
 }
 
 TEST(Resample, the_scanners_own_body_is_kept_beside_the_grid) {
