@@ -5,6 +5,7 @@
 
 #include "batch/orthophotos.hpp"
 #include "batch/planes_json.hpp"
+#include "core/free_memory.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel.hpp"
@@ -137,6 +138,7 @@ void find_planes(device::Queue& queue, const StageOptions& options, Progress& pr
       stages::decimate(queue, product.image, product.segmentation, product.boundary, options.decimate);
   product.stray = stages::find_stray_samples(queue, product.image, product.segmentation.sample_label,
                                              product.sigma_m, options.stray);
+  give_back_free_memory();
 }
 
 }  // namespace
