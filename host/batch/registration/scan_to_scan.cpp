@@ -380,7 +380,9 @@ ScanToScan::Chosen ScanToScan::choose(std::size_t i, const std::vector<Pose>& hy
 
 ScanToScan::Laid ScanToScan::lay(std::size_t i, const Pose& start, const Registrations& registrations) {
   Others others = others_than(i, registrations);
-  auto found = stages::register_to_scans(queue_, scan(i), others.scans, start, icp_);
+  const auto near =
+      stages::near_scans(others.scans, stages::compare_on_scans(queue_, scan(i), others.scans, start, few_));
+  auto found = stages::register_to_some(queue_, scan(i), near, others.scans, start, icp_);
   std::string contradiction = contradiction_of(found, start);
   return {{"automatic", std::move(found), std::move(others.ids)}, std::move(contradiction)};
 }

@@ -42,6 +42,8 @@ IcpScan::IcpScan(device::Queue& queue, const ScanSamples& chosen, const RangeIma
                  const PlaneSegmentation& segmentation, const std::vector<std::uint8_t>& stray)
     : samples{upload(queue, chosen.planar, 1), upload(queue, chosen.free, 1)},
       few{upload(queue, chosen.planar, kStepOfFew), upload(queue, chosen.free, kStepOfFew)},
+      fewest{upload(queue, chosen.planar, kStepOfFew * kStepOfFew),
+             upload(queue, chosen.free, kStepOfFew * kStepOfFew)},
       surface(std::make_shared<ScanSurface>(queue, image, segmentation, stray)) {
   const auto each = [&](const auto& body) {
     for (const auto* list : {&chosen.planar.points, &chosen.free.points})

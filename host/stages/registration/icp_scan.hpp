@@ -31,7 +31,7 @@ class IcpScan {
     std::vector<std::array<float, 4>> normals;
   };
   std::array<Samples, 2> samples;
-  std::array<Samples, 2> few;  // every eighth of them, for eight times its area
+  std::array<Samples, 2> few, fewest;  // every eighth of them, for eight times its area; of these the same
   std::shared_ptr<const ScanSurface> surface;
   Vec3 centre = Vec3::Zero();  // of the samples, by area
   double radius_m = 0;         // their rms distance from it

@@ -59,7 +59,7 @@ LineOfPlaces::Bearing LineOfPlaces::bearing(double shift_m, double within_m) {
   Bearing sums;
   sums.on_other_m2.resize(placed_.size());
   for (auto& [other, pairs, bears_m2] : all_) {
-    const auto heights = pairs.heights(), clearances = pairs.clearances();
+    const auto &heights = pairs.heights(), &clearances = pairs.clearances();
     for (std::size_t i = 0; i < bears_m2.size(); ++i)
       if (std::abs(static_cast<double>(heights[i])) < within_m)
         sums.on_other_m2[other] += bears_m2[i];
@@ -92,7 +92,7 @@ LineOfPlaces::Settled LineOfPlaces::settle(double shift_m, double gate_m) {
     find(settled.shift_m, gate_m);
     std::vector<float> heights, areas;
     for (auto& [other, pairs, bears_m2] : all_) {
-      const auto own = pairs.used_heights();
+      const auto& own = pairs.used_heights();
       heights.insert(heights.end(), own.begin(), own.end());
       areas.insert(areas.end(), pairs.samples().area_m2.begin(), pairs.samples().area_m2.end());
     }

@@ -17,8 +17,6 @@ namespace {
 
 // Beside all planar area this share counts for every direction: a window's frame says nothing alone.
 constexpr double kLeastTells = 0.0005;
-// ICP is on the scans of which so much overlaps under the hypothesis, and so is the line of places beside it.
-constexpr double kNearOverlap = 0.1;
 // Places on the line are compared first within overlap_m, then within these shares of it: what holds a scan
 // along the line is little, and for robust ICP an outlier unless it starts within the noise. With at most so
 // many samples of a scan.
@@ -35,7 +33,8 @@ constexpr double kOnLine = 0.5;
 // the sides of a church, whole planes or what is no plane contradict one: so much of either, and so many
 // times as much as of the other; of what is no plane there must be some.
 constexpr double kTimesBest = 4, kFreeThrough = 0.2, kFreeTells = 0.002;
-// An eighth of the samples tells it, too, where there is so many times as much.
+// An eighth of the samples tells it, too, where there is so many times as much, and of these an eighth what
+// is contradicted anyway.
 constexpr double kFewTell = 2;
 
 struct Against {
@@ -78,8 +77,9 @@ class Chooser {
         placed_(placed),
         options_(options),
         few_(options.icp),
+        fewest_(options.icp),
         on_line_(options.icp) {
-    few_.few = on_line_.few = true;
+    few_.few = fewest_.fewest = on_line_.few = true;
     on_line_.gate_m = kGateOnLine * on_line_.overlap_m;
   }
 
@@ -87,8 +87,9 @@ class Chooser {
   std::optional<End> end_of(const Pose& hypothesis);
   // With all samples, on all scans.
   ScanIcp finish(const End& end);
-  bool is_contradicted(const ScanIcp& found) const {
-    return found.seen_through > options_.most_through || against(found.planes).share > options_.most_along;
+  bool is_contradicted(const ScanIcp& found, double times = 1) const {
+    return found.seen_through > times * options_.most_through ||
+           against(found.planes).share > times * options_.most_along;
   }
   std::string doubt(const ScanIcp& found) const;
   bool is_held(const ScanIcp& found) const { return found.planes.weakest().share >= options_.least_held; }
@@ -106,7 +107,8 @@ class Chooser {
     return static_cast<int>(options_.reach_m / LineOfPlaces::step_m(few_.overlap_m));
   }
   bool free_tells(const ScanIcp& found) const { return found.free_m2 > kFreeTells * scan_.area_m2; }
-  bool is_hopeless(const ScanIcp& found, const Vec3& direction) const;
+  bool is_hopeless(const ScanIcp& found, const Vec3& direction, double times = 1) const;
+  bool is_hopeless_by_fewest(const Pose& hypothesis) const;
   bool is_along(const Pose& a, const Pose& b, const Vec3& direction) const;
   bool is_on_line(const Pose& pose, const Vec3& direction) const;
   // Whether it is contradicted as a place of its own, then by how much more than a place may be.
@@ -119,15 +121,20 @@ class Chooser {
   const IcpScan& scan_;
   const std::vector<PlacedScan>& placed_;
   const HypothesesOptions& options_;
-  ScanIcpOptions few_, on_line_;
+  ScanIcpOptions few_, fewest_, on_line_;
   std::vector<Line> lines_;  // that were gone along
 };
 
 // Whether it is contradicted wherever it lies along the direction.
-bool Chooser::is_hopeless(const ScanIcp& found, const Vec3& direction) const {
+bool Chooser::is_hopeless(const ScanIcp& found, const Vec3& direction, double times) const {
   const ComparedPlanes rest = without(found.planes, direction);
-  return rest.through.trace() > options_.most_through * (rest.on.trace() + rest.through.trace()) ||
-         against(rest).share > options_.most_along;
+  return rest.through.trace() > times * options_.most_through * (rest.on.trace() + rest.through.trace()) ||
+         against(rest).share > times * options_.most_along;
+}
+
+bool Chooser::is_hopeless_by_fewest(const Pose& hypothesis) const {
+  const ScanIcp found = compare_on_scans(queue_, scan_, placed_, hypothesis, fewest_);
+  return is_contradicted(found, kFewTell) && is_hopeless(found, against(found.planes).direction, kFewTell);
 }
 
 Chooser::Contradictions Chooser::contradictions(const ScanIcp& found) const {
@@ -167,9 +174,9 @@ double Chooser::least_contradicted_m(const LineOfPlaces& line, const std::vector
 }
 
 std::optional<End> Chooser::end_of(const Pose& hypothesis) {
+  if (is_hopeless_by_fewest(hypothesis)) return std::nullopt;
   End end{hypothesis, compare_on_scans(queue_, scan_, placed_, hypothesis, few_), {}};
-  for (std::size_t k = 0; k < placed_.size(); ++k)
-    if (end.found.others[k].overlap >= kNearOverlap) end.on.push_back(placed_[k]);
+  end.on = near_scans(placed_, end.found);  // ICP is on these, and so is the line of places beside it
   if (end.on.empty()) {
     if (is_contradicted(end.found)) return std::nullopt;
     return end;
@@ -197,14 +204,9 @@ std::optional<End> Chooser::end_of(const Pose& hypothesis) {
 }
 
 ScanIcp Chooser::finish(const End& end) {
-  const Pose& start = end.found.icp.world_from_scan;
   ScanIcpOptions all = on_line_;
   all.few = false;
-  const ScanIcp near = register_to_scans(queue_, scan_, end.on.empty() ? placed_ : end.on, start, all);
-  ScanIcp found = assess_on_scans(queue_, scan_, placed_, near.icp.world_from_scan, options_.icp);
-  found.icp.converged = near.icp.converged;
-  found.icp.iterations = near.icp.iterations;
-  return found;
+  return register_to_some(queue_, scan_, end.on, placed_, end.found.icp.world_from_scan, all);
 }
 
 // Why nothing contradicts the pose's place, but it is not accepted; "" = it is.

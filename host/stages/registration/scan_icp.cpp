@@ -20,6 +20,7 @@ constexpr double kPlanesTell = 0.2;
 constexpr std::size_t kFree = 1 - IcpScan::kPlanar;
 constexpr int kSamplesOfPlane = 5;     // seen through, that contradict it
 constexpr double kLeastOfScan = 0.01;  // of its area, of a plane whose height counts
+constexpr double kNearOverlap = 0.1;
 
 class ScanProblem {
  public:
@@ -60,7 +61,7 @@ class ScanProblem {
       std::vector<float> heights, areas;
       for (auto& one : pairs_) {
         if (one.kind != kind) continue;
-        const auto own = one.pairs.used_heights();
+        const auto& own = one.pairs.used_heights();
         heights.insert(heights.end(), own.begin(), own.end());
         const auto& area = one.pairs.samples().area_m2;
         areas.insert(areas.end(), area.begin(), area.end());
@@ -104,17 +105,17 @@ class ScanProblem {
     ScanPairs pairs;
   };
   const std::array<IcpScan::Samples, 2>& of(const IcpScan& scan) const {
-    return options_.few ? scan.few : scan.samples;
+    return options_.fewest ? scan.fewest : options_.few ? scan.few : scan.samples;
   }
   static double own_spacing(const IcpScan& scan, std::size_t kind) {
     return kind == 1 && scan.surface->known() ? scan.surface->spacing() : 0;
   }
-  // Area of the samples of one kind, both ways.
+  // Area of samples of one kind, both ways.
   struct Seen {
     double on = 0, through = 0;
     double all() const { return on + through; }
   };
-  Seen seen_of(std::size_t kind);
+  Seen seen_of_free();
   static void tell_free(const Seen& free, ScanIcp& result);
   void overlaps(ScanIcp& result);
   void add_planes(const IcpScan::Samples& samples, double scan_m2, const std::vector<float>& heights,
@@ -160,11 +161,11 @@ void ScanProblem::add_planes(const IcpScan::Samples& samples, double scan_m2,
   }
 }
 
-ScanProblem::Seen ScanProblem::seen_of(std::size_t kind) {
+ScanProblem::Seen ScanProblem::seen_of_free() {
   Seen seen;
   for (auto& one : pairs_) {
-    if (one.kind != kind) continue;
-    const auto heights = one.pairs.heights(), clearances = one.pairs.clearances();
+    if (one.kind != kFree) continue;
+    const auto &heights = one.pairs.heights(), &clearances = one.pairs.clearances();
     const auto& area = one.pairs.samples().area_m2;
     for (std::size_t i = 0; i < area.size(); ++i)
       if (std::abs(static_cast<double>(heights[i])) < options_.overlap_m)
@@ -186,10 +187,11 @@ void ScanProblem::overlaps(ScanIcp& result) {
     double forward = 0, backward = 0, through = 0, square = 0;
   };
   std::vector<Compared> compared(placed_.size());
+  std::array<Seen, 2> seen;                 // by kind
   std::array<std::vector<char>, 2> on_any;  // per own sample
   for (std::size_t kind = 0; kind < 2; ++kind) on_any[kind].assign(of(scan_)[kind].area_m2.size(), 0);
   for (auto& [other, kind, pairs] : pairs_) {
-    const auto heights = pairs.heights(), clearances = pairs.clearances();
+    const auto &heights = pairs.heights(), &clearances = pairs.clearances();
     const auto& area = pairs.samples().area_m2;
     Compared& sums = compared[other];
     for (std::size_t i = 0; i < area.size(); ++i) {
@@ -197,9 +199,11 @@ void ScanProblem::overlaps(ScanIcp& result) {
       if (std::abs(height) < options_.overlap_m) {
         (pairs.forward() ? sums.forward : sums.backward) += a;
         sums.square += a * height * height;
+        seen[kind].on += a;
         if (pairs.forward()) on_any[kind][i] = 1;
       } else if (static_cast<double>(clearances[i]) > options_.clear_m) {
         sums.through += a;
+        seen[kind].through += a;
       }
     }
     if (kind == IcpScan::kPlanar)
@@ -217,7 +221,7 @@ void ScanProblem::overlaps(ScanIcp& result) {
     if (one.on_m2 > 0) one.rms_m = std::sqrt(sums.square / one.on_m2);
     result.others.push_back(one);
   }
-  const Seen planar = seen_of(IcpScan::kPlanar), free = seen_of(kFree);
+  const Seen &planar = seen[IcpScan::kPlanar], &free = seen[kFree];
   tell_free(free, result);
   const bool by_planes = planar.all() > kPlanesTell * (planar.all() + free.all());
   const Seen judge{planar.on + (by_planes ? 0 : free.on), planar.through + (by_planes ? 0 : free.through)};
@@ -241,7 +245,7 @@ void ScanProblem::compare(const Pose& pose, ScanIcp& result,
                           const std::function<bool(const ScanIcp&)>& enough) {
   find(pose, options_.overlap_m, kFree);
   if (enough) {
-    tell_free(seen_of(kFree), result);
+    tell_free(seen_of_free(), result);
     if (enough(result)) return;
   }
   find(pose, options_.overlap_m, IcpScan::kPlanar);
@@ -342,6 +346,23 @@ ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::v
   result.icp.converged = true;
   problem.compare(pose, result, enough);
   return result;
+}
+
+std::vector<PlacedScan> near_scans(const std::vector<PlacedScan>& placed, const ScanIcp& found) {
+  std::vector<PlacedScan> near;
+  for (std::size_t k = 0; k < placed.size(); ++k)
+    if (found.others[k].overlap >= kNearOverlap) near.push_back(placed[k]);
+  return near;
+}
+
+ScanIcp register_to_some(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& some,
+                         const std::vector<PlacedScan>& placed, const Pose& start,
+                         const ScanIcpOptions& options) {
+  const ScanIcp end = register_to_scans(queue, scan, some.empty() ? placed : some, start, options);
+  ScanIcp found = assess_on_scans(queue, scan, placed, end.icp.world_from_scan, options);
+  found.icp.converged = end.icp.converged;
+  found.icp.iterations = end.icp.iterations;
+  return found;
 }
 
 }  // namespace hybrid::stages

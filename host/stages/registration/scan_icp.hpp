@@ -16,6 +16,7 @@ struct ScanIcpOptions {
   double overlap_m = 0.05;        // a sample this near a surface of the other lies on it
   double clear_m = 0.15;          // a line of sight that goes on so far behind a sample contradicts it
   bool few = false;               // an eighth of the samples: enough to tell a pose that is far from right
+  bool fewest = false;            // of these again an eighth
 };
 
 // A scan whose pose stays.
@@ -87,5 +88,14 @@ ScanIcp assess_on_scans(device::Queue& queue, const IcpScan& scan, const std::ve
 ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                          const Pose& pose, const ScanIcpOptions& options = {},
                          const std::function<bool(const ScanIcp&)>& enough = {});
+
+// Of the placed scans those that overlap with it so far that ICP can do without the others.
+std::vector<PlacedScan> near_scans(const std::vector<PlacedScan>& placed, const ScanIcp& found);
+
+// register_to_scans() on some of the placed (on all where these are none), and what assess_on_scans() says of
+// its end on all.
+ScanIcp register_to_some(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& some,
+                         const std::vector<PlacedScan>& placed, const Pose& start,
+                         const ScanIcpOptions& options = {});
 
 }  // namespace hybrid::stages

@@ -26,10 +26,12 @@ void ScanPairs::find(const Pose& world_from, const Pose& world_to, double gate_m
     surface_.find(samples_.queries, scan_from_queries_, gate_m / world_to.scale, normal_deg, answers_);
 }
 
-std::vector<float> ScanPairs::in_world(std::vector<float> values) const {
-  if (world_from_grid_.scale != 1)
-    for (float& value : values) value *= static_cast<float>(world_from_grid_.scale);
-  return values;
+const std::vector<float>& ScanPairs::in_world(const std::vector<float>& values,
+                                              std::vector<float>& scaled) const {
+  if (world_from_grid_.scale == 1) return values;
+  scaled = values;
+  for (float& value : scaled) value *= static_cast<float>(world_from_grid_.scale);
+  return scaled;
 }
 
 const std::vector<float>& ScanPairs::raw_heights() {
@@ -49,12 +51,15 @@ const std::vector<float>& ScanPairs::raw_used() {
   if (!(own_spacing_ > 0)) return raw_heights();
   if (dense_heights_) return *dense_heights_;
   dense_heights_ = raw_heights();
+  const Mat3 linear = scan_from_queries_.scale * scan_from_queries_.rotation.toRotationMatrix();
+  const double own = scan_from_queries_.scale * own_spacing_ / surface_.spacing();
   for (std::size_t i = 0; i < dense_heights_->size(); ++i) {
+    float& height = (*dense_heights_)[i];
+    if (std::isnan(height)) continue;
     const auto& p = samples_.points[i];
     const Vec3 point(p[0], p[1], p[2]);
-    const double own = scan_from_queries_.scale * point.norm() * own_spacing_,
-                 there = (scan_from_queries_ * point).norm() * surface_.spacing();
-    if (there > own) (*dense_heights_)[i] = std::numeric_limits<float>::quiet_NaN();
+    if ((linear * point + scan_from_queries_.translation).squaredNorm() > own * own * point.squaredNorm())
+      height = std::numeric_limits<float>::quiet_NaN();
   }
   dense_ = queue_.array(*dense_heights_);
   return *dense_heights_;
@@ -129,7 +134,7 @@ bool PairsCutoff::update(const std::vector<float>& heights, const std::vector<fl
 }
 
 void PairObservations::add(ScanPairs& pairs, double cutoff_m) {
-  const auto heights = pairs.used_heights();
+  const auto& heights = pairs.used_heights();
   const auto& with = pairs.samples();
   double of_this = 0;
   const auto end_plane = [&] {

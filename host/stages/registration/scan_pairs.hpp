@@ -23,10 +23,10 @@ class ScanPairs {
   void find(const Pose& world_from, const Pose& world_to, double gate_m, double normal_deg);
 
   // Of the last find(), world metres, per sample.
-  std::vector<float> heights() { return in_world(raw_heights()); }
+  const std::vector<float>& heights() { return in_world(raw_heights(), world_heights_); }
   // Of those that count, the others NaN.
-  std::vector<float> used_heights() { return in_world(raw_used()); }
-  std::vector<float> clearances() { return in_world(raw_clearances()); }
+  const std::vector<float>& used_heights() { return in_world(raw_used(), world_used_); }
+  const std::vector<float>& clearances() { return in_world(raw_clearances(), world_clearances_); }
 
   // Sums the normal equations of the moving scan's step about `pivot` (world), and returns at once.
   void sum(const Vec3& pivot, double cutoff_m);
@@ -40,7 +40,8 @@ class ScanPairs {
   const std::vector<float>& raw_heights();
   const std::vector<float>& raw_used();
   const std::vector<float>& raw_clearances();
-  std::vector<float> in_world(std::vector<float> values) const;
+  // The values themselves where the grid's scale is the world's.
+  const std::vector<float>& in_world(const std::vector<float>& values, std::vector<float>& scaled) const;
 
   const IcpScan::Samples& samples_;
   double own_spacing_;
@@ -51,6 +52,7 @@ class ScanPairs {
   // Read when first asked for, in the grid's scale: clearances, heights, and these with NaN where the surface
   // is coarser than the samples, which the device gets, too.
   std::optional<std::vector<float>> clearances_, heights_, dense_heights_;
+  std::vector<float> world_clearances_, world_heights_, world_used_;
   device::Array<float> dense_, partial_;
   std::optional<std::array<double, ICP_PLANE_SUMS>> sums_;  // read when first asked for
   Pose scan_from_queries_, world_from_grid_, world_from_;

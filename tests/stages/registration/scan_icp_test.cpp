@@ -182,6 +182,58 @@ TEST(ScanIcp, an_eighth_of_the_samples_tells_what_all_of_them_do_where_that_is_c
   EXPECT_GE(right, trial_count() * 0.9);
 }
 
+// Under the right pose, and of another room.
+TEST(ScanIcp, an_eighth_of_that_eighth_tells_right_from_hopeless) {
+  const std::vector<const char*> kinds = {"box", "niche", "hall", "ell", "oblique", "alcoves"};
+  stages::ScanIcpOptions fewest;
+  fewest.fewest = true;
+  double most_of_right = 0, least_of_wrong = 1;
+  for (int k = 0; k < trial_count(); ++k) {
+    const auto seed = static_cast<std::uint32_t>(9700 + k);
+    const char* kind = kinds[static_cast<std::size_t>(k) % kinds.size()];
+    const auto room = testing::make_trial_room(kind, seed);
+    const Seen a = see(room, seed, 1, true), b = see(room, seed + 700, k % 2 ? 0.7 : 1, true),
+               other = see(testing::make_trial_room(kind, seed + 500), seed + 700, 1, true);
+    const std::vector<stages::PlacedScan> placed = {{a.icp.get(), a.scan.world_from_scan}};
+    const auto through = [&](const Seen& of) {
+      return stages::compare_on_scans(queue(), *of.icp, placed, of.scan.world_from_scan, fewest).seen_through;
+    };
+    most_of_right = std::max(most_of_right, through(b));
+    least_of_wrong = std::min(least_of_wrong, through(other));
+  }
+  if (std::getenv("TRIALS")) printf("fewest: right %.3f, wrong %.3f\n", most_of_right, least_of_wrong);
+  EXPECT_LT(most_of_right, 0.05);
+  EXPECT_GT(least_of_wrong, 0.1);
+}
+
+// The scan of another room, a hundred metres away, is no part of what ICP is on, but of what is said.
+TEST(ScanIcp, what_does_not_overlap_is_left_out_of_icp) {
+  const auto room = testing::make_trial_room("niche", 9800);
+  const Seen a = see(room, 9800, 1, true), b = see(room, 10500, 1, true),
+             far = see(testing::make_trial_room("ell", 9801), 9801, 1, true);
+  Pose away = far.scan.world_from_scan;
+  away.translation.x() += 100;
+  const stages::PlacedScan near{a.icp.get(), a.scan.world_from_scan};
+  const std::vector<stages::PlacedScan> placed = {{far.icp.get(), away}, near};
+  const Pose start = testing::moved_at_random(b.scan.world_from_scan, 0.02, 0.2, 3);
+  const auto some = stages::near_scans(placed, stages::compare_on_scans(queue(), *b.icp, placed, start));
+  ASSERT_EQ(some.size(), 1u);
+  EXPECT_EQ(some[0].scan, a.icp.get());
+  const auto found = stages::register_to_some(queue(), *b.icp, some, placed, start);
+  const auto alone = stages::register_to_scans(queue(), *b.icp, {near}, start);
+  EXPECT_EQ(found.icp.world_from_scan.translation, alone.icp.world_from_scan.translation);
+  EXPECT_EQ(found.icp.iterations, alone.icp.iterations);
+  EXPECT_TRUE(found.icp.converged);
+  ASSERT_EQ(found.others.size(), 2u);
+  EXPECT_EQ(found.others[0].on_m2, 0);
+  EXPECT_EQ(found.others[1].on_m2, alone.others[0].on_m2);
+  EXPECT_LT(difference(b.scan.world_from_scan, found.icp.world_from_scan).distance_m, 0.004);
+  // On all where none overlaps: nothing moves it there.
+  const auto nowhere = stages::register_to_some(queue(), *b.icp, {}, {placed[0]}, start);
+  EXPECT_EQ(nowhere.icp.world_from_scan.translation, start.translation);
+  EXPECT_EQ(nowhere.icp.overlap, 0);
+}
+
 // What comparing leaves out is what is said of the pose; planes are left out where samples of none are
 // enough.
 TEST(ScanIcp, comparing_says_what_assessing_says_of_the_others) {
