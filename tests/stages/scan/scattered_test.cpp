@@ -12,6 +12,7 @@
 #include "io/scanner_position.hpp"
 #include "stages/scan/columns.hpp"
 #include "stages/scan/resample.hpp"
+#include "stages/scan/sweeps.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -74,6 +75,48 @@ TEST(Scattered, every_sample_is_at_a_node_or_beside_the_grid) {
   // Of Poisson's distribution with a mean of 1: 63 % of the squares hold a sample, and more towards the
   // poles.
   EXPECT_GT(at_nodes, 0.6 * 20000);
+}
+
+// As where coordinates of a survey are given and a scanner's position in other ones: millions of bins to the
+// turn, which are neither counted one by one nor need memory.
+TEST(Scattered, a_scanner_thousands_of_kilometres_away_gives_a_fine_grid_or_none) {
+  Scan scan = scattered_box(20000);
+  scan.origin = Vec3(5e5, 5e6, 100);
+  scan.scanner_is_known = true;
+  const stages::SampleAngles angles = stages::sample_angles(scan);
+  const auto [sweeps, step_rad] = stages::scatter_sweeps(angles);
+  EXPECT_LT(step_rad, 1e-7);
+  EXPECT_GT(step_rad, 1e-9);
+  ASSERT_GT(sweeps.count(), 50u);
+  EXPECT_EQ(sweeps.samples.size(), scan.points.size());
+  std::vector<int> seen(scan.points.size());
+  for (std::size_t s = 0; s < sweeps.count(); ++s) {
+    ASSERT_TRUE(s == 0 || sweeps.azimuth_rad[s] > sweeps.azimuth_rad[s - 1]);
+    ASSERT_LT(sweeps.begin[s], sweeps.begin[s + 1]);
+    for (std::size_t k = sweeps.begin[s]; k < sweeps.begin[s + 1]; ++k) {
+      const std::uint32_t sample = sweeps.samples[k];
+      ++seen[sample];
+      ASSERT_TRUE(k == sweeps.begin[s] || sample > sweeps.samples[k - 1]);
+      ASSERT_LE(std::abs(angles.azimuth_rad[sample] - sweeps.azimuth_rad[s]), 0.501 * step_rad);
+    }
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), std::ssize(scan.points));
+  EXPECT_EQ(stages::recover_columns(scan).samples.size(), scan.points.size());
+
+  for (int k = 0; k < 400; ++k) {  // some are around it
+    const auto& [x, y, z] = scan.points[static_cast<std::size_t>(k)];
+    scan.points.push_back({x - 5e5f, y - 5e6f + 100, z - 100});
+  }
+  EXPECT_THROW(stages::recover_columns(scan), Error);
+}
+
+TEST(Scattered, samples_in_one_direction_are_one_column) {
+  Scan scan;
+  scan.scanner_is_known = true;
+  scan.points.assign(5000, {2, 2, 2});
+  const auto columns = stages::recover_columns(scan);
+  EXPECT_EQ(columns.count(), 1);
+  EXPECT_EQ(columns.samples.size(), 5000u);
 }
 
 TEST(Scattered, only_a_scanner_that_was_given_is_believed) {
