@@ -87,4 +87,16 @@ int text_width(const std::string& text, int cell) {
   return (static_cast<int>(text.size()) * (kCols + 1) - 1) * cell;
 }
 
+void NumberLabels::add(const Vec2& at, int number) {
+  const auto size = number_size(number, cell_);
+  const int x = static_cast<int>(at.x()) + 7, y = static_cast<int>(at.y()) - size.height - 5;
+  const std::array<int, 4> box = {x - 3, y - 3, x + size.width + 3, y + size.height + 3};
+  for (const auto& other : boxes_)
+    if (box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3]) return;
+  boxes_.push_back(box);
+  for (int row = box[1]; row < box[3]; ++row)
+    draw_line(picture_, Vec2(box[0], row), Vec2(box[2] - 1, row), kPaper);
+  draw_number(picture_, x, y, number, cell_, ink_);
+}
+
 }  // namespace hybrid::batch

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "geometry/image.hpp"
 #include "geometry/vectors.hpp"
@@ -25,5 +26,18 @@ void draw_number(Image8& picture, int x, int y, int number, int cell, const Ink&
 // are left blank. The same cells.
 void draw_text(Image8& picture, int x, int y, const std::string& text, int cell, const Ink& ink);
 int text_width(const std::string& text, int cell);
+
+// Numbers beside points, each on a patch of paper; those that would cover an earlier one are left out.
+class NumberLabels {
+ public:
+  NumberLabels(Image8& picture, int cell, const Ink& ink) : picture_(picture), cell_(cell), ink_(ink) {}
+  void add(const Vec2& at, int number);
+
+ private:
+  Image8& picture_;
+  int cell_;
+  Ink ink_;
+  std::vector<std::array<int, 4>> boxes_;
+};
 
 }  // namespace hybrid::batch

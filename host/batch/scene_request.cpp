@@ -80,6 +80,13 @@ io::SceneScan in_scan_frame(io::SceneScan entry) {
   return entry;
 }
 
+Pose in_file_frame(const io::SceneScan& entry, const Pose& world_from_scan) {
+  Pose pose = world_from_scan;
+  if (entry.scanner) pose = pose * Pose{1, Eigen::Quaterniond::Identity(), -*entry.scanner};
+  if (entry.depth) pose = pose * io::camera_from_depth_scan().inverse();
+  return pose;
+}
+
 std::string relative_name(const fs::path& file, const io::SceneFile& scene) {
   return fs::proximate(file, fs::absolute(scene.path).parent_path()).generic_string();
 }

@@ -21,6 +21,8 @@ void check_edited_scans_early(const io::SceneFile& scene, bool salvage);
 
 // What the scene file says in the file's coordinates, in the scanner's frame.
 io::SceneScan in_scan_frame(io::SceneScan entry);
+// The other way round: a pose of the scanner's frame as the entry says it.
+Pose in_file_frame(const io::SceneScan& entry, const Pose& world_from_scan);
 
 // As seen from the scene file: in summary.json no path may be absolute.
 std::string relative_name(const std::filesystem::path& file, const io::SceneFile& scene);

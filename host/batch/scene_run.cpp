@@ -12,6 +12,7 @@
 #include "batch/planes_json.hpp"
 #include "batch/registration/joint_unit.hpp"
 #include "batch/registration/landmark_sheet.hpp"
+#include "batch/registration/place_sheet.hpp"
 #include "batch/registration/registered_scans.hpp"
 #include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
@@ -242,8 +243,8 @@ class Run {
     }
     if (run_.registrations[i])
       editing_.clip(run_.scene, *run_.registrations[i], remains_[i], run_.products[i]);
+    if (wants("register")) remove_sheets(folder);
     if (run_.abstentions[i]) abstain(i);
-    if (wants("register")) remove_landmark_sheet(folder);
   }
 
   void write_registered(std::size_t i) {
@@ -269,11 +270,12 @@ class Run {
     return scans;
   }
 
-  // The scan takes no part in views; the sheet asks a person. The run's exit code tells, but of scans that
+  // The scan takes no part in views; the sheets ask a person. The run's exit code tells, but of scans that
   // nobody called a scene.
   void abstain(std::size_t i) {
     const ScanRegistration& scan = *run_.abstentions[i];
     const auto& neighbours = scan.neighbour_reason;
+    if (wants("register")) write_sheets(i);
     if (!run_.model) {
       const std::string reason =
           scan.refusal.empty() || neighbours.empty() ? reason_of(scan) : scan.refusal + "; " + neighbours;
@@ -281,12 +283,20 @@ class Run {
         return log::info("scan {}: no pose, it may be of another place: {}", run_.products[i].id, reason);
       fail_input("no pose: {}", reason);
     }
-    if (wants("register"))
-      write_landmark_sheet(queue_, scan_folder(run_.products[i].id), run_.products[i], *run_.model,
-                           scan.automatic.value_or(stages::AutomaticAlignment{}));
     fail_input("{}{}{}",
                scan.refusal.empty() ? "no landmarks and no pose, and the automatic alignment abstains: " : "",
                reason_of(scan), neighbours.empty() ? "" : "; " + neighbours);
+  }
+
+  void write_sheets(std::size_t i) {
+    const ScanRegistration& scan = *run_.abstentions[i];
+    const PolygonModel* model = run_.model ? &*run_.model : nullptr;
+    const fs::path folder = scan_folder(run_.products[i].id);
+    if (model != nullptr || !scan.places.empty()) write_scan_sheet(folder, run_.products[i]);
+    if (model != nullptr)
+      write_landmark_sheet(queue_, folder, run_.products[i], *model,
+                           scan.automatic.value_or(stages::AutomaticAlignment{}));
+    write_place_sheet(folder, i, run_.products, run_.registrations, scan, model, entries_[i]);
   }
 
   void write_scans() {

@@ -225,19 +225,31 @@ std::string abstained_section(Previews& previews, const Json& scan) {
           100 * rival["speaks_for_the_rival"].get<double>());
     html += "</ul>\n";
   }
+  if (registration.contains("places")) {
+    html += "<p>Where it may stand:</p>\n<ol>\n";
+    for (const auto& place : registration["places"])
+      html += fmt::format("<li>{}</li>\n", escape(place["how"].get<std::string>()));
+    html += "</ol>\n";
+  }
   html += "<div class=\"row wide\">\n" +
           picture(previews, folder + "scan.png",
                   "Landmark sheet: the scan, planes in colours, with rows and columns") +
           picture(previews, folder + "model.png", "The model from two sides with numbered vertices") +
+          picture(previews, folder + "places.png",
+                  "Where it may stand, from above: the scan blue, others grey, the model black, the scanner "
+                  "red with columns of the landmark sheet") +
           "</div>\n";
-  std::error_code ignored;
-  const fs::path stanza = out / folder / "landmarks.toml";
-  if (fs::is_regular_file(stanza, ignored))
-    html += fmt::format(
-        "<details><summary>scans/{}/sheet/landmarks.toml: fill in four corners that both pictures show, copy "
-        "it into the scene file, run again</summary><pre>{}</pre></details>\n",
-        escape(id), escape(io::read_text(stanza)));
-  return html;
+  const auto stanza = [&](const std::string& file, const char* what) {
+    std::error_code ignored;
+    const fs::path path = out / folder / file;
+    if (!fs::is_regular_file(path, ignored)) return std::string();
+    return fmt::format("<details><summary>scans/{}/sheet/{}: {}</summary><pre>{}</pre></details>\n",
+                       escape(id), file, what, escape(io::read_text(path)));
+  };
+  return html +
+         stanza("landmarks.toml",
+                "fill in four corners that both pictures show, copy it into the scene file, run again") +
+         stanza("places.toml", "or copy the pose of the place that is right into the scene file, run again");
 }
 
 }  // namespace hybrid::report

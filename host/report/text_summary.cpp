@@ -24,10 +24,15 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
       "scan {}: {} measured samples, {} superclusters, {:.1f} % discarded\n", scan["id"].get<std::string>(),
       scan["decimation"]["measured"].get<std::int64_t>(), scan["superclusters"].get<std::int64_t>(),
       100 * scan["decimation"]["discarded_share"].get<double>());
-  if (scan.contains("registration") && scan["registration"]["status"] == "abstained")
-    text += scan["registration"]["how"] == "neighbour" ? "  no pose: no other scan places it\n"
-                                                       : "  no pose: see sheet/ in the scan's folder\n";
-  else if (scan.contains("registration")) {
+  if (scan.contains("registration") && scan["registration"]["status"] == "abstained") {
+    const auto& registration = scan["registration"];
+    const bool on_scans = registration["how"] == "neighbour" ||
+                          (registration.contains("refused") && registration["refused"].contains("on_scans"));
+    text += !on_scans ? "  no pose: see sheet/ in the scan's folder\n"
+            : registration.contains("places")
+                ? "  no pose: no other scan places it; places.png shows where it may stand\n"
+                : "  no pose: no other scan places it\n";
+  } else if (scan.contains("registration")) {
     const auto& pose = scan["registration"];
     if (pose.contains("seen_through"))
       text += fmt::format("  {:.0f} % lie on other scans, rms {:.2f} mm; {:.1f} % are seen through\n",

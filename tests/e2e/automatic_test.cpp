@@ -52,12 +52,43 @@ TEST(AutomaticScene, the_symmetric_room_abstains_with_a_sheet_and_the_run_goes_o
     EXPECT_TRUE(pose["world_from_scan"].is_null());
     EXPECT_LT(pose["margin"], 0.001);
     EXPECT_NE(pose["rivals"].dump().find("turned by 180 degrees about the vertical"), std::string::npos);
-    for (const char* file : {"scan.png", "model.png", "landmarks.toml"})
+    for (const char* file : {"scan.png", "model.png", "landmarks.toml", "places.png", "places.toml"})
       EXPECT_TRUE(fs::exists(out / "scans" / scan / "sheet" / file)) << file;
     EXPECT_TRUE(fs::exists(out / "scans" / scan / "detail.ply"));
   }
   const auto page = io::read_text(out / "report" / "index.html");
   EXPECT_NE(page.find("sheet/model.png"), std::string::npos);
+  EXPECT_NE(page.find("sheet/places.png"), std::string::npos);
+
+  // A person tells the place from its picture; its pose, as it stands there, settles it.
+  const auto truth = json_of(room() / "truth.json");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string scan = truth["scans"][i]["id"];
+    const Pose right =
+        pose_from_row_major(truth["scans"][i]["world_from_scan"].get<std::array<double, 16>>());
+    const auto pose = json_of(out / "scans" / scan / "pose.json");
+    ASSERT_EQ(pose["places"].size(), 4u) << scan;  // upside down, too: the scene is not levelled
+    std::size_t place = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (const auto rows = pose["places"][k]["world_from_scan"].get<std::array<double, 16>>();
+          difference(pose_from_row_major(rows), right).within(0.05, 0.01))
+        place = k + 1;
+    ASSERT_NE(place, 0u) << scan;
+    text = with_place(text, out, scan, place);
+  }
+  io::write_text(scratch / "chosen.toml", text);
+  const auto chosen = run("hybrid register " + (scratch / "chosen.toml").string() + " --quiet --out " +
+                          (scratch / "chosen").string());
+  EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string scan = truth["scans"][i]["id"];
+    const auto pose = json_of(scratch / "chosen" / "scans" / scan / "pose.json");
+    EXPECT_EQ(pose["how"], "given");
+    const auto apart =
+        difference(pose_from_row_major(pose["world_from_scan"].get<std::array<double, 16>>()),
+                   pose_from_row_major(truth["scans"][i]["world_from_scan"].get<std::array<double, 16>>()));
+    EXPECT_LT(apart.distance_m, 2e-4) << scan;
+  }
 
   // What the sheet asks for, filled in, settles it, and the sheet goes.
   const auto once_more = run("hybrid register " + (room() / "scene.toml").string() +

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/pose.hpp"
@@ -223,6 +224,72 @@ TEST(ChurchStations, without_a_model_the_order_of_scans_does_not_tell_which_hang
 TEST(ChurchStations, without_a_model_a_station_in_the_door_joins_inside_and_outside) {
   expect_all_right_without_a_model({"front", "porch", "nave"}, "or a scan taken between this one and others");
   expect_all_right_without_a_model({"front", "porch", "doorway", "nave"});
+}
+
+// What a scan without a pose may be is shown, and a person's choice is enough.
+TEST(ChurchStations, without_a_model_the_right_place_is_among_those_that_are_shown) {
+  const Scratch scratch;
+  const auto out = scratch / "out";
+  const auto truth = make_stations(scratch, {"front", "porch", "nave"});
+  const auto place = [&](const char* scene) {
+    return run("hybrid run " + (scratch / scene).string() + " --only planes,register --quiet --force --out " +
+               out.string());
+  };
+  ASSERT_EQ(place("scene.toml").exit_code, 3);
+  const auto nave = json_of(out / "scans/nave/pose.json");
+  ASSERT_GE(nave["places"].size(), 2u);
+  const Pose right = truth[0].inverse() * truth[2];
+  const auto off = [&](const nlohmann::json& found) {
+    return difference(pose_from_row_major(found.get<std::array<double, 16>>()), right);
+  };
+  EXPECT_LT(off(nave["places"][0]["world_from_scan"]).distance_m, 0.005);  // measured 0.4 mm
+  for (const char* file : {"scan.png", "places.png"})
+    EXPECT_TRUE(std::filesystem::exists(out / "scans/nave/sheet" / file)) << file;
+  EXPECT_FALSE(std::filesystem::exists(out / "scans/nave/sheet/model.png"));
+
+  io::write_text(scratch / "chosen.toml", with_place(io::read_text(scratch / "scene.toml"), out, "nave", 1));
+  const auto chosen = place("chosen.toml");
+  EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+  EXPECT_LT(off(json_of(out / "scans/nave/pose.json")["world_from_scan"]).distance_m, 0.001);
+  EXPECT_FALSE(std::filesystem::exists(out / "scans/nave/sheet"));
+}
+
+// The last of these stations given 5 cm from where it stands: its pose.json, and how far off it then is.
+std::pair<nlohmann::json, double> given_nearly(const std::vector<std::string>& ids) {
+  const Scratch scratch;
+  const auto out = scratch / "out";
+  const auto truth = make_stations(scratch, ids);
+  const Pose right = truth.front().inverse() * truth.back();
+  Pose given = right;
+  given.translation.x() += 0.05;
+  io::write_text(scratch / "scene.toml", io::read_text(scratch / "scene.toml") +
+                                             "pose = " + nlohmann::json(row_major(given)).dump() + "\n");
+  const auto outcome = run("hybrid run " + (scratch / "scene.toml").string() +
+                           " --only planes,register --quiet --out " + out.string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  auto pose = json_of(out / "scans" / ids.back() / "pose.json");
+  EXPECT_EQ(pose["how"], "scan-icp");
+  EXPECT_EQ(pose["on_scans"]["start"], "given");
+  const auto found = pose_from_row_major(pose["world_from_scan"].get<std::array<double, 16>>());
+  return {std::move(pose), difference(found, right).distance_m};
+}
+
+// A pose of a scan that lies on the frame by little more than one wall waits for the scans without one that
+// lie between. (By the frame alone it was refused.)
+TEST(ChurchStations, without_a_model_a_given_pose_waits_for_those_that_hold_it) {
+  const auto [pose, off_m] = given_nearly({"front", "front-south", "corner", "south"});
+  EXPECT_FALSE(pose.contains("warnings")) << pose["warnings"];
+  EXPECT_LT(off_m, 0.001);  // measured 0.61 mm
+}
+
+// Along the wall nothing holds it.
+TEST(ChurchStations, without_a_model_what_the_others_leave_open_is_told) {
+  const auto [pose, off_m] = given_nearly({"front", "front-south", "north-corner", "north"});
+  EXPECT_GT(off_m, 0.02);
+  ASSERT_EQ(pose["warnings"].size(), 1u);
+  const auto warning = pose["warnings"][0].get<std::string>();
+  EXPECT_NE(warning.find("leave its pose undetermined: it is free to slide along"), std::string::npos)
+      << warning;
 }
 
 // The porch lies by its samples before the front, and nothing tells where both are: they are a group of their

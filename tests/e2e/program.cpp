@@ -1,5 +1,6 @@
 #include "program.hpp"
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -51,6 +52,18 @@ nlohmann::json json_of(const fs::path& file) {
 Pose pose_of(const fs::path& out, const std::string& scan) {
   return pose_from_row_major(
       json_of(out / "scans" / scan / "pose.json")["world_from_scan"].get<std::array<double, 16>>());
+}
+
+std::string with_place(std::string scene, const std::filesystem::path& out, const std::string& scan,
+                       std::size_t place) {
+  const std::string places = io::read_text(out / "scans" / scan / "sheet" / "places.toml");
+  const auto begin = places.find("# pose = [", places.find("\n# " + std::to_string(place) + ": "));
+  EXPECT_NE(begin, std::string::npos) << places;
+  std::string pose = places.substr(begin, places.find("# ]", begin) + 3 - begin) + "\n";
+  for (auto at = pose.find("# "); at != std::string::npos; at = pose.find("# ", at)) pose.erase(at, 2);
+  const std::string id = "id = \"" + scan + "\"\n";
+  EXPECT_NE(scene.find(id), std::string::npos) << scene;
+  return scene.insert(scene.find(id) + id.size(), pose);
 }
 
 bool is_timing(const fs::path& name) {

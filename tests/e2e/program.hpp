@@ -39,6 +39,10 @@ nlohmann::json json_of(const std::filesystem::path& file);
 // That a run found; from its pose.json.
 Pose pose_of(const std::filesystem::path& out, const std::string& scan);
 
+// The scene with the pose of that place (1 = the first) of the scan's places.toml, as a person copies it.
+std::string with_place(std::string scene, const std::filesystem::path& out, const std::string& scan,
+                       std::size_t place);
+
 // timing.json and its copy for the report's page: the files that may differ between runs.
 bool is_timing(const std::filesystem::path& name);
 

@@ -57,6 +57,21 @@ std::size_t frame_of(const Registrations& registrations) {
   return static_cast<std::size_t>((fixed == registrations.end() ? first : fixed) - registrations.begin());
 }
 
+std::vector<PossiblePlace> places_on_model(const stages::AutomaticAlignment& found) {
+  std::vector<PossiblePlace> places = {
+      {found.world_from_scan,
+       fmt::format("{:.0f} % of its planar area lie on faces, {:.1f} % are seen through them",
+                   100 * found.shares.supported, 100 * found.shares.through)}};
+  for (const stages::RivalPose& rival : found.rivals) {
+    if (rival.strength >= 1 || places.size() == kMostPlaces) break;
+    places.push_back(
+        {rival.world_from_scan,
+         fmt::format("{}; {:.2f} % of the planar area speak for the first place, {:.2f} % for this one",
+                     rival.words, 100 * rival.comparison.for_it, 100 * rival.comparison.against_it)});
+  }
+  return places;
+}
+
 void make_frame(ScanRegistration& one, const Pose& pose) {
   one.how = "frame";
   one.fixed = true;
@@ -139,11 +154,24 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
 
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
   if (options_.joint && model_ != nullptr) hold_slides(registrations);  // others may be laid on them
-  if (model_ == nullptr) scan_to_scan_.place(starts_, registrations, abstentions);
+  if (model_ == nullptr) place_from_starts(registrations, abstentions);
   if (model_ != nullptr && options_.automatic == "never") return;  // a pose by planes alone is not wanted
   if (model_ != nullptr) places_.lay_all(registrations, abstentions);
   places_.carry_all(registrations, abstentions);
   if (frame_is_free_) keep_largest_island(registrations, abstentions);
+}
+
+// A pose that little but scans without one would hold waits for these: what the frame alone sees of it,
+// through a door or along a wall, may contradict it, or say nothing.
+void NeighbourRegistration::place_from_starts(Registrations& registrations, Registrations& abstentions) {
+  scan_to_scan_.place_firmly(starts_, registrations, abstentions);
+  Registrations waiting(products_.size());
+  for (std::size_t i = 0; i < products_.size(); ++i)
+    if (starts_[i]) waiting[i] = std::exchange(abstentions[i], std::nullopt);
+  if (count_of(waiting) > 0 && count_of(abstentions) > 0) places_.carry_all(registrations, abstentions);
+  for (std::size_t i = 0; i < products_.size(); ++i)
+    if (waiting[i]) abstentions[i] = std::move(waiting[i]);
+  scan_to_scan_.place(starts_, registrations, abstentions);
 }
 
 // Of two the smaller one is laid on the larger one, and what that gives may tell the next one's place. What
@@ -252,6 +280,17 @@ void NeighbourRegistration::refine(Registrations& registrations, Registrations& 
   if (options_.joint && count_of(registrations) > 1) figures_ = refine_all(registrations);
   if (model_ == nullptr) scan_to_scan_.describe(registrations);
   for (Registrations& island : islands_) tell_island(island, abstentions);
+  for (std::size_t i = 0; i < products_.size(); ++i)
+    if (abstentions[i]) abstentions[i]->places = places_of(i, *abstentions[i], registrations);
+}
+
+std::vector<PossiblePlace> NeighbourRegistration::places_of(std::size_t i, const ScanRegistration& abstained,
+                                                            const Registrations& registrations) {
+  const bool on_model = abstained.automatic && abstained.automatic->has_pose;
+  if (on_model && abstained.automatic->only_rivals) return places_on_model(*abstained.automatic);
+  auto places = places_.possible_places(i, registrations);
+  if (places.empty() && on_model) places = places_on_model(*abstained.automatic);
+  return places;
 }
 
 Json NeighbourRegistration::refine_all(Registrations& registrations) {

@@ -29,7 +29,7 @@ class NeighbourRegistration {
                            Registrations& registrations, Registrations& abstentions);
   void carry(Registrations& registrations, Registrations& abstentions);
   // Where [register] joint = true and at least two scans have a pose. Without a model also what lies on what,
-  // and the smaller groups that have no pose, each in its own frame.
+  // and the smaller groups that have no pose, each in its own frame. Then where scans without one may stand.
   void refine(Registrations& registrations, Registrations& abstentions);
 
   // summary.json's "joint": null when refine() did nothing.
@@ -39,9 +39,15 @@ class NeighbourRegistration {
   nlohmann::ordered_json refine_all(Registrations& registrations);
   // Along what the model leaves open, those first that scans which do not slide hold.
   void hold_slides(Registrations& registrations);
+  // Without a model.
+  void place_from_starts(Registrations& registrations, Registrations& abstentions);
   void keep_largest_island(Registrations& registrations, Registrations& abstentions);
   void join_islands(std::vector<Registrations>& islands);
   void tell_island(Registrations& island, Registrations& abstentions);
+  // Where a scan without a pose may stand: on the model where nothing but other places there speaks against
+  // one, else on other scans, where these know one.
+  std::vector<PossiblePlace> places_of(std::size_t i, const ScanRegistration& abstained,
+                                       const Registrations& registrations);
 
   device::Queue& queue_;
   const stages::ProxyModel* model_;

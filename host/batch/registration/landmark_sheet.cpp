@@ -20,13 +20,6 @@ namespace fs = std::filesystem;
 constexpr Ink kBlack = {0, 0, 0}, kGrid = {255, 225, 60}, kFaint = {170, 170, 170}, kDark = {60, 60, 60},
               kRed = {190, 20, 20};
 
-// Grid lines every 10, 20, 50, 100 ... nodes, so that about sixteen cross the picture.
-int grid_step(int nodes) {
-  int step = 10;
-  for (int k = 0; step * 18 < nodes; ++k) step = step * (k % 3 == 1 ? 5 : 4) / 2;
-  return step;
-}
-
 void fill(Image8& picture, const Ink& ink) {
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) std::copy(ink.begin(), ink.end(), picture.at(x, y));
@@ -81,27 +74,6 @@ PolygonModel part_of(const PolygonModel& model, const std::vector<std::uint32_t>
   return part;
 }
 
-// Labels that would cover an earlier one are left out: landmarks.toml lists every vertex.
-class Labels {
- public:
-  explicit Labels(Image8& picture) : picture_(picture) {}
-  void add(const Vec2& at, int number) {
-    const auto size = number_size(number, kCell);
-    const int x = static_cast<int>(at.x()) + 7, y = static_cast<int>(at.y()) - size.height - 5;
-    const std::array<int, 4> box = {x - 3, y - 3, x + size.width + 3, y + size.height + 3};
-    for (const auto& other : boxes_)
-      if (box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3]) return;
-    boxes_.push_back(box);
-    for (int row = box[1]; row < box[3]; ++row)
-      draw_line(picture_, Vec2(box[0], row), Vec2(box[2] - 1, row), kPaper);
-    draw_number(picture_, x, y, number, kCell, kRed);
-  }
-
- private:
-  Image8& picture_;
-  std::vector<std::array<int, 4>> boxes_;
-};
-
 Image8 model_view(device::Queue& queue, const PolygonModel& model, const std::vector<std::uint32_t>& faces,
                   bool from_behind) {
   constexpr int kViewWidth = 1200, kViewHeight = 900;
@@ -136,7 +108,7 @@ Image8 model_view(device::Queue& queue, const PolygonModel& model, const std::ve
       if (edge.front == front && a && b) draw_line(picture, *a, *b, front ? kDark : kFaint, front ? 2 : 1);
       vertices.insert({edge.a, edge.b});
     }
-  Labels labels(picture);
+  NumberLabels labels(picture, kCell, kRed);
   for (const std::uint32_t v : vertices)
     if (const auto at = pixel(v)) {
       draw_disc(picture, *at, 4, kRed);
@@ -183,6 +155,13 @@ std::string stanza(const std::string& id, const PolygonModel& model,
 
 }  // namespace
 
+int sheet_grid_step(const RangeImage& image) {
+  const int nodes = std::max({image.cols, image.rows, 1});
+  int step = 10;
+  for (int k = 0; step * 18 < nodes; ++k) step = step * (k % 3 == 1 ? 5 : 4) / 2;
+  return step;
+}
+
 Image8 scan_sheet(const ScanProduct& product) {
   const RangeImage& image = product.image;
   const Image8 range = stages::range_picture(image),
@@ -203,7 +182,7 @@ Image8 scan_sheet(const ScanProduct& product) {
       for (int k = 0; k < 3; ++k)
         picture.at(x, y)[k] = static_cast<std::uint8_t>(classes.at(col, row)[k] * light / 255);
     }
-  const int step = grid_step(longest);
+  const int step = sheet_grid_step(image);
   for (int col = 0; col < image.cols; col += step) {
     draw_line(picture, Vec2(kLeft + at(col), kTop - 6), Vec2(kLeft + at(col), picture.height - 1), kGrid);
     draw_number(picture, kLeft + at(col) - number_size(col, kCell).width / 2, 10, col, kCell, kBlack);
@@ -229,14 +208,18 @@ Image8 model_sheet(device::Queue& queue, const PolygonModel& model, const std::v
 void write_landmark_sheet(device::Queue& queue, const fs::path& folder, const ScanProduct& product,
                           const PolygonModel& model, const stages::AutomaticAlignment& alignment) {
   const fs::path sheet = folder / "sheet";
-  io::write_png(sheet / "scan.png", scan_sheet(product));
   io::write_png(sheet / "model.png", model_sheet(queue, model, alignment.faces));
   io::write_text(sheet / "landmarks.toml",
                  stanza(product.id, model, all_or(alignment.faces, model.faces.size())));
 }
 
-void remove_landmark_sheet(const fs::path& folder) {
-  for (const char* name : {"scan.png", "model.png", "landmarks.toml"}) fs::remove(folder / "sheet" / name);
+void write_scan_sheet(const fs::path& folder, const ScanProduct& product) {
+  io::write_png(folder / "sheet" / "scan.png", scan_sheet(product));
+}
+
+void remove_sheets(const fs::path& folder) {
+  for (const char* name : {"scan.png", "model.png", "landmarks.toml", "places.png", "places.toml"})
+    fs::remove(folder / "sheet" / name);
   std::error_code not_empty;
   fs::remove(folder / "sheet", not_empty);
 }

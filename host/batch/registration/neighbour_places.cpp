@@ -321,4 +321,9 @@ void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abs
   }
 }
 
+std::vector<PossiblePlace> NeighbourPlaces::possible_places(std::size_t scan,
+                                                            const Registrations& registrations) {
+  return scan_to_scan_.best_places(scan, places_of(scan, registrations, false), registrations, kMostPlaces);
+}
+
 }  // namespace hybrid::batch

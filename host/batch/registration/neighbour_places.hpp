@@ -48,6 +48,8 @@ class NeighbourPlaces {
   bool lay_island(const Registrations& island, const Registrations& unplaced, Registrations& on);
   // All others, by planes; what abstains is told why.
   void carry_all(Registrations& registrations, Registrations& abstentions);
+  // Where these alignments lay a scan that they leave without a pose, judged by all that have one.
+  std::vector<PossiblePlace> possible_places(std::size_t scan, const Registrations& registrations);
 
  private:
   const stages::AutomaticAlignment& aligned(const ScanRegistration& scan, std::size_t index,

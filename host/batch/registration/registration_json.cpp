@@ -81,6 +81,8 @@ Json abstained_json(const ScanRegistration& registration) {
   if (!registration.warnings.empty()) json["warnings"] = registration.warnings;
   if (registration.automatic) json.update(automatic_json(*registration.automatic));
   json["reason"] = reason_of(registration);
+  for (const PossiblePlace& place : registration.places)
+    json["places"].push_back({{"how", place.words}, {"world_from_scan", row_major(place.world_from_scan)}});
   if (registration.island) json["island"] = island_json(*registration.island);
   if (registration.on_scans)
     json["refused"] = {{"world_from_scan", row_major(registration.on_scans->icp.icp.world_from_scan)},

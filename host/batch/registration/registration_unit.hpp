@@ -49,6 +49,13 @@ struct Island {
   std::optional<OnScans> on_scans;
 };
 
+// Where a scan without a pose may stand; so many at most are said.
+inline constexpr std::size_t kMostPlaces = 4;
+struct PossiblePlace {
+  Pose world_from_scan;
+  std::string words;  // what speaks for it, and how it differs from the first
+};
+
 struct ScanRegistration {
   // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "scan-icp" (from a given or recorded
   // pose), "frame" (the first, without a model)
@@ -78,11 +85,12 @@ struct ScanRegistration {
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
   bool unjudged = false;  // without a model: a given or recorded pose that no other scan tells anything of
-  std::optional<Island> island;     // without a model, of a scan without a pose
-  std::optional<OnScans> on_scans;  // without a model, where another scan has a pose
-  nlohmann::ordered_json written;   // files of the registered scan (registered_scans.hpp), or null
-  std::optional<OnSlide> slide;     // where other scans have a pose
-  bool held_by_model = true;        // by what it sees of the model; else by its neighbours alone
+  std::vector<PossiblePlace> places;  // of a scan without a pose, for which most speaks first
+  std::optional<Island> island;       // without a model, of a scan without a pose
+  std::optional<OnScans> on_scans;    // without a model, where another scan has a pose
+  nlohmann::ordered_json written;     // files of the registered scan (registered_scans.hpp), or null
+  std::optional<OnSlide> slide;       // where other scans have a pose
+  bool held_by_model = true;          // by what it sees of the model; else by its neighbours alone
   const Pose& world_from_scan() const { return icp.world_from_scan; }
   // Its place along one direction is as its start has it: neither the model nor other scans say.
   bool slides() const {

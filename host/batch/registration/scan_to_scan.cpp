@@ -1,5 +1,7 @@
 #include "batch/registration/scan_to_scan.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -281,9 +283,22 @@ void ScanToScan::warn(std::size_t i, std::string text, ScanRegistration& one) co
   one.warnings.push_back(std::move(text));
 }
 
+void ScanToScan::place_firmly(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
+                              Registrations& abstentions) {
+  place_down_to(kFirmOverlap, starts, registrations, abstentions);
+}
+
 void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
                        Registrations& abstentions) {
-  for (const double least : kOverlaps)
+  place_down_to(0, starts, registrations, abstentions);
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    if (starts[i]) settle(i, *starts[i], registrations, abstentions);
+}
+
+void ScanToScan::place_down_to(double least_overlap, std::vector<std::optional<ScanStart>>& starts,
+                               Registrations& registrations, Registrations& abstentions) {
+  for (const double least : kOverlaps) {
+    if (least < least_overlap) return;
     for (bool again = true; again;) {
       again = false;
       for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -292,8 +307,7 @@ void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrati
         again = true;
       }
     }
-  for (std::size_t i = 0; i < starts.size(); ++i)
-    if (starts[i]) settle(i, *starts[i], registrations, abstentions);
+  }
 }
 
 void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
@@ -378,6 +392,20 @@ ScanToScan::Chosen ScanToScan::choose(std::size_t i, const std::vector<Pose>& hy
           std::move(others.ids)};
 }
 
+std::vector<PossiblePlace> ScanToScan::best_places(std::size_t i, const std::vector<Pose>& places,
+                                                   const Registrations& registrations, std::size_t most) {
+  const Others others = others_than(i, registrations);
+  std::vector<PossiblePlace> best;
+  for (const stages::ScanIcp& one :
+       stages::likely_places(queue_, scan(i), others.scans, places, most, few_, kHopelessThrough))
+    best.push_back(
+        {one.icp.world_from_scan,
+         fmt::format("{:.0f} % of it lie on other scans, most on scan {}, and of all that can be "
+                     "compared {:.1f} % are seen through",
+                     100 * one.icp.overlap, OnScans{"", one, others.ids}.nearest(), 100 * one.seen_through)});
+  return best;
+}
+
 ScanToScan::Laid ScanToScan::lay(std::size_t i, const Pose& start, const Registrations& registrations) {
   Others others = others_than(i, registrations);
   const auto near =
@@ -423,6 +451,13 @@ void ScanToScan::describe(Registrations& registrations) {
         OnScans{start, stages::assess_on_scans(queue_, scan(i), others.scans, one.world_from_scan(), icp_),
                 others.ids};
     measure_distances(i, others, one);
+    if (const auto& open = one.on_scans->icp.icp.degenerate; !open.empty() && !one.fixed && !one.unjudged)
+      warn(i,
+           fmt::format(
+               "the other scans leave its pose undetermined: it is {}; there it is as its start has it: give "
+               "a pose that is exact there, another scan that sees more, or a [model]",
+               fmt::join(open, ", ")),
+           one);
     const double rms_m = one.on_scans->icp.icp.rms_m, noise_m = products_[i].sigma_m;
     if (rms_m > std::max(kFarOff_m, kTimesNoise * noise_m) &&
         largest_overlap(one.on_scans->icp) >= kFirmOverlap)

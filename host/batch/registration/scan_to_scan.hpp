@@ -6,6 +6,7 @@
 
 #include "batch/registration/registration_unit.hpp"
 #include "stages/registration/island_places.hpp"
+#include "stages/registration/likely_places.hpp"
 #include "stages/registration/pair_places.hpp"
 #include "stages/registration/scan_hypotheses.hpp"
 
@@ -43,6 +44,9 @@ class ScanToScan {
   // from `abstentions` to `registrations`, or leaves them there, refused.
   void place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
              Registrations& abstentions);
+  // Of these, before, only those that the scans hold firmly; the others keep their starts.
+  void place_firmly(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
+                    Registrations& abstentions);
 
   // Judges an alignment of scan `i` to scan `other` by planes alone, in whose frame it is: places that are
   // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the
@@ -59,6 +63,10 @@ class ScanToScan {
   };
   Chosen choose(std::size_t i, const std::vector<Pose>& hypotheses, const Registrations& registrations,
                 double least_rival = 0);
+
+  // The likeliest of such hypotheses (stages/registration/likely_places.hpp), and what speaks for them.
+  std::vector<PossiblePlace> best_places(std::size_t i, const std::vector<Pose>& places,
+                                         const Registrations& registrations, std::size_t most);
 
   // ICP from a pose (world) on all scans that have one, and what speaks against where it ends; "" = nothing.
   struct Laid {
@@ -91,6 +99,8 @@ class ScanToScan {
   std::string rival_of(std::size_t i, const Others& others, const Pose& found);
   bool place_one(std::size_t i, double least_overlap, ScanStart& start, Registrations& registrations,
                  Registrations& abstentions);
+  void place_down_to(double least_overlap, std::vector<std::optional<ScanStart>>& starts,
+                     Registrations& registrations, Registrations& abstentions);
   void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
               Registrations& abstentions);
   void judge_by_planes(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
