@@ -77,13 +77,16 @@ bool ScanSight::is_seen_through(const Vec3& place, double margin_m, double spaci
 
 std::optional<FinerSamples> ScanSight::seen_finer(const Vec3& place, std::size_t scan, double times,
                                                   double past_m) const {
-  const Vec3 own = scan_from_world_[scan] * place;
-  const double own_step_m = own.norm() * scans_[scan].image->step_rad();
-  const auto at = lookups_[scan].towards(own);
-  const double own_m = spacing_m(scan, at.row, at.col).value_or(own_step_m);
+  double own_step_m = 0, own_m = 0;     // once there is another
   std::optional<FinerSamples> closest;  // at its edge
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (s == scan || scans_[s].image->count() == 0) continue;
+    if (own_m == 0) {
+      const Vec3 own = scan_from_world_[scan] * place;
+      own_step_m = own.norm() * scans_[scan].image->step_rad();
+      const auto at = lookups_[scan].towards(own);
+      own_m = spacing_m(scan, at.row, at.col).value_or(own_step_m);
+    }
     const Vec3 point = scan_from_world_[s] * place;
     const double step_m = point.norm() * scans_[s].image->step_rad();
     if (times * step_m > own_m) continue;
