@@ -17,8 +17,18 @@ constexpr double kStays_m = 0.1, kStaysDeg = 1;
 // share of the best: without overlap nothing speaks for it.
 constexpr double kSamePlace_m = 0.3, kSamePlaceDeg = 3, kLeastRival = 0.5;
 
+// Of the places that alignments give a scan that stays without a pose so many are judged, the surest first.
+constexpr std::size_t kMostJudged = 100;
+
 bool lie_together(const Pose& a, const Pose& b) {
   return difference(a, b).within(kSamePlace_m, kSamePlaceDeg * kDegree);
+}
+
+// But for one that is known.
+void add_place(const Pose& place, std::vector<Pose>& places) {
+  if (std::none_of(places.begin(), places.end(),
+                   [&](const Pose& known) { return lie_together(known, place); }))
+    places.push_back(place);
 }
 
 }  // namespace
@@ -177,12 +187,8 @@ std::vector<Pose> NeighbourPlaces::places_of(std::size_t scan, const Registratio
   for (const auto* alignments : {&aligned_[scan], &aligned_back_[scan]})
     for (const auto& [by, alignment] : *alignments) {
       if (!registrations[by] || (likely && !alignment.accepted && !alignment.only_rivals)) continue;
-      for (const Pose& hypothesis : alignment.hypotheses) {
-        const Pose place = registrations[by]->world_from_scan() * hypothesis;
-        if (std::none_of(places.begin(), places.end(),
-                         [&](const Pose& known) { return lie_together(known, place); }))
-          places.push_back(place);
-      }
+      for (const Pose& hypothesis : alignment.hypotheses)
+        add_place(registrations[by]->world_from_scan() * hypothesis, places);
     }
   return places;
 }
@@ -323,7 +329,18 @@ void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abs
 
 std::vector<PossiblePlace> NeighbourPlaces::possible_places(std::size_t scan,
                                                             const Registrations& registrations) {
-  return scan_to_scan_.best_places(scan, places_of(scan, registrations, false), registrations, kMostPlaces);
+  std::vector<Neighbour> told;
+  for (const auto* alignments : {&aligned_[scan], &aligned_back_[scan]})
+    for (const auto& [by, alignment] : *alignments)
+      if (registrations[by]) told.push_back({scan, by, &alignment});
+  std::stable_sort(told.begin(), told.end(),
+                   [](const Neighbour& a, const Neighbour& b) { return a.is_surer_than(b); });
+  std::vector<Pose> places;
+  for (const Neighbour& one : told)
+    for (const Pose& hypothesis : one.alignment->hypotheses)
+      if (places.size() < kMostJudged)
+        add_place(registrations[one.by]->world_from_scan() * hypothesis, places);
+  return scan_to_scan_.best_places(scan, places, registrations, kMostPlaces);
 }
 
 }  // namespace hybrid::batch
