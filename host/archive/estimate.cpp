@@ -20,6 +20,8 @@ constexpr double kScene_s = 0.8, kScenePerSample_s = 2e-6, kScenePerPixel_s = 1.
                  kPerPhotographPixel_s = 1e-7, kPerPairOfScans_s = 0.5;
 constexpr std::uint64_t kScenePerSample_bytes = 130, kScenePerPixel_bytes = 40, kPerPhotographPixel_bytes = 8;
 constexpr std::uint64_t kPixelsPerByte = 3;  // of a JPEG file
+constexpr double kReport_s = 0.02, kReportPerUnit_s = 0.0007;
+constexpr std::uint64_t kReportPerUnit_bytes = 10'000;
 
 }  // namespace
 
@@ -40,6 +42,11 @@ Estimate estimate_scene(const SceneSize& size) {
               kPerPhotographPixel_s * static_cast<double>(photograph_pixels),
           kEmpty_bytes + kPictures_bytes + kScenePerSample_bytes * size.samples +
               kScenePerPixel_bytes * pixels + kPerPhotographPixel_bytes * photograph_pixels};
+}
+
+Estimate estimate_report(std::uint64_t units) {
+  return {kReport_s + kReportPerUnit_s * static_cast<double>(units),
+          kEmpty_bytes + kReportPerUnit_bytes * units};
 }
 
 }  // namespace hybrid::archive

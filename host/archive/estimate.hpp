@@ -18,5 +18,7 @@ struct SceneSize {
   bool model = true;
 };
 Estimate estimate_scene(const SceneSize& size);
+// The archive's page, of so many units.
+Estimate estimate_report(std::uint64_t units);
 
 }  // namespace hybrid::archive

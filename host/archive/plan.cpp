@@ -419,8 +419,9 @@ class Planner {
     unit.key = hash_of(unit.made_from.dump());
     unit.made_from.erase("units");  // they stand in the manifest already
     unit.from = unit.made_from.dump();
-    unit.estimate_s = 0.05;
-    unit.estimate_bytes = 200'000'000;
+    const auto estimate = estimate_report(manifest_.units.size());
+    unit.estimate_s = estimate.cpu_s;
+    unit.estimate_bytes = estimate.bytes;
     manifest_.units.push_back(std::move(unit));
   }
 

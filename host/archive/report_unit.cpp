@@ -85,7 +85,8 @@ Json row_of(const Store& store, const Unit& unit, Outcomes& outcomes) {
 
 UnitResult run_report_unit(const Store& store, const Manifest& manifest, const Unit& unit, Outcomes& outcomes,
                            const fs::path& work) {
-  Json units = Json::array(), problems = Json::array(), results = Json::array();
+  Json units = Json::array(), problems = Json::array();
+  report::ArchivePage page;
   for (const std::size_t need : unit.needs) {
     const Unit& one = manifest.units[need];
     const Outcome& outcome = outcomes.of(need);
@@ -97,13 +98,15 @@ UnitResult run_report_unit(const Store& store, const Manifest& manifest, const U
     if (!one.result.empty()) row["result"] = one.result;
     if (!outcome.error.empty()) row["error"] = outcome.error;
     units.push_back(std::move(row));
-    if (!one.result.empty()) results.push_back(row_of(store, one, outcomes));
+    if (!one.result.empty()) page.add(row_of(store, one, outcomes));
   }
-  for (const auto& [path, what] : manifest.problems) problems.push_back({{"path", path}, {"what", what}});
+  for (const auto& [path, what] : manifest.problems) {
+    problems.push_back({{"path", path}, {"what", what}});
+    page.add_problem(path, what);
+  }
   io::write_text(work / "archive.json", json_text(Json{{"units", units}, {"problems", problems}}) + "\n");
   const fs::path named = manifest.archive.has_filename() ? manifest.archive : manifest.archive.parent_path();
-  report::write_archive_page(work, "Archive " + named.filename().string(),
-                             {{"results", results}, {"problems", problems}});
+  page.write(work, "Archive " + named.filename().string());
   const Json times = {{"cpu_s_by_unit", times_of(store, manifest, unit, outcomes)}};
   io::write_text(work / "report" / "timing.js", fmt::format("hybridTiming({});\n", json_text(times)));
   return {};

@@ -54,7 +54,7 @@ Json state_cell(const Json& row) {
   return {{"text", state}, {"state", css_of(state)}};
 }
 
-std::string scene_table(const Json& archive) {
+Table scene_columns() {
   Table table;
   table.text("scene")
       .text("state")
@@ -74,10 +74,55 @@ std::string scene_table(const Json& archive) {
       .number("views", "", 0)
       .number("PSNR", "dB", 2, "mean of photographs left out")
       .number("SSIM", "", 3, "mean of photographs left out");
-  for (const auto& row : archive["results"]) {
-    if (row["kind"] != "scene") continue;
-    const Json& summary = row["summary"];
-    table.add({named(row), state_cell(row),
+  return table;
+}
+
+Table loose_columns() {
+  Table table;
+  table.text("scan")
+      .text("state")
+      .number("samples", "", 0)
+      .number("noise", "mm", 2)
+      .number("superclusters", "", 0)
+      .number("discarded", "%", 1)
+      .number("notes", "", 0)
+      .text("picture");
+  return table;
+}
+
+Table abstained_columns() {
+  Table table;
+  table.text("scene").text("scan").text("why");
+  return table;
+}
+
+}  // namespace
+
+ArchivePage::ArchivePage()
+    : scenes_(scene_columns()), loose_(loose_columns()), abstained_(abstained_columns()) {}
+
+void ArchivePage::add(const Json& row) {
+  const Json& summary = row["summary"];
+  ++count_of_state_[row["state"].get<std::string>()];
+  scan_count_ += summary.contains("scans") ? summary["scans"].size() : 0;
+  registered_count_ += with_status(summary, "accepted");
+  if (row["kind"] == "scene") {
+    add_scene(row);
+    add_pictures(row);
+  } else {
+    add_loose(row);
+  }
+  add_abstained(row);
+  if (row.contains("error")) add_failure(row);
+}
+
+void ArchivePage::add_problem(const std::string& path, const std::string& what) {
+  problems_ += fmt::format("<li><strong>{}</strong>: {}</li>\n", escape(path), escape(what));
+}
+
+void ArchivePage::add_scene(const Json& row) {
+  const Json& summary = row["summary"];
+  scenes_.add({named(row), state_cell(row),
                summary.contains("scans") ? Json(summary["scans"].size()) : Json(),
                with_status(summary, "accepted"), with_status(summary, "abstained"),
                summary.contains("failures") ? Json(summary["failures"].size()) : Json(),
@@ -92,130 +137,87 @@ std::string scene_table(const Json& archive) {
                over_scans(summary, "/truth/planar_samples_right_share", 100, Of::worst_low),
                summary.contains("views") ? Json(summary["views"].size()) : Json(),
                cell(summary, "/leave_one_out/mean/psnr_db"), cell(summary, "/leave_one_out/mean/ssim")});
-  }
-  return table.empty() ? "" : "<h2 id=\"scenes\">Scenes</h2>\n" + table.html();
 }
 
-std::string loose_table(const Json& archive) {
-  Table table;
-  table.text("scan")
-      .text("state")
-      .number("samples", "", 0)
-      .number("noise", "mm", 2)
-      .number("superclusters", "", 0)
-      .number("discarded", "%", 1)
-      .number("notes", "", 0)
-      .text("picture");
-  for (const auto& row : archive["results"]) {
-    if (row["kind"] != "planes") continue;
-    const Json& summary = row["summary"];
-    const Json scan = summary.contains("scans") && !summary["scans"].empty() ? summary["scans"][0] : Json();
-    Json shown;
-    if (!row["pictures"].empty())
-      shown = {{"text", "planes"}, {"href", link(row["pictures"][0]["file"].get<std::string>())}};
-    table.add({named(row), state_cell(row), cell(scan, "/input_returns"), cell(scan, "/sigma_m", 1000),
-               cell(scan, "/superclusters"), cell(scan, "/decimation/discarded_share", 100),
-               scan.contains("notes") ? Json(scan["notes"].size()) : Json(), shown});
-  }
-  return table.empty() ? "" : "<h2 id=\"loose\">Scans without a scene</h2>\n" + table.html();
+void ArchivePage::add_loose(const Json& row) {
+  const Json& summary = row["summary"];
+  const Json scan = summary.contains("scans") && !summary["scans"].empty() ? summary["scans"][0] : Json();
+  Json shown;
+  if (!row["pictures"].empty())
+    shown = {{"text", "planes"}, {"href", link(row["pictures"][0]["file"].get<std::string>())}};
+  loose_.add({named(row), state_cell(row), cell(scan, "/input_returns"), cell(scan, "/sigma_m", 1000),
+              cell(scan, "/superclusters"), cell(scan, "/decimation/discarded_share", 100),
+              scan.contains("notes") ? Json(scan["notes"].size()) : Json(), shown});
 }
 
-// Closed at first: the pictures, which are those of the scenes' own pages, are loaded when they are looked
-// at.
-std::string class_pictures(const Json& archive) {
-  std::string html;
-  std::size_t count = 0;
-  for (const auto& row : archive["results"]) {
-    if (row["kind"] != "scene" || !row["page"].is_string()) continue;
-    for (const auto& picture : row["pictures"]) {
-      ++count;
-      html += figure(picture["file"].get<std::string>(), row["page"].get<std::string>(),
-                     row["result"].get<std::string>() + ": scan " + picture["scan"].get<std::string>());
-    }
+void ArchivePage::add_pictures(const Json& row) {
+  if (!row["page"].is_string()) return;
+  for (const auto& picture : row["pictures"]) {
+    ++picture_count_;
+    pictures_ += figure(picture["file"].get<std::string>(), row["page"].get<std::string>(),
+                        row["result"].get<std::string>() + ": scan " + picture["scan"].get<std::string>());
   }
-  if (html.empty()) return "";
-  return fmt::format(
-      "<details><summary>pictures of {} scans: planes pastel, what is none dark</summary>"
-      "<div class=\"row small\">\n{}</div></details>\n",
-      count, html);
 }
 
-std::string abstained_table(const Json& archive) {
-  Table table;
-  table.text("scene").text("scan").text("why");
-  for (const auto& row : archive["results"]) {
-    if (!row["summary"].contains("scans")) continue;
-    for (const auto& scan : row["summary"]["scans"])
-      if (scan.contains("registration") && scan["registration"].value("status", "") == "abstained") {
-        Json name = named(row);
-        if (name.contains("href")) name["href"] = name["href"].get<std::string>() + "#abstained";
-        table.add({name, scan["id"], scan["registration"].value("reason", "")});
-      }
+void ArchivePage::add_abstained(const Json& row) {
+  if (!row["summary"].contains("scans")) return;
+  for (const auto& scan : row["summary"]["scans"]) {
+    if (!scan.contains("registration") || scan["registration"].value("status", "") != "abstained") continue;
+    ++abstained_count_;
+    Json name = named(row);
+    if (name.contains("href")) name["href"] = name["href"].get<std::string>() + "#abstained";
+    abstained_.add({name, scan["id"], scan["registration"].value("reason", "")});
   }
-  return table.empty()
-             ? ""
-             : "<h2 id=\"abstained\">Scans without a pose</h2>\n<p>Why stands "
-               "beside each; where the scene has a model, its page shows the landmark sheet to fill "
-               "in.</p>\n" +
-                   table.html();
 }
 
-std::string failure_list(const Json& archive) {
-  std::string html;
-  for (const auto& row : archive["results"]) {
-    if (!row.contains("error")) continue;
-    html += fmt::format("<li><strong>{}</strong> <span class=\"{}\">{}: {}</span>",
-                        escape(row["result"].get<std::string>()), css_of(row["state"].get<std::string>()),
-                        escape(row["state"].get<std::string>()), escape(row["error"].get<std::string>()));
-    if (row.contains("command"))
-      html += fmt::format("<br>run it again: <code data-store>{}</code>",
-                          escape(row["command"].get<std::string>()));
-    else
-      html +=
-          "<br>again once its input is mended: <code>hybrid batch plan</code>, <code>hybrid batch run</code>";
-    html += "</li>\n";
-  }
-  if (!html.empty())
-    html =
-        "<h2 id=\"failures\">Failures</h2>\n<p id=\"store\">STORE stands for the folder that holds "
-        "results/report/, where this page is.</p>\n<ul>\n" +
-        html + "</ul>\n";
-  std::string problems;
-  for (const auto& problem : archive["problems"])
-    problems += fmt::format("<li><strong>{}</strong>: {}</li>\n", escape(problem["path"].get<std::string>()),
-                            escape(problem["what"].get<std::string>()));
-  if (!problems.empty())
-    html += "<h2 id=\"problems\">What the plan could not use</h2>\n<ul>\n" + problems + "</ul>\n";
-  return html;
+void ArchivePage::add_failure(const Json& row) {
+  failures_ += fmt::format("<li><strong>{}</strong> <span class=\"{}\">{}: {}</span>",
+                           escape(row["result"].get<std::string>()), css_of(row["state"].get<std::string>()),
+                           escape(row["state"].get<std::string>()), escape(row["error"].get<std::string>()));
+  if (row.contains("command"))
+    failures_ += fmt::format("<br>run it again: <code data-store>{}</code>",
+                             escape(row["command"].get<std::string>()));
+  else
+    failures_ +=
+        "<br>again once its input is mended: <code>hybrid batch plan</code>, <code>hybrid batch run</code>";
+  failures_ += "</li>\n";
 }
 
-std::string facts(const Json& archive) {
-  std::map<std::string, std::size_t> states;
-  std::size_t scans = 0, registered = 0, abstained = 0;
-  for (const auto& row : archive["results"]) {
-    ++states[row["state"].get<std::string>()];
-    scans += row["summary"].contains("scans") ? row["summary"]["scans"].size() : 0;
-    registered += with_status(row["summary"], "accepted");
-    abstained += with_status(row["summary"], "abstained");
-  }
+std::string ArchivePage::facts() const {
   std::string html = "<ul class=\"facts\">\n";
-  for (const auto& [state, count] : states)
+  for (const auto& [state, count] : count_of_state_)
     html += fmt::format("<li class=\"{}\">{} {}</li>\n", css_of(state), count, state);
-  html += fmt::format("<li>{} scans</li>\n", scans);
-  if (registered > 0) html += fmt::format("<li class=\"good\">{} registered</li>\n", registered);
-  if (abstained > 0) html += fmt::format("<li class=\"warn\">{} abstained</li>\n", abstained);
+  html += fmt::format("<li>{} scans</li>\n", scan_count_);
+  if (registered_count_ > 0)
+    html += fmt::format("<li class=\"good\">{} registered</li>\n", registered_count_);
+  if (abstained_count_ > 0) html += fmt::format("<li class=\"warn\">{} abstained</li>\n", abstained_count_);
   return html + "</ul>\n";
 }
 
-}  // namespace
-
-void write_archive_page(const std::filesystem::path& folder, const std::string& title, const Json& archive) {
+// Pictures closed at first: those of the scenes' own pages, loaded when they are looked at.
+void ArchivePage::write(const std::filesystem::path& folder, const std::string& title) const {
+  std::string html = facts();
+  if (!failures_.empty())
+    html +=
+        "<h2 id=\"failures\">Failures</h2>\n<p id=\"store\">STORE stands for the folder that holds "
+        "results/report/, where this page is.</p>\n<ul>\n" +
+        failures_ + "</ul>\n";
+  if (!problems_.empty())
+    html += "<h2 id=\"problems\">What the plan could not use</h2>\n<ul>\n" + problems_ + "</ul>\n";
+  if (!scenes_.empty()) html += "<h2 id=\"scenes\">Scenes</h2>\n" + scenes_.html();
+  if (!pictures_.empty())
+    html += fmt::format(
+        "<details><summary>pictures of {} scans: planes pastel, what is none dark</summary>"
+        "<div class=\"row small\">\n{}</div></details>\n",
+        picture_count_, pictures_);
+  if (!abstained_.empty())
+    html +=
+        "<h2 id=\"abstained\">Scans without a pose</h2>\n<p>Why stands beside each; its page shows where it "
+        "may stand and, where the scene has a model, the landmark sheet to fill in.</p>\n" +
+        abstained_.html();
+  if (!loose_.empty()) html += "<h2 id=\"loose\">Scans without a scene</h2>\n" + loose_.html();
   io::write_text(folder / "index.html",
-                 page(title,
-                      facts(archive) + failure_list(archive) + scene_table(archive) +
-                          class_pictures(archive) + abstained_table(archive) + loose_table(archive) +
-                          "<h2>Times</h2>\n<div id=\"timing\"></div>\n",
-                      "report/timing.js"));
+                 page(title, html + "<h2>Times</h2>\n<div id=\"timing\"></div>\n", "report/timing.js"));
 }
 
 }  // namespace hybrid::report
