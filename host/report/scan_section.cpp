@@ -232,12 +232,11 @@ std::string abstained_section(Previews& previews, const Json& scan) {
     html += "</ol>\n";
   }
   html += "<div class=\"row wide\">\n" +
-          picture(previews, folder + "scan.png",
-                  "Landmark sheet: the scan, planes in colours, with rows and columns") +
+          picture(previews, folder + "scan.png", "The scan, planes in colours, with rows and columns") +
           picture(previews, folder + "model.png", "The model from two sides with numbered vertices") +
           picture(previews, folder + "places.png",
                   "Where it may stand, from above: the scan blue, others grey, the model black, the scanner "
-                  "red with columns of the landmark sheet") +
+                  "red with columns of the scan") +
           "</div>\n";
   const auto stanza = [&](const std::string& file, const char* what) {
     std::error_code ignored;
@@ -249,7 +248,7 @@ std::string abstained_section(Previews& previews, const Json& scan) {
   return html +
          stanza("landmarks.toml",
                 "fill in four corners that both pictures show, copy it into the scene file, run again") +
-         stanza("places.toml", "or copy the pose of the place that is right into the scene file, run again");
+         stanza("places.toml", "copy the pose of the place that is right into the scene file, run again");
 }
 
 }  // namespace hybrid::report

@@ -144,10 +144,10 @@ void NeighbourPlaces::place(std::size_t scan, ScanRegistration one, Registration
   abstentions[scan].reset();
 }
 
-std::string NeighbourPlaces::lay_at_one_of(const std::vector<Pose>& places, double least_rival,
+std::string NeighbourPlaces::lay_at_one_of(const std::vector<Pose>& places, double least_rival, bool doubted,
                                            std::size_t scan, Registrations& registrations,
                                            Registrations& abstentions) {
-  const auto chosen = scan_to_scan_.choose(scan, places, registrations, least_rival);
+  const auto chosen = scan_to_scan_.choose(scan, places, registrations, least_rival, doubted);
   if (chosen.hypothesis.accepted)
     lay(scan, chosen.hypothesis.start, {"automatic", chosen.hypothesis.found, chosen.others}, registrations,
         abstentions);
@@ -170,7 +170,7 @@ void NeighbourPlaces::lay_all(Registrations& registrations, Registrations& abste
     const auto& automatic = abstentions[scan]->automatic;
     if (!automatic || automatic->hypotheses.empty() || count_of(registrations) < 2) return false;
     const auto places = automatic->hypotheses;  // the scan moves where it is laid
-    const std::string why = lay_at_one_of(places, 0, scan, registrations, abstentions);
+    const std::string why = lay_at_one_of(places, 0, false, scan, registrations, abstentions);
     if (!why.empty()) on_all_[scan] = fmt::format("against all others at once: {}; ", why);
     return why.empty();
   };
@@ -293,7 +293,7 @@ bool NeighbourPlaces::carry_by_samples(const Neighbour& best, Registrations& reg
 // whose alignments leave a choice of places. Alignments that more than rivals speaks against have none: of
 // scans of a church's outside each has a dozen places inside. Where that places no more, those that have a
 // pose are aligned to the planes of the others: of two scans one may show what tells their place, and it is
-// seen by the other, not on its planes.
+// seen by the other, not on its planes. Last come all places of all alignments, for what is no plane to tell.
 void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abstentions) {
   for (bool back = false;;) {
     std::vector<Neighbour> accepted;
@@ -315,13 +315,16 @@ void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abs
     std::stable_sort(accepted.begin(), accepted.end(),
                      [](const Neighbour& a, const Neighbour& b) { return a.is_surer_than(b); });
     const auto carries = [&](const Neighbour& one) { return carry_by_all(one, registrations, abstentions); };
-    const auto lays = [&](std::size_t i) {
-      const auto places = places_of(i, registrations, true);
+    const auto lays = [&](std::size_t i, bool doubted) {
+      const auto places = places_of(i, registrations, !doubted);
       return !places.empty() && count_of(registrations) > 1 &&
-             lay_at_one_of(places, kLeastRival, i, registrations, abstentions).empty();
+             lay_at_one_of(places, kLeastRival, doubted, i, registrations, abstentions).empty();
     };
-    const bool placed = std::any_of(accepted.begin(), accepted.end(), carries) ||
-                        std::any_of(others.begin(), others.end(), lays);
+    const auto any_is_laid = [&](bool doubted) {
+      return std::any_of(others.begin(), others.end(), [&](std::size_t i) { return lays(i, doubted); });
+    };
+    const bool placed = std::any_of(accepted.begin(), accepted.end(), carries) || any_is_laid(false) ||
+                        (back && any_is_laid(true));
     if (!placed && back) return;
     back = !placed;
   }

@@ -78,8 +78,9 @@ class NeighbourPlaces {
   // not tell.
   bool carry_by_all(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
   // At the one of these places that all scans that have a pose at once leave; else why there is none.
-  std::string lay_at_one_of(const std::vector<Pose>& places, double least_rival, std::size_t scan,
-                            Registrations& registrations, Registrations& abstentions);
+  // `doubted`: as ScanToScan::choose() has it.
+  std::string lay_at_one_of(const std::vector<Pose>& places, double least_rival, bool doubted,
+                            std::size_t scan, Registrations& registrations, Registrations& abstentions);
   void lay(std::size_t scan, const Pose& start, OnScans on_scans, Registrations& registrations,
            Registrations& abstentions);
   // One without a pose now has one.

@@ -20,11 +20,14 @@ constexpr Ink kScanWall = {20, 80, 200}, kScanRest = {140, 180, 235}, kOtherWall
               kTextInk = {30, 30, 30};
 constexpr int kPanel = 900, kGap = 24, kBig = 7, kSmall = 2;  // pixels; cells of digits
 constexpr int kEdgeWidth = 5;                                 // samples of a wall leave its rims black
-constexpr std::size_t kLooked = 600000, kManyDots = 100000;   // nodes of a scan that are drawn, about
+// Nodes that are drawn, about: of the scan, of all others together; samples that make small dots.
+constexpr double kLooked = 6e5, kLookedOfOthers = 3e6;
+constexpr std::size_t kManyDots = 100000;
 // From above floors and ceilings hide the rest: planes so far from upright are left out.
 constexpr double kMostLevel = 0.5;
-constexpr double kOutermost = 0.01, kMargin = 0.06;  // samples beyond the picture; around it, of its size
-constexpr int kLooks = 12;                           // columns that are named, about
+// Samples beyond the picture; what is around it, of its size, and at least.
+constexpr double kOutermost = 0.01, kMargin = 0.06, kLeastMargin_m = 2;
+constexpr int kLooks = 12;  // columns that are named, about
 
 // A sample as seen from above.
 struct PlanSample {
@@ -33,14 +36,14 @@ struct PlanSample {
 };
 
 // Of the walls and what is of no plane, in order of the nodes.
-std::vector<PlanSample> plan_of(const ScanProduct& product, const Pose& pose) {
+std::vector<PlanSample> plan_of(const ScanProduct& product, const Pose& pose, double nodes) {
   const RangeImage& image = product.image;
   const auto& labels = product.segmentation.sample_label;
   std::vector<char> level(product.segmentation.superclusters.size() + 1, 0);
   for (const auto& supercluster : product.segmentation.superclusters)
     level[supercluster.id] = std::abs(pose.rotate(supercluster.plane.normal).z()) > kMostLevel;
   const int step =
-      std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(image.count()) / kLooked))));
+      std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(image.count()) / nodes))));
   std::vector<PlanSample> plan;
   for (int row = 0; row < image.rows; row += step)
     for (int col = 0; col < image.cols; col += step) {
@@ -182,8 +185,8 @@ std::string pose_lines(const Pose& pose) {
   const auto m = row_major(pose);
   std::string text = "# pose = [\n";
   for (std::size_t row = 0; row < 4; ++row)
-    text += fmt::format("#   {:.9g}, {:.9g}, {:.9g}, {:.9g},\n", m[4 * row], m[4 * row + 1], m[4 * row + 2],
-                        m[4 * row + 3]);
+    text += fmt::format("#   {:.12g}, {:.12g}, {:.12g}, {:.12g},\n", m[4 * row], m[4 * row + 1],
+                        m[4 * row + 2], m[4 * row + 3]);
   return text + "# ]\n";
 }
 
@@ -215,18 +218,19 @@ Image8 place_sheet(std::size_t i, const std::vector<ScanProduct>& products,
                    const Registrations& registrations, const std::vector<PossiblePlace>& places,
                    const PolygonModel* model) {
   std::vector<std::vector<PlanSample>> others(products.size()), own(places.size());
+  const double nodes_of_other = std::min(kLooked, kLookedOfOthers / static_cast<double>(products.size()));
   parallel_for(products.size() + places.size(), [&](std::size_t k) {
     if (k >= products.size())
-      own[k - products.size()] = plan_of(products[i], places[k - products.size()].world_from_scan);
+      own[k - products.size()] = plan_of(products[i], places[k - products.size()].world_from_scan, kLooked);
     else if (registrations[k])
-      others[k] = plan_of(products[k], registrations[k]->world_from_scan());
+      others[k] = plan_of(products[k], registrations[k]->world_from_scan(), nodes_of_other);
   });
   Box2 world;
   for (std::size_t k = 0; k < places.size(); ++k) {
     world.extend(box_of(own[k]));
     world.extend(Vec2(places[k].world_from_scan.translation.head<2>()));
   }
-  const double margin = kMargin * std::max(world.sizes().maxCoeff(), 1.0);
+  const double margin = std::max(kMargin * world.sizes().maxCoeff(), kLeastMargin_m);
   world = Box2(world.min() - Vec2::Constant(margin), world.max() + Vec2::Constant(margin));
   const double aspect = world.sizes().y() / world.sizes().x();
   const int width = aspect > 1 ? std::max(kPanel / 3, static_cast<int>(kPanel / aspect)) : kPanel;

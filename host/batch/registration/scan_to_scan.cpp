@@ -382,12 +382,18 @@ void ScanToScan::judge_by_planes(std::size_t i, std::size_t other, stages::Autom
 }
 
 ScanToScan::Chosen ScanToScan::choose(std::size_t i, const std::vector<Pose>& hypotheses,
-                                      const Registrations& registrations, double least_rival) {
+                                      const Registrations& registrations, double least_rival, bool doubted) {
   Others others = others_than(i, registrations);
   stages::HypothesesOptions options;
   options.least_rival = least_rival;
   options.icp = icp_;
   options.reach_m = icp_.gate_m;
+  if (doubted) {
+    const stages::PairPlaceOptions pair;
+    options.most_free = pair.most_free_through;
+    options.most_beside = pair.most_beside;
+    options.needs_free = true;
+  }
   return {stages::choose_hypothesis(queue_, scan(i), others.scans, hypotheses, options),
           std::move(others.ids)};
 }

@@ -56,13 +56,14 @@ class ScanToScan {
 
   // Of hypotheses of the scan's pose (world) the one that the scans that have a pose leave (METHOD 7,
   // stages/registration/scan_hypotheses.hpp); `others`: their ids, in the order of found.others.
-  // `least_rival`: as there.
+  // `least_rival`: as there. `doubted`: planes speak against these hypotheses; then what is no plane must
+  // speak for the one that is chosen, as where it tells of two scans alone (pair_places.hpp).
   struct Chosen {
     stages::ChosenHypothesis hypothesis;
     std::vector<std::string> others;
   };
   Chosen choose(std::size_t i, const std::vector<Pose>& hypotheses, const Registrations& registrations,
-                double least_rival = 0);
+                double least_rival = 0, bool doubted = false);
 
   // The likeliest of such hypotheses (stages/registration/likely_places.hpp), and what speaks for them.
   std::vector<PossiblePlace> best_places(std::size_t i, const std::vector<Pose>& places,

@@ -231,6 +231,13 @@ std::string Chooser::doubt(const ScanIcp& found) const {
         "planes of {:.2f} % of the planar area that can be compared are seen through, at most {:.2f} % "
         "should: has something moved, or is it another place that is alike?",
         100 * share, 100 * options_.most_contradicted);
+  if (const double share = found.planes.beside(); share > options_.most_beside)
+    return fmt::format(
+        "planes of {:.2f} % of the planar area that can be compared lie beside others', at most {:.2f} % "
+        "should: is it another place that is alike?",
+        100 * share, 100 * options_.most_beside);
+  if (options_.needs_free && !free_tells(found))
+    return "too little of what is no plane can be compared: another place that is alike would fit as well";
   if (found.free_seen_through > options_.most_free && free_tells(found))
     return fmt::format(
         "{:.0f} % of what is no plane are seen through, at most {:.0f} % should: is it another place that is "

@@ -27,6 +27,9 @@ struct HypothesesOptions {
   // Another place must overlap by this share of what the chosen one does to leave no choice: 0 where a model
   // has the hypotheses, more where nothing but overlap speaks for them.
   double least_rival = 0;
+  // Of the planar area that can be compared, that of planes beside others' (ComparedPlanes::beside).
+  double most_beside = 1;
+  bool needs_free = false;  // samples of no plane must be there to be compared
 };
 
 // What became of the hypotheses of a scan's pose.
