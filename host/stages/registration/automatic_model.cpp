@@ -11,6 +11,8 @@ namespace {
 
 // Faces of one plane: normals within 1 degree, 2 cm apart at the smaller one's middle.
 constexpr double kSameFaceNormal = 0.99985, kSameFaceOffset_m = 0.02;
+constexpr std::size_t kSidesOfChain = 8;
+constexpr double kRounding_m = 1e-9;  // of where a ray crosses a side
 
 void check_vertices(const PolygonModel& model) {
   if (model.faces.empty())
@@ -60,6 +62,16 @@ FaceShape shape_of(const PolygonModel& model, std::uint32_t index, double area_m
   add(face.outer);
   for (const Vec2& p : shape.rings[0]) shape.box.extend(p);
   for (const auto& hole : face.holes) add(hole);
+  for (const auto& ring : shape.rings) {
+    const std::size_t begin = shape.path.size(), end = begin + ring.size();
+    shape.path.insert(shape.path.end(), ring.begin(), ring.end());
+    shape.path.push_back(ring[0]);
+    for (std::size_t first = begin; first < end; first += kSidesOfChain) {
+      auto& chain =
+          shape.chains.emplace_back(FaceShape::Chain{first, std::min(first + kSidesOfChain, end), {}});
+      for (std::size_t k = first; k <= chain.last; ++k) chain.box.extend(shape.path[k]);
+    }
+  }
   return shape;
 }
 
@@ -72,31 +84,44 @@ Vec3 middle_of(const FaceShape& face) {
 
 }  // namespace
 
-double FaceShape::outside_ring_m(const Vec2& p) const {
-  constexpr double kRoundedDown = 1 - 1e-9;
+// By the sides that a ray along x crosses. Of a chain that lies wholly beside the ray's begin only its ends
+// tell whether it crosses it an odd number of times.
+bool FaceShape::is_inside(const Vec2& p) const {
   bool inside = false;
-  for (const auto& ring : rings)
-    for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
-      const Vec2 &a = ring[last], &b = ring[k];
+  for (const Chain& chain : chains) {
+    if (p.y() < chain.box.min().y() || p.y() >= chain.box.max().y() ||
+        p.x() > chain.box.max().x() + kRounding_m)
+      continue;
+    if (p.x() < chain.box.min().x() - kRounding_m) {
+      inside ^= (path[chain.first].y() > p.y()) != (path[chain.last].y() > p.y());
+      continue;
+    }
+    for (std::size_t k = chain.first; k < chain.last; ++k) {
+      const Vec2 &a = path[k], &b = path[k + 1];
       if ((a.y() > p.y()) != (b.y() > p.y()) &&
           p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
         inside = !inside;
     }
-  if (inside) return 0;
-  double nearest2 = std::numeric_limits<double>::infinity();
-  for (const auto& ring : rings)
-    for (std::size_t k = 0, last = ring.size() - 1; k < ring.size(); last = k++) {
-      const Vec2 &a = ring[last], &b = ring[k];
-      // Most sides are farther by their box alone.
-      const double x = std::max({std::min(a.x(), b.x()) - p.x(), p.x() - std::max(a.x(), b.x()), 0.0}),
-                   y = std::max({std::min(a.y(), b.y()) - p.y(), p.y() - std::max(a.y(), b.y()), 0.0});
-      if (kRoundedDown * (x * x + y * y) > nearest2) continue;
-      const Vec2 side = b - a;
+  }
+  return inside;
+}
+
+double FaceShape::outside_rings_m(const Vec2& p, double most_m) const {
+  constexpr double kRoundedDown = 1 - 1e-9, kRoundedUp = 1 + 1e-9,
+                   kNone = std::numeric_limits<double>::infinity();
+  if (is_inside(p)) return 0;
+  const double most2 = most_m * most_m * kRoundedUp;
+  double nearest2 = most2;
+  for (const Chain& chain : chains) {
+    if (kRoundedDown * chain.box.squaredExteriorDistance(p) > nearest2) continue;
+    for (std::size_t k = chain.first; k < chain.last; ++k) {
+      const Vec2 &a = path[k], side = path[k + 1] - a;
       const double length2 = side.squaredNorm();
       const double at = length2 > 0 ? std::clamp((p - a).dot(side) / length2, 0.0, 1.0) : 0.0;
       nearest2 = std::min(nearest2, (a + at * side - p).squaredNorm());
     }
-  return std::sqrt(nearest2);
+  }
+  return nearest2 < most2 ? std::sqrt(nearest2) : kNone;
 }
 
 ModelShapes measure_model(const PolygonModel& model) {
@@ -110,7 +135,10 @@ ModelShapes measure_model(const PolygonModel& model) {
     for (const std::uint32_t v : face.outer) shapes.box.extend(model.vertices[v]);
   }
   for (const std::uint32_t f : largest_first(areas)) shapes.faces.push_back(shape_of(model, f, areas[f]));
-  for (const FaceShape& face : shapes.faces) shapes.kept_area_m2 += face.area_m2;
+  for (const FaceShape& face : shapes.faces) {
+    shapes.kept_area_m2 += face.area_m2;
+    shapes.face_planes.add(face.plane);
+  }
   for (FaceShape& face : shapes.faces) {
     const Vec3 middle = middle_of(face);
     std::size_t k = 0;

@@ -7,6 +7,7 @@
 #include "geometry/pose.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/superclusters.hpp"
+#include "stages/registration/face_planes.hpp"
 
 namespace hybrid::stages {
 
@@ -61,7 +62,15 @@ struct FaceShape {
   double area_m2 = 0;
   Vec3 origin, u, v;
   std::vector<std::vector<Vec2>> rings;
-  Eigen::AlignedBox2d box;        // of the outer ring
+  Eigen::AlignedBox2d box;  // of the outer ring
+  // Some sides that follow each other, through path[first] to path[last], with their box: outlines of scans'
+  // superclusters have hundreds of sides, most of them far from a point.
+  struct Chain {
+    std::size_t first, last;
+    Eigen::AlignedBox2d box;
+  };
+  std::vector<Vec2> path;  // the rings, each with its first corner again at its end
+  std::vector<Chain> chains;
   std::uint32_t face = 0;         // index in the model
   std::uint32_t plane_index = 0;  // index of the model plane
 
@@ -72,11 +81,12 @@ struct FaceShape {
     constexpr double kRoundedUp = 1 + 1e-9;
     if (box.squaredExteriorDistance(foot) > most_m * most_m * kRoundedUp)
       return std::numeric_limits<double>::infinity();
-    return outside_ring_m(foot);
+    return outside_rings_m(foot, most_m);
   }
 
  private:
-  double outside_ring_m(const Vec2& foot) const;
+  double outside_rings_m(const Vec2& foot, double most_m) const;
+  bool is_inside(const Vec2& foot) const;
 };
 
 // Faces of one plane taken together.
@@ -87,6 +97,7 @@ struct ModelPlane {
 
 struct ModelShapes {
   std::vector<FaceShape> faces;    // largest first, at most kMostFaces
+  FacePlanes face_planes;          // theirs
   std::vector<ModelPlane> planes;  // largest first
   Eigen::AlignedBox3d box;
   double area_m2 = 0;  // of all faces

@@ -73,6 +73,7 @@ TilePair pair_of(const PlaneTile& tile, const FaceShape& face, const Pose& pose)
 std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShapes& model, const Pose& pose,
                                       double reach_m, const std::vector<TilePair>& last) {
   std::vector<TilePair> pairs(scan.tiles.size());
+  std::vector<std::uint8_t> near;
   for (std::size_t t = 0; t < scan.tiles.size(); ++t) {
     const PlaneTile& tile = scan.tiles[t];
     pairs[t].centroid = pose * tile.centroid;
@@ -88,11 +89,15 @@ std::vector<TilePair> find_tile_pairs(const ScanEvidence& scan, const ModelShape
     };
     if (t < last.size() && last[t].face)  // no farther than that, and of equal ones still the first
       nearest2 = std::nextafter(distance2(*last[t].face), reach_m * reach_m);
-    for (const FaceShape& face : model.faces)
+    model.face_planes.mark_near(pairs[t].centroid, normal, std::sqrt(nearest2), kCompatible, near);
+    for (std::size_t f = 0; f < near.size(); ++f) {
+      if (near[f] == 0) continue;
+      const FaceShape& face = model.faces[f];
       if (const double found2 = distance2(face); found2 < nearest2) {
         nearest2 = found2;
         nearest = &face;
       }
+    }
     if (nearest) pairs[t] = pair_of(tile, *nearest, pose);
   }
   return pairs;
