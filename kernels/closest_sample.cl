@@ -4,21 +4,26 @@
 // sample is what the query's height is measured over. And how far the line of sight through the point goes
 // beyond it: scans that are wrongly placed see through each other's surfaces. After Blais and Levine (1995),
 // with a search around the projection.
-// Mapping: one work-item per query. Windows differ in size and branches in outcome, so lanes would idle; the
-// time is that of fetching nodes that lie apart, so what a node has lies together.
-// in:  x y z nx ny nz [queries] scan frame, metres, unit, NaN = none; ranges [rows * cols] of the grid's
+// Mapping: one work-item per query and, along the second dimension, place of its scan. Windows differ in size
+// and branches in outcome, so lanes would idle; the time is that of fetching nodes that lie apart, so what a
+// node has lies together. in:  x y z nx ny nz [queries] scan frame, metres, unit, NaN = none; ranges [rows *
+// cols] of the grid's
 //      samples from its origin, NaN = none; points, normals [3 * rows * cols] of them, grid frame, unit,
-//      NaN = none; row_edges [rows + 1], col_edges [cols + 1] as in lib/range_grid.h.
-// out: distance, height [queries] metres, to the sample and over its plane, above 0 on its front side;
+//      NaN = none; block_ranges [2 * rows of blocks * columns of blocks]: the least and the largest range of
+//      every CLOSEST_SAMPLE_BLOCK by CLOSEST_SAMPLE_BLOCK nodes, fewer in the last ones; infinity and
+//      -infinity where there is none; row_edges [rows + 1], col_edges [cols + 1], row_starts, col_starts
+//      [GRID_BINS + 1] as in lib/range_grid.h.
+// out, of one place after the other: distance, height [queries] metres, to the sample and over its plane,
+// above 0 on its front side;
 //      normal_x normal_y normal_z [queries] of the sample, grid frame; NaN without a pair. clearance
 //      [queries] metres: by how much the nearest return of the node and its 8 neighbours lies beyond the
 //      query; NaN without a return there.
-// params: params_closest_sample.h. defines: none.
+// params, places: params_closest_sample.h. defines: none.
 // edges: the window crosses the azimuth seam where the grid wraps. A window of more than
 //      CLOSEST_SAMPLE_WINDOW nodes to a side is searched in strides, which are halved about the best so far;
 //      of equal distances the first one tried wins.
-// cost: 24 bytes read and 24 written per query, 16 per node tried: 9, and up to 81 and 8 per halving; of
-//      rows whose ranges are others' only these are read.
+// cost: 24 bytes read and 24 written per query; the ranges of 9 nodes, and of up to 81 and 8 per halving
+//      where blocks say that one of them may be near; 24 more per node with a range near the query's.
 // reference twin: tests/reference/closest_sample.cpp
 #include "lib/range_grid.h"
 
@@ -75,6 +80,26 @@ static inline void try_rows(SampleSearch* search, const ClosestSampleParams* par
   }
 }
 
+// Whether a window about this node may hold such a range, as its blocks say. Across the seam, and of so many
+// blocks that asking them is no gain, it always may.
+static inline int may_hold(const ClosestSampleParams* params, GridNode middle, int rows, int cols,
+                           float range, float within, global const float* block_ranges) {
+  const int outside = middle.col - cols < 0 || middle.col + cols >= (int)params->cols;
+  if (outside && params->wraps) return 1;
+  const int top = max(middle.row - rows, 0) / CLOSEST_SAMPLE_BLOCK,
+            bottom = min(middle.row + rows, (int)params->rows - 1) / CLOSEST_SAMPLE_BLOCK,
+            left = max(middle.col - cols, 0) / CLOSEST_SAMPLE_BLOCK,
+            right = min(middle.col + cols, (int)params->cols - 1) / CLOSEST_SAMPLE_BLOCK;
+  const int across = ((int)params->cols + CLOSEST_SAMPLE_BLOCK - 1) / CLOSEST_SAMPLE_BLOCK;
+  if ((bottom - top) * (right - left) > CLOSEST_SAMPLE_MOST_BLOCKS) return 1;
+  for (int row = top; row <= bottom; ++row)
+    for (int col = left; col <= right; ++col) {
+      const float2 block = vload2((size_t)(row * across + col), block_ranges);
+      if (block.x - range <= within && range - block.y <= within) return 1;
+    }
+  return 0;
+}
+
 // How far off rows and columns are that look so steeply: a step times this is metres. Off its axis a
 // pinhole's steps are smaller angles.
 static inline float2 distance_of_steps(uint lens, float3 p) {
@@ -95,22 +120,25 @@ static inline int half_window_about(float within, float distance, float step, ui
 }
 
 static inline int strides_of(int nodes, int stride) {
-  return (nodes + stride - 1) / stride;
+  return stride == 1 ? nodes : (nodes + stride - 1) / stride;
 }
 
-kernel void closest_sample(ClosestSampleParams params, global const float* restrict x,
+kernel void closest_sample(ClosestSampleParams params, SamplePlaces places, global const float* restrict x,
                            global const float* restrict y, global const float* restrict z,
                            global const float* restrict nx, global const float* restrict ny,
                            global const float* restrict nz, global const float* restrict ranges,
                            global const float* restrict points, global const float* restrict normals,
-                           global const float* restrict row_edges, global const float* restrict col_edges,
-                           global float* restrict distance, global float* restrict height,
-                           global float* restrict normal_x, global float* restrict normal_y,
-                           global float* restrict normal_z, global float* restrict clearance) {
+                           global const float* restrict block_ranges, global const float* restrict row_edges,
+                           global const float* restrict col_edges, global const uint* restrict row_starts,
+                           global const uint* restrict col_starts, global float* restrict distance,
+                           global float* restrict height, global float* restrict normal_x,
+                           global float* restrict normal_y, global float* restrict normal_z,
+                           global float* restrict clearance) {
   const uint i = (uint)get_global_id(0);
   if (i >= params.queries) return;
-  const float* m = params.linear;
-  const float* t = params.translation;
+  const uint place = (uint)get_global_id(1);
+  const float* m = places.each[place].linear;
+  const float* t = places.each[place].translation;
   SampleSearch search;
   search.point =
       (float3)(m[0] * x[i] + m[1] * y[i] + m[2] * z[i] + t[0], m[3] * x[i] + m[4] * y[i] + m[5] * z[i] + t[1],
@@ -122,7 +150,7 @@ kernel void closest_sample(ClosestSampleParams params, global const float* restr
   search.col = -1;
   float found = NAN, over = NAN, beyond = NAN;
   float3 normal = (float3)(NAN);
-  const GridNode node = node_towards(&params, row_edges, col_edges, search.point);
+  const GridNode node = node_towards(&params, row_edges, col_edges, row_starts, col_starts, search.point);
   if (node.row >= 0) {
     const float3 p = search.point;
     const float range = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
@@ -136,7 +164,8 @@ kernel void closest_sample(ClosestSampleParams params, global const float* restr
         if (row < 0 || row >= (int)params.rows || at < 0) continue;
         const int k = row * (int)params.cols + at;
         nearest_return = fmin(nearest_return, ranges[k]);
-        try_sample(&search, params.min_facing, row, at, k, points, normals);
+        if (fabs(ranges[k] - range) <= gate)
+          try_sample(&search, params.min_facing, row, at, k, points, normals);
       }
     beyond = nearest_return - range;
     const float within = sqrt(search.best2);
@@ -148,12 +177,15 @@ kernel void closest_sample(ClosestSampleParams params, global const float* restr
     }
     int row_stride = max(strides_of(rows, CLOSEST_SAMPLE_WINDOW), 1);
     int col_stride = max(strides_of(cols, CLOSEST_SAMPLE_WINDOW), 1);
-    if (max(row_stride, col_stride) == 1 && node.col >= 8 && node.col + 8 <= (int)params.cols) {
-      if (max(rows, cols) > 1)
+    const int tall = strides_of(rows, row_stride), wide = strides_of(cols, col_stride);
+    if (search.row >= 0 ||
+        may_hold(&params, node, tall * row_stride, wide * col_stride, range, within, block_ranges)) {
+      const int whole = max(row_stride, col_stride) == 1 && node.col >= 8 && node.col + 8 <= (int)params.cols;
+      if (!whole)
+        try_strides(&search, &params, node, tall, wide, row_stride, col_stride, range, within, ranges, points,
+                    normals);
+      else if (max(rows, cols) > 1)
         try_rows(&search, &params, node, rows, cols, range, within, ranges, points, normals);
-    } else {
-      try_strides(&search, &params, node, strides_of(rows, row_stride), strides_of(cols, col_stride),
-                  row_stride, col_stride, range, within, ranges, points, normals);
     }
     while (search.row >= 0 && max(row_stride, col_stride) > 1) {
       row_stride = (row_stride + 1) / 2;
@@ -170,10 +202,11 @@ kernel void closest_sample(ClosestSampleParams params, global const float* restr
       over = (p.x - sample.x) * normal.x + (p.y - sample.y) * normal.y + (p.z - sample.z) * normal.z;
     }
   }
-  distance[i] = found;
-  height[i] = over;
-  normal_x[i] = normal.x;
-  normal_y[i] = normal.y;
-  normal_z[i] = normal.z;
-  clearance[i] = beyond;
+  const size_t answer = (size_t)place * params.queries + i;
+  distance[answer] = found;
+  height[answer] = over;
+  normal_x[answer] = normal.x;
+  normal_y[answer] = normal.y;
+  normal_z[answer] = normal.z;
+  clearance[answer] = beyond;
 }

@@ -17,9 +17,12 @@ static inline float col_measure(uint lens, float3 p) {
   return p.x >= 0.0f ? quarter : p.y >= 0.0f ? 2.0f - quarter : -2.0f - quarter;
 }
 
-// Of the `count` + 1 edges, ascending: how many of the first `count` are at most `value`, less one.
-static inline int last_edge(global const float* edges, uint count, float value, float sign) {
-  uint low = 0, high = count + 1u;
+// Of edges, ascending: how many are at most `value`, less one. starts[b], GRID_BINS + 1 of them: how many lie
+// in bins before b, of which `per_unit` begin at the first edge in every unit of the measure.
+static inline int last_edge(global const float* edges, global const uint* starts, float per_unit, float value,
+                            float sign) {
+  const int bin = (int)clamp((value - sign * edges[0]) * per_unit, 0.0f, GRID_BINS - 1.0f);
+  uint low = starts[bin], high = starts[bin + 1];
   while (low < high) {
     const uint middle = (low + high) / 2u;
     if (sign * edges[middle] <= value)
@@ -34,21 +37,22 @@ typedef struct GridNode {
   int row, col;  // -1: the point lies more than a step outside the grid
 } GridNode;
 
-// row_edges[rows + 1] descending, col_edges[cols + 1] ascending.
+// row_edges[rows + 1] descending, col_edges[cols + 1] ascending, and their starts.
 static inline GridNode node_towards(const ClosestSampleParams* params, global const float* row_edges,
-                                    global const float* col_edges, float3 p) {
+                                    global const float* col_edges, global const uint* row_starts,
+                                    global const uint* col_starts, float3 p) {
   GridNode node = {-1, -1};
   const int rows = (int)params->rows, cols = (int)params->cols;
   const float up = row_measure(params->lens, p);
   float around = col_measure(params->lens, p);
   if (up != up || around != around || (params->lens == GRID_PINHOLE && !(p.x > 0.0f))) return node;
-  int row = last_edge(row_edges, params->rows, -up, -1.0f);
+  int row = last_edge(row_edges, row_starts, params->row_bins, -up, -1.0f);
   if (row < 0) row = up - row_edges[0] <= row_edges[0] - row_edges[1] ? 0 : -1;
   if (row >= rows) row = row_edges[rows] - up <= row_edges[rows - 1] - row_edges[rows] ? rows - 1 : -1;
   if (row < 0) return node;
   const int turns = params->lens == GRID_SPHERICAL;  // on past the last column comes the first
   if (turns) around += 4.0f * ceil((col_edges[0] - around) / 4.0f);
-  int col = last_edge(col_edges, params->cols, around, 1.0f);
+  int col = last_edge(col_edges, col_starts, params->col_bins, around, 1.0f);
   if (col < 0 || col >= cols) {
     const float before = col_edges[0] + (turns ? 4.0f : 0.0f) - around;
     const float after = around - col_edges[cols];

@@ -22,6 +22,7 @@ struct ClosestSampleCase {
     bool wraps = true;
     std::vector<float> px, py, pz, qx, qy, qz;  // per node
     Pose grid_from_scan;
+    std::vector<Pose> more_places;  // of the scan, asked about with the first; the reference has only this
     float gate = 0.15f, reach = 0.02f;
     double normal_deg = 45;
     std::vector<float> x, y, z, nx, ny, nz;
@@ -117,9 +118,10 @@ struct ClosestSampleCase {
   static Output run(device::Queue& queue, const Input& in) {
     const std::size_t count = in.x.size();
     ClosestSampleParams params{};
-    const Mat3 linear = in.grid_from_scan.scale * in.grid_from_scan.rotation.toRotationMatrix();
-    for (int k = 0; k < 9; ++k) params.linear[k] = static_cast<float>(linear(k / 3, k % 3));
-    for (int k = 0; k < 3; ++k) params.translation[k] = static_cast<float>(in.grid_from_scan.translation(k));
+    SamplePlaces places{};
+    places.each[0] = stages::sample_place(in.grid_from_scan);
+    const std::size_t all_places = 1 + in.more_places.size();
+    for (std::size_t k = 1; k < all_places; ++k) places.each[k] = stages::sample_place(in.more_places[k - 1]);
     params.gate = in.gate;
     params.reach = in.reach;
     params.min_facing = static_cast<float>(std::cos(in.normal_deg * std::numbers::pi / 180));
@@ -136,13 +138,21 @@ struct ClosestSampleCase {
       for (const float value : {in.px[k], in.py[k], in.pz[k]}) points.push_back(value);
       for (const float value : {in.qx[k], in.qy[k], in.qz[k]}) normals.push_back(value);
     }
-    stages::SampleAnswers out(queue, count);
-    queue.launch(kName, queue.kernel(kName), device::grid(count), params, queue.array(in.x),
-                 queue.array(in.y), queue.array(in.z), queue.array(in.nx), queue.array(in.ny),
-                 queue.array(in.nz), queue.array(ranges), queue.array(points), queue.array(normals),
-                 queue.array(stages::row_edges(in.rows, in.lens)),
-                 queue.array(stages::col_edges(in.cols, in.lens)), out.distance, out.height, out.normal_x,
-                 out.normal_y, out.normal_z, out.clearance);
+    const auto row_edges = stages::row_edges(in.rows, in.lens),
+               col_edges = stages::col_edges(in.cols, in.lens);
+    const auto row_bins = stages::edge_bins(row_edges, -1), col_bins = stages::edge_bins(col_edges, 1);
+    params.row_bins = row_bins.per_unit;
+    params.col_bins = col_bins.per_unit;
+    stages::SampleAnswers out(queue, count, all_places);
+    queue.launch(kName, queue.kernel(kName), device::grid(count, all_places), params, places,
+                 queue.array(in.x), queue.array(in.y), queue.array(in.z), queue.array(in.nx),
+                 queue.array(in.ny), queue.array(in.nz), queue.array(ranges), queue.array(points),
+                 queue.array(normals),
+                 queue.array(stages::block_ranges(ranges, static_cast<int>(in.rows.size()),
+                                                  static_cast<int>(in.cols.size()))),
+                 queue.array(row_edges), queue.array(col_edges), queue.array(row_bins.starts),
+                 queue.array(col_bins.starts), out.distance, out.height, out.normal_x, out.normal_y,
+                 out.normal_z, out.clearance);
     return {queue.read(out.distance),
             queue.read(out.height),
             queue.read(out.normal_x),

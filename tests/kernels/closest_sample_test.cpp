@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "device.hpp"
 
 namespace hybrid::testing::closest_sample_test {
@@ -111,6 +113,81 @@ TEST(ClosestSample, crosses_the_seam_only_where_the_grid_wraps) {
   EXPECT_GT(agreement(input).found, 0u);
   input.wraps = false;
   agreement(input);
+}
+
+// Queries of another place: before the walls and behind them, so that blocks tell that none is near, but for
+// some; on both sides of the seam, too.
+TEST(ClosestSample, far_from_all_samples_it_finds_what_is_near_and_how_far_it_sees) {
+  for (const std::uint32_t lens : {GRID_SPHERICAL, GRID_PINHOLE}) {
+    auto input = ClosestSampleCase::make(small_sizes() ? 509 : 5003, 8, lens);
+    for (std::size_t i = 0; i < input.x.size(); ++i) {
+      const double factor = i % 4 == 0 ? 1 : 0.45 + 0.15 * static_cast<double>(i % 8);
+      const Vec3 p = input.grid_from_scan * Vec3(input.x[i], input.y[i], input.z[i]);
+      const Vec3 moved = input.grid_from_scan.inverse() * (factor * p);
+      input.x[i] = static_cast<float>(moved.x()), input.y[i] = static_cast<float>(moved.y()),
+      input.z[i] = static_cast<float>(moved.z());
+    }
+    input.reach = 0;
+    for (const float gate : {0.05f, 0.15f, 0.6f}) {
+      input.gate = gate;
+      const auto result = agreement(input);
+      EXPECT_GT(result.found, input.x.size() / 40) << gate;
+      EXPECT_LT(result.found, input.x.size() * 2 / 3) << gate;
+    }
+  }
+}
+
+TEST(ClosestSample, several_places_at_once_are_the_same_as_one_by_one) {
+  auto input = ClosestSampleCase::make(small_sizes() ? 127 : 5003, 7);
+  const std::size_t count = input.x.size();
+  for (int k = 1; k < CLOSEST_SAMPLE_PLACES; ++k) {
+    Pose place = input.grid_from_scan;
+    place.translation += 0.05 * k * Vec3(1, -1, 0.5);
+    input.more_places.push_back(place);
+  }
+  const auto together = ClosestSampleCase::run(queue(), input);
+  ASSERT_EQ(together.height.size(), count * CLOSEST_SAMPLE_PLACES);
+  for (std::size_t k = 0; k < CLOSEST_SAMPLE_PLACES; ++k) {
+    auto one = input;
+    if (k > 0) one.grid_from_scan = input.more_places[k - 1];
+    one.more_places.clear();
+    const auto alone = ClosestSampleCase::run(queue(), one);
+    const auto part = [&](const std::vector<float>& all) {
+      const auto begin = all.begin() + static_cast<std::ptrdiff_t>(k * count);
+      return std::vector<float>(begin, begin + static_cast<std::ptrdiff_t>(count));
+    };
+    EXPECT_TRUE(same({part(together.distance),
+                      part(together.height),
+                      part(together.normal_x),
+                      part(together.normal_y),
+                      part(together.normal_z),
+                      part(together.clearance),
+                      {},
+                      {}},
+                     alone))
+        << k;
+  }
+}
+
+// Whatever the steps, an edge is among those of its bin.
+TEST(ClosestSample, bins_hold_all_edges) {
+  std::vector<float> uneven, with_gap;
+  for (int k = 0; k < 400; ++k) uneven.push_back(-1 + 2e-5f * static_cast<float>(k * k));
+  for (int k = 0; k < 400; ++k) with_gap.push_back(k < 399 ? 1e-4f * static_cast<float>(k) : 100.0f);
+  const std::vector<float> lone = {0.5f};
+  for (const auto& edges : {uneven, with_gap, lone}) {
+    const auto bins = stages::edge_bins(edges, 1);
+    ASSERT_EQ(bins.starts.size(), static_cast<std::size_t>(GRID_BINS + 1));
+    EXPECT_EQ(bins.starts.front(), 0u);
+    EXPECT_EQ(bins.starts.back(), edges.size());
+    EXPECT_TRUE(std::is_sorted(bins.starts.begin(), bins.starts.end()));
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      const float at = std::clamp((edges[k] - edges[0]) * bins.per_unit, 0.0f, GRID_BINS - 1.0f);
+      const auto bin = static_cast<std::size_t>(at);
+      EXPECT_LE(bins.starts[bin], k);
+      EXPECT_GT(bins.starts[bin + 1], k);
+    }
+  }
 }
 
 TEST(ClosestSample, nan_queries_and_an_empty_grid_find_nothing) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "core/median.hpp"
@@ -192,13 +193,58 @@ std::vector<float> col_edges(const std::vector<double>& cols, std::uint32_t lens
   return edges(cols, kLoneStep, azimuth_measure);
 }
 
-SampleAnswers::SampleAnswers(device::Queue& queue, std::size_t count)
-    : distance(queue.array<float>(count)),
-      height(queue.array<float>(count)),
-      normal_x(queue.array<float>(count)),
-      normal_y(queue.array<float>(count)),
-      normal_z(queue.array<float>(count)),
-      clearance(queue.array<float>(count)) {}
+SamplePlace sample_place(const Pose& grid_from_queries) {
+  const Mat3 linear = grid_from_queries.scale * grid_from_queries.rotation.toRotationMatrix();
+  SamplePlace place{};
+  for (int k = 0; k < 9; ++k) place.linear[k] = static_cast<float>(linear(k / 3, k % 3));
+  for (int k = 0; k < 3; ++k) place.translation[k] = static_cast<float>(grid_from_queries.translation(k));
+  return place;
+}
+
+EdgeBins edge_bins(const std::vector<float>& edges, float sign) {
+  EdgeBins bins;
+  const float first = sign * edges.front(), span = sign * edges.back() - first;
+  if (span > 0) bins.per_unit = static_cast<float>(GRID_BINS) / span;
+  bins.starts.assign(GRID_BINS + 1, 0);
+  for (const float edge : edges) {
+    const float bin = std::clamp((sign * edge - first) * bins.per_unit, 0.0f, GRID_BINS - 1.0f);
+    ++bins.starts[static_cast<std::size_t>(bin) + 1];
+  }
+  std::partial_sum(bins.starts.begin(), bins.starts.end(), bins.starts.begin());
+  return bins;
+}
+
+std::vector<float> block_ranges(const std::vector<float>& ranges, int rows, int cols) {
+  constexpr int kSide = CLOSEST_SAMPLE_BLOCK;
+  const auto down = static_cast<std::size_t>((rows + kSide - 1) / kSide),
+             across = static_cast<std::size_t>((cols + kSide - 1) / kSide);
+  std::vector<float> blocks(2 * down * across);
+  parallel_for(down, [&](std::size_t block_row) {
+    float* least_and_largest = &blocks[2 * block_row * across];
+    for (std::size_t k = 0; k < across; ++k) {
+      least_and_largest[2 * k] = std::numeric_limits<float>::infinity();
+      least_and_largest[2 * k + 1] = -std::numeric_limits<float>::infinity();
+    }
+    const int first = static_cast<int>(block_row) * kSide;
+    for (int row = first; row < std::min(first + kSide, rows); ++row)
+      for (int col = 0; col < cols; ++col) {
+        const float range = ranges[static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) +
+                                   static_cast<std::size_t>(col)];
+        float* block = least_and_largest + 2 * (col / kSide);
+        if (range < block[0]) block[0] = range;
+        if (range > block[1]) block[1] = range;
+      }
+  });
+  return blocks;
+}
+
+SampleAnswers::SampleAnswers(device::Queue& queue, std::size_t queries, std::size_t places)
+    : distance(queue.array<float>(queries * places)),
+      height(queue.array<float>(queries * places)),
+      normal_x(queue.array<float>(queries * places)),
+      normal_y(queue.array<float>(queries * places)),
+      normal_z(queue.array<float>(queries * places)),
+      clearance(queue.array<float>(queries * places)) {}
 
 ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const PlaneSegmentation& segmentation,
                          const std::vector<std::uint8_t>& stray)
@@ -225,8 +271,14 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
     }
   }
   if (!known_) return;
-  row_edges_ = queue.array(row_edges(row, params_.lens));
-  col_edges_ = queue.array(col_edges(col, params_.lens));
+  const auto between_rows = row_edges(row, params_.lens), between_cols = col_edges(col, params_.lens);
+  const EdgeBins row_bins = edge_bins(between_rows, -1), col_bins = edge_bins(between_cols, 1);
+  row_edges_ = queue.array(between_rows);
+  col_edges_ = queue.array(between_cols);
+  row_starts_ = queue.array(row_bins.starts);
+  col_starts_ = queue.array(col_bins.starts);
+  params_.row_bins = row_bins.per_unit;
+  params_.col_bins = col_bins.per_unit;
   params_.rows = static_cast<std::uint32_t>(thinned.rows);
   params_.cols = static_cast<std::uint32_t>(thinned.cols);
   params_.row_step = static_cast<float>(mean_step(row));
@@ -257,25 +309,27 @@ ScanSurface::ScanSurface(device::Queue& queue, const RangeImage& image, const Pl
     }
   });
   ranges_ = queue.array(ranges);
+  block_ranges_ = queue.array(block_ranges(ranges, thinned.rows, thinned.cols));
   points_ = queue.array(points);
   normals_ = queue.array(normals);
 }
 
-void ScanSurface::find(const SearchQueries& queries, const Pose& scan_from_queries, double gate_m,
+void ScanSurface::find(const SearchQueries& queries, std::span<const Pose> scan_from_queries, double gate_m,
                        double normal_deg, SampleAnswers& out) const {
-  const Pose pose = grid_from_scan_ * scan_from_queries;
-  const Mat3 linear = pose.scale * pose.rotation.toRotationMatrix();
+  SamplePlaces places{};
+  for (std::size_t p = 0; p < scan_from_queries.size(); ++p)
+    places.each[p] = sample_place(grid_from_scan_ * scan_from_queries[p]);
   ClosestSampleParams params = params_;
-  for (int k = 0; k < 9; ++k) params.linear[k] = static_cast<float>(linear(k / 3, k % 3));
-  for (int k = 0; k < 3; ++k) params.translation[k] = static_cast<float>(pose.translation(k));
   params.gate = static_cast<float>(gate_m);
   params.reach = static_cast<float>(spacing_);
-  params.min_facing = static_cast<float>(pose.scale * std::cos(normal_deg * std::numbers::pi / 180));
+  params.min_facing = static_cast<float>(grid_from_scan_.scale * scan_from_queries[0].scale *
+                                         std::cos(normal_deg * std::numbers::pi / 180));
   params.queries = static_cast<std::uint32_t>(queries.count);
-  queue_.launch("closest_sample", queue_.kernel("closest_sample"), device::grid(queries.count), params,
-                queries.x, queries.y, queries.z, queries.nx, queries.ny, queries.nz, ranges_, points_,
-                normals_, row_edges_, col_edges_, out.distance, out.height, out.normal_x, out.normal_y,
-                out.normal_z, out.clearance);
+  queue_.launch("closest_sample", queue_.kernel("closest_sample"),
+                device::grid(queries.count, scan_from_queries.size()), params, places, queries.x, queries.y,
+                queries.z, queries.nx, queries.ny, queries.nz, ranges_, points_, normals_, block_ranges_,
+                row_edges_, col_edges_, row_starts_, col_starts_, out.distance, out.height, out.normal_x,
+                out.normal_y, out.normal_z, out.clearance);
 }
 
 }  // namespace hybrid::stages
