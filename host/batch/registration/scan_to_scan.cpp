@@ -119,7 +119,11 @@ std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, con
 
 ScanToScan::ScanToScan(device::Queue& queue, const StageOptions& options,
                        const std::vector<ScanProduct>& products)
-    : queue_(queue), options_(options), products_(products), scans_(products.size()) {
+    : queue_(queue),
+      options_(options),
+      products_(products),
+      scans_(products.size()),
+      tallies_(products.size()) {
   // The scene's size is in what is near a face and clear of it.
   icp_.overlap_m = options.alignment.tolerance_m;
   icp_.clear_m = options.alignment.clear_m;
@@ -394,7 +398,7 @@ ScanToScan::Chosen ScanToScan::choose(std::size_t i, const std::vector<Pose>& hy
     options.most_beside = pair.most_beside;
     options.needs_free = true;
   }
-  return {stages::choose_hypothesis(queue_, scan(i), others.scans, hypotheses, options),
+  return {stages::choose_hypothesis(queue_, scan(i), others.scans, hypotheses, tallies_[i], options),
           std::move(others.ids)};
 }
 

@@ -117,6 +117,7 @@ class ScanToScan {
   stages::ScanIcpOptions icp_, few_;  // with all samples, with an eighth
   const std::vector<ScanProduct>& products_;
   std::vector<std::unique_ptr<stages::IcpScan>> scans_;
+  std::vector<stages::PlaceTallies> tallies_;  // by scan
 };
 
 }  // namespace hybrid::batch

@@ -71,15 +71,15 @@ struct End {
 class Chooser {
  public:
   Chooser(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
-          const HypothesesOptions& options)
+          const PlaceTallies& tallies, const HypothesesOptions& options)
       : queue_(queue),
         scan_(scan),
         placed_(placed),
+        tallies_(tallies),
         options_(options),
         few_(options.icp),
-        fewest_(options.icp),
         on_line_(options.icp) {
-    few_.few = fewest_.fewest = on_line_.few = true;
+    few_.few = on_line_.few = true;
     on_line_.gate_m = kGateOnLine * on_line_.overlap_m;
   }
 
@@ -120,8 +120,9 @@ class Chooser {
   device::Queue& queue_;
   const IcpScan& scan_;
   const std::vector<PlacedScan>& placed_;
+  const PlaceTallies& tallies_;  // of every hypothesis, by a sixty-fourth of the samples
   const HypothesesOptions& options_;
-  ScanIcpOptions few_, fewest_, on_line_;
+  ScanIcpOptions few_, on_line_;
   std::vector<Line> lines_;  // that were gone along
 };
 
@@ -133,7 +134,7 @@ bool Chooser::is_hopeless(const ScanIcp& found, const Vec3& direction, double ti
 }
 
 bool Chooser::is_hopeless_by_fewest(const Pose& hypothesis) const {
-  const ScanIcp found = compare_on_scans(queue_, scan_, placed_, hypothesis, fewest_);
+  const ScanIcp& found = tallies_.of(hypothesis);
   return is_contradicted(found, kFewTell) && is_hopeless(found, against(found.planes).direction, kFewTell);
 }
 
@@ -277,8 +278,11 @@ std::optional<Pose> Chooser::room_at(const ScanIcp& other, const ScanIcp& best) 
 
 ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
                                    const std::vector<PlacedScan>& placed, const std::vector<Pose>& hypotheses,
-                                   const HypothesesOptions& options) {
-  Chooser chooser(queue, scan, placed, options);
+                                   PlaceTallies& tallies, const HypothesesOptions& options) {
+  ScanIcpOptions fewest = options.icp;
+  fewest.fewest = true;
+  tallies.ask(queue, scan, placed, hypotheses, fewest);
+  Chooser chooser(queue, scan, placed, tallies, options);
   ChosenHypothesis chosen;
   chosen.tried = static_cast<int>(hypotheses.size());
   std::vector<End> ends;

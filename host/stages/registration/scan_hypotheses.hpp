@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "stages/registration/place_tallies.hpp"
 #include "stages/registration/scan_icp.hpp"
 
 namespace hybrid::stages {
@@ -50,9 +51,9 @@ struct ChosenHypothesis {
 // hypothesis may lie beside the right place along that direction. Accepted is a pose that nothing
 // contradicts, that is held along all directions and that no other hypothesis leaves room for: each must be
 // contradicted, by itself or where the accepted one is not; where nothing holds it along a direction,
-// wherever it lies along that within reach.
+// wherever it lies along that within reach. `tallies`: of the scan, from one call to the next.
 ChosenHypothesis choose_hypothesis(device::Queue& queue, const IcpScan& scan,
                                    const std::vector<PlacedScan>& placed, const std::vector<Pose>& hypotheses,
-                                   const HypothesesOptions& options = {});
+                                   PlaceTallies& tallies, const HypothesesOptions& options = {});
 
 }  // namespace hybrid::stages

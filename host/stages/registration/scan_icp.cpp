@@ -6,6 +6,7 @@
 
 #include "stages/registration/icp_step.hpp"
 #include "stages/registration/scan_pairs.hpp"
+#include "stages/registration/seen_samples.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -14,12 +15,7 @@ constexpr double kScanSettledAngleRad = 2e-6, kScanSettledDistanceM = 1e-5;
 constexpr double kGateOfCutoff = 2;  // pairs beyond the robust weights' cutoff may come back
 // Samples outside superclusters that stand for one independent observation: neighbours share what is wrong.
 constexpr double kFreePerObservation = 100;
-// Leaves and railings are seen through from elsewhere: where planes are so much of what can be compared, they
-// alone tell what is seen through.
-constexpr double kPlanesTell = 0.2;
 constexpr std::size_t kFree = 1 - IcpScan::kPlanar;
-constexpr int kSamplesOfPlane = 5;     // seen through, that contradict it
-constexpr double kLeastOfScan = 0.01;  // of its area, of a plane whose height counts
 constexpr double kNearOverlap = 0.1;
 
 class ScanProblem {
@@ -110,17 +106,8 @@ class ScanProblem {
   static double own_spacing(const IcpScan& scan, std::size_t kind) {
     return kind == 1 && scan.surface->known() ? scan.surface->spacing() : 0;
   }
-  // Area of samples of one kind, both ways.
-  struct Seen {
-    double on = 0, through = 0;
-    double all() const { return on + through; }
-  };
   Seen seen_of_free();
-  static void tell_free(const Seen& free, ScanIcp& result);
   void overlaps(ScanIcp& result);
-  void add_planes(const IcpScan::Samples& samples, double scan_m2, const std::vector<float>& heights,
-                  const std::vector<float>& clearances, const Pose& world_from_samples,
-                  ComparedPlanes& planes) const;
   double observations(std::size_t kind);
 
   const IcpScan& scan_;
@@ -130,55 +117,12 @@ class ScanProblem {
   std::vector<Kind> pairs_;
 };
 
-// The samples of a supercluster follow each other and share its normal.
-void ScanProblem::add_planes(const IcpScan::Samples& samples, double scan_m2,
-                             const std::vector<float>& heights, const std::vector<float>& clearances,
-                             const Pose& world_from_samples, ComparedPlanes& planes) const {
-  for (std::size_t begin = 0, end = 0; begin < heights.size(); begin = end) {
-    double on = 0, through = 0, beside = 0, moment = 0;
-    int seen_through = 0, seen_beside = 0;
-    for (end = begin; end < heights.size() && samples.normals[end] == samples.normals[begin]; ++end) {
-      const double area = samples.area_m2[end], height = heights[end], clearance = clearances[end];
-      if (std::abs(height) < options_.overlap_m) {
-        on += area;
-        moment += area * height;
-      } else if (clearance > options_.clear_m) {
-        through += area;
-        ++seen_through;
-      } else if (clearance > options_.overlap_m || std::abs(height) < options_.clear_m) {
-        beside += area;
-        ++seen_beside;
-      }
-    }
-    const auto& n = samples.normals[begin];
-    const Vec3 normal = world_from_samples.rotate(Vec3(n[0], n[1], n[2]));
-    planes.on += on * normal * normal.transpose();
-    planes.through += through * normal * normal.transpose();
-    if (through > on && seen_through >= kSamplesOfPlane) planes.contradicted_m2 += through;
-    if (beside > on && seen_beside >= kSamplesOfPlane) planes.beside_m2 += beside;
-    if (on >= kLeastOfScan * scan_m2 && on > 0)
-      planes.farthest_m = std::max(planes.farthest_m, std::abs(moment) / on);
-  }
-}
-
-ScanProblem::Seen ScanProblem::seen_of_free() {
+Seen ScanProblem::seen_of_free() {
   Seen seen;
-  for (auto& one : pairs_) {
-    if (one.kind != kFree) continue;
-    const auto &heights = one.pairs.heights(), &clearances = one.pairs.clearances();
-    const auto& area = one.pairs.samples().area_m2;
-    for (std::size_t i = 0; i < area.size(); ++i)
-      if (std::abs(static_cast<double>(heights[i])) < options_.overlap_m)
-        seen.on += area[i];
-      else if (static_cast<double>(clearances[i]) > options_.clear_m)
-        seen.through += area[i];
-  }
+  for (auto& one : pairs_)
+    if (one.kind == kFree)
+      add_seen(one.pairs.samples(), one.pairs.heights(), one.pairs.clearances(), options_, seen);
   return seen;
-}
-
-void ScanProblem::tell_free(const Seen& free, ScanIcp& result) {
-  result.free_m2 = free.all();
-  if (free.all() > 0) result.free_seen_through = free.through / free.all();
 }
 
 // What lies on surfaces of the other scans, and what these look through.
@@ -209,7 +153,7 @@ void ScanProblem::overlaps(ScanIcp& result) {
     if (kind == IcpScan::kPlanar)
       add_planes(pairs.samples(), (pairs.forward() ? scan_ : *placed_[other].scan).area_m2, heights,
                  clearances, pairs.forward() ? result.icp.world_from_scan : placed_[other].world_from_scan,
-                 result.planes);
+                 options_, result.planes);
   }
   for (std::size_t k = 0; k < compared.size(); ++k) {
     const Compared& sums = compared[k];
@@ -223,9 +167,7 @@ void ScanProblem::overlaps(ScanIcp& result) {
   }
   const Seen &planar = seen[IcpScan::kPlanar], &free = seen[kFree];
   tell_free(free, result);
-  const bool by_planes = planar.all() > kPlanesTell * (planar.all() + free.all());
-  const Seen judge{planar.on + (by_planes ? 0 : free.on), planar.through + (by_planes ? 0 : free.through)};
-  if (judge.all() > 0) result.seen_through = judge.through / judge.all();
+  result.seen_through = seen_through_of(planar, free);
   double own = 0;
   for (std::size_t kind = 0; kind < 2; ++kind)
     for (std::size_t i = 0; i < on_any[kind].size(); ++i)
@@ -346,6 +288,25 @@ ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::v
   result.icp.converged = true;
   problem.compare(pose, result, enough);
   return result;
+}
+
+void add_comparison(const ScanIcp& with_others, ScanIcp& sum) {
+  const auto free_of = [](const ScanIcp& one) {
+    const double through = one.free_seen_through * one.free_m2;
+    return Seen{one.free_m2 - through, through};
+  };
+  Seen free = free_of(sum);
+  const Seen more = free_of(with_others);
+  free.on += more.on;
+  free.through += more.through;
+  ComparedPlanes& planes = sum.planes;
+  planes.on += with_others.planes.on;
+  planes.through += with_others.planes.through;
+  planes.contradicted_m2 += with_others.planes.contradicted_m2;
+  planes.beside_m2 += with_others.planes.beside_m2;
+  planes.farthest_m = std::max(planes.farthest_m, with_others.planes.farthest_m);
+  tell_free(free, sum);
+  sum.seen_through = seen_through_of({planes.on.trace(), planes.through.trace()}, free);  // of unit normals
 }
 
 std::vector<PlacedScan> near_scans(const std::vector<PlacedScan>& placed, const ScanIcp& found) {

@@ -89,6 +89,10 @@ ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::v
                          const Pose& pose, const ScanIcpOptions& options = {},
                          const std::function<bool(const ScanIcp&)>& enough = {});
 
+// Adds what a comparison of the same pose with other scans says to the sum: planes, seen_through,
+// free_seen_through and free_m2 are then of all of them; the rest stays.
+void add_comparison(const ScanIcp& with_others, ScanIcp& sum);
+
 // Of the placed scans those that overlap with it so far that ICP can do without the others.
 std::vector<PlacedScan> near_scans(const std::vector<PlacedScan>& placed, const ScanIcp& found);
 

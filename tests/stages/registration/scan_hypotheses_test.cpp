@@ -4,55 +4,21 @@
 
 #include <gtest/gtest.h>
 
-#include "cases/trial_room.hpp"
+#include "cases/placed_scans.hpp"
 #include "device.hpp"
 
 namespace hybrid::scan_hypotheses_test {
 namespace {
 
+using testing::middle;
 using testing::queue;
-
-constexpr int kSamples = 20000;
-
-// A room, two scans of it that have their poses, and a third.
-struct Place {
-  struct Seen {
-    testing::TrialScan scan;
-    std::unique_ptr<stages::IcpScan> icp;
-    Seen(const testing::TrialRoom& room, std::uint32_t seed)
-        : scan(testing::scan_trial_room(queue(), room, seed, 1)),
-          icp(testing::icp_scan_of(queue(), scan, kSamples)) {}
-    const Pose& pose() const { return scan.world_from_scan; }
-  };
-  Seen a, b, scan;
-  explicit Place(const char* kind, std::uint32_t seed) : Place(testing::make_trial_room(kind, seed), seed) {}
-  Place(const testing::TrialRoom& room, std::uint32_t seed)
-      : a(room, seed), b(room, seed + 300), scan(room, seed + 700) {}
-  std::vector<stages::PlacedScan> placed() const {
-    return {{a.icp.get(), a.pose()}, {b.icp.get(), b.pose()}};
-  }
-};
-
-Pose shifted(const Pose& pose, const Vec3& by) {
-  Pose moved = pose;
-  moved.translation += by;
-  return moved;
-}
-
-// Turned about the vertical through the point.
-Pose turned(const Pose& pose, double deg, const Vec3& about) {
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(deg * kDegree, Vec3::UnitZ()));
-  return {pose.scale, turn * pose.rotation, turn * (pose.translation - about) + about};
-}
-
-Vec3 middle(const testing::RoomPlan& plan) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec2& corner : plan.footprint) sum += Vec3(corner.x(), corner.y(), 0);
-  return sum / static_cast<double>(plan.footprint.size());
-}
+using testing::shifted;
+using testing::turned;
+using Place = testing::PlacedScans;
 
 stages::ChosenHypothesis choose(const Place& place, const std::vector<Pose>& hypotheses) {
-  return stages::choose_hypothesis(queue(), *place.scan.icp, place.placed(), hypotheses);
+  stages::PlaceTallies tallies;
+  return stages::choose_hypothesis(queue(), *place.scan.icp, place.placed(), hypotheses, tallies);
 }
 
 struct Tally {
@@ -120,9 +86,10 @@ TEST(ScanHypotheses, a_scan_of_another_room_is_laid_nowhere) {
   for (const std::uint32_t seed : {3u, 4u, 5u, 6u}) {
     const Place place("box", seed), other("box", seed + 40);
     const Pose at = place.scan.pose();
-    const auto chosen =
-        stages::choose_hypothesis(queue(), *other.scan.icp, place.placed(),
-                                  {at, turned(at, 90, at.translation), turned(at, 180, at.translation)});
+    stages::PlaceTallies tallies;
+    const auto chosen = stages::choose_hypothesis(
+        queue(), *other.scan.icp, place.placed(),
+        {at, turned(at, 90, at.translation), turned(at, 180, at.translation)}, tallies);
     EXPECT_FALSE(chosen.accepted) << seed;
     EXPECT_FALSE(chosen.reason.empty());
   }
