@@ -181,15 +181,22 @@ void NeighbourPlaces::lay_all(Registrations& registrations, Registrations& abste
   }
 }
 
+std::vector<NeighbourPlaces::Neighbour> NeighbourPlaces::known_of(std::size_t scan,
+                                                                  const Registrations& registrations) const {
+  std::vector<Neighbour> known;
+  for (const auto* alignments : {&aligned_[scan], &aligned_back_[scan]})
+    for (const auto& [by, alignment] : *alignments)
+      if (registrations[by]) known.push_back({scan, by, &alignment});
+  return known;
+}
+
 std::vector<Pose> NeighbourPlaces::places_of(std::size_t scan, const Registrations& registrations,
                                              bool likely) const {
   std::vector<Pose> places;
-  for (const auto* alignments : {&aligned_[scan], &aligned_back_[scan]})
-    for (const auto& [by, alignment] : *alignments) {
-      if (!registrations[by] || (likely && !alignment.accepted && !alignment.only_rivals)) continue;
-      for (const Pose& hypothesis : alignment.hypotheses)
-        add_place(registrations[by]->world_from_scan() * hypothesis, places);
-    }
+  for (const Neighbour& one : known_of(scan, registrations))
+    if (!likely || one.alignment->accepted || one.alignment->only_rivals)
+      for (const Pose& hypothesis : one.alignment->hypotheses)
+        add_place(registrations[one.by]->world_from_scan() * hypothesis, places);
   return places;
 }
 
@@ -332,14 +339,11 @@ void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abs
 
 std::vector<PossiblePlace> NeighbourPlaces::possible_places(std::size_t scan,
                                                             const Registrations& registrations) {
-  std::vector<Neighbour> told;
-  for (const auto* alignments : {&aligned_[scan], &aligned_back_[scan]})
-    for (const auto& [by, alignment] : *alignments)
-      if (registrations[by]) told.push_back({scan, by, &alignment});
-  std::stable_sort(told.begin(), told.end(),
+  auto surest_first = known_of(scan, registrations);
+  std::stable_sort(surest_first.begin(), surest_first.end(),
                    [](const Neighbour& a, const Neighbour& b) { return a.is_surer_than(b); });
   std::vector<Pose> places;
-  for (const Neighbour& one : told)
+  for (const Neighbour& one : surest_first)
     for (const Pose& hypothesis : one.alignment->hypotheses)
       if (places.size() < kMostJudged)
         add_place(registrations[one.by]->world_from_scan() * hypothesis, places);

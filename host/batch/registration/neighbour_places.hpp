@@ -66,6 +66,8 @@ class NeighbourPlaces {
   // `back`: what those that have a pose tell of it when they are aligned to its planes, too.
   Neighbour best_neighbour(std::size_t scan, bool back, const Registrations& registrations,
                            const Registrations& abstentions);
+  // Its alignments to scans that have a pose, as far as they were asked for.
+  std::vector<Neighbour> known_of(std::size_t scan, const Registrations& registrations) const;
   // In the world, where its alignments to scans that have a pose lay it, each place once; `likely`: of those
   // that nothing or nothing but rivals speaks against.
   std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool likely) const;

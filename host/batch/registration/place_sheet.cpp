@@ -35,13 +35,19 @@ struct PlanSample {
   bool on_plane = false;
 };
 
+// By label, whether the plane is level: floors and ceilings; 0 is none.
+std::vector<char> level_planes(const PlaneSegmentation& segmentation, const Pose& pose) {
+  std::vector<char> level(segmentation.superclusters.size() + 1, 0);
+  for (const auto& supercluster : segmentation.superclusters)
+    level[supercluster.id] = std::abs(pose.rotate(supercluster.plane.normal).z()) > kMostLevel;
+  return level;
+}
+
 // Of the walls and what is of no plane, in order of the nodes.
 std::vector<PlanSample> plan_of(const ScanProduct& product, const Pose& pose, double nodes) {
   const RangeImage& image = product.image;
   const auto& labels = product.segmentation.sample_label;
-  std::vector<char> level(product.segmentation.superclusters.size() + 1, 0);
-  for (const auto& supercluster : product.segmentation.superclusters)
-    level[supercluster.id] = std::abs(pose.rotate(supercluster.plane.normal).z()) > kMostLevel;
+  const auto level = level_planes(product.segmentation, pose);
   const int step =
       std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(image.count()) / nodes))));
   std::vector<PlanSample> plan;
@@ -79,10 +85,7 @@ Box2 box_of(const std::vector<PlanSample>& plan) {
 // Where on the wall the columns look that scan.png's grid names: of each, the sample at the median distance.
 std::vector<std::pair<int, Vec3>> looks_of(const ScanProduct& product, const Pose& pose) {
   const RangeImage& image = product.image;
-  const auto& superclusters = product.segmentation.superclusters;
-  std::vector<char> level(superclusters.size() + 1, 1);
-  for (const auto& supercluster : superclusters)
-    level[supercluster.id] = std::abs(pose.rotate(supercluster.plane.normal).z()) > kMostLevel;
+  const auto level = level_planes(product.segmentation, pose);
   int step = sheet_grid_step(image);
   while (image.cols > step * kLooks) step *= 2;
   std::vector<std::pair<int, Vec3>> looks;
@@ -90,7 +93,8 @@ std::vector<std::pair<int, Vec3>> looks_of(const ScanProduct& product, const Pos
     std::vector<std::pair<double, std::size_t>> seen;  // metres from above
     for (int row = 0; row < image.rows; ++row) {
       const std::size_t i = image.index(row, col);
-      if (image.mask[i] != kMeasured || level[product.segmentation.sample_label[i]]) continue;
+      const std::uint32_t label = product.segmentation.sample_label[i];
+      if (image.mask[i] != kMeasured || label == 0 || level[label]) continue;
       seen.emplace_back(pose.rotate(image.point(i)).head<2>().norm(), i);
     }
     if (seen.empty()) continue;
