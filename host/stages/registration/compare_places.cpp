@@ -1,6 +1,6 @@
 #include "stages/registration/compare_places.hpp"
 
-#include <algorithm>
+#include <array>
 #include <span>
 
 #include "core/parallel.hpp"
@@ -36,7 +36,7 @@ class ManyPlaces {
       : queue_(queue), scan_(scan), placed_(placed), options_(options) {}
 
   // Of places of one scale.
-  void compare(std::span<const Pose> places, std::span<ScanIcp> found) {
+  void compare(std::span<const Pose> places, std::span<PlaceEvidence> found) {
     std::vector<Asked> all;
     for (const PlacedScan& other : placed_)
       for (std::size_t kind = 0; kind < 2; ++kind) {
@@ -70,9 +70,8 @@ class ManyPlaces {
                        options_.normal_deg, all.back().answers);
   }
 
-  ScanIcp judge(const std::vector<Asked>& all, const Pose& place, std::size_t p) const {
-    ScanIcp found;
-    found.icp.world_from_scan = place;
+  PlaceEvidence judge(const std::vector<Asked>& all, const Pose& place, std::size_t p) const {
+    PlaceEvidence found;
     std::array<Seen, 2> seen;
     for (const Asked& asked : all) {
       const auto heights = asked.at(asked.heights, p), clearances = asked.at(asked.clearances, p);
@@ -81,9 +80,7 @@ class ManyPlaces {
         add_planes(*asked.samples, (asked.forward ? scan_ : *asked.other->scan).area_m2, heights, clearances,
                    asked.forward ? place : asked.other->world_from_scan, options_, found.planes);
     }
-    const Seen &planar = seen[IcpScan::kPlanar], &free = seen[1 - IcpScan::kPlanar];
-    tell_free(free, found);
-    found.seen_through = seen_through_of(planar, free);
+    tell(seen[IcpScan::kPlanar], seen[1 - IcpScan::kPlanar], found);
     return found;
   }
 
@@ -95,11 +92,11 @@ class ManyPlaces {
 
 }  // namespace
 
-std::vector<ScanIcp> compare_places(device::Queue& queue, const IcpScan& scan,
-                                    const std::vector<PlacedScan>& placed, const std::vector<Pose>& places,
-                                    const ScanIcpOptions& options) {
+std::vector<PlaceEvidence> compare_places(device::Queue& queue, const IcpScan& scan,
+                                          const std::vector<PlacedScan>& placed,
+                                          const std::vector<Pose>& places, const ScanIcpOptions& options) {
   ManyPlaces many(queue, scan, placed, options);
-  std::vector<ScanIcp> found(places.size());
+  std::vector<PlaceEvidence> found(places.size());
   for (std::size_t begin = 0, end = 0; begin < places.size(); begin = end) {
     while (end < places.size() && end - begin < CLOSEST_SAMPLE_PLACES &&
            places[end].scale == places[begin].scale)

@@ -5,10 +5,11 @@
 
 namespace hybrid::stages {
 
-// Of what compare_on_scans() says of a place, for several: planes, seen_through, free_seen_through and
-// free_m2. Many places are asked about with each launch: with few samples launches are what takes the time.
-std::vector<ScanIcp> compare_places(device::Queue& queue, const IcpScan& scan,
-                                    const std::vector<PlacedScan>& placed, const std::vector<Pose>& places,
-                                    const ScanIcpOptions& options = {});
+// The evidence that compare_on_scans() finds of a place, of several. Many are asked about with each launch:
+// with few samples launches are what takes the time.
+std::vector<PlaceEvidence> compare_places(device::Queue& queue, const IcpScan& scan,
+                                          const std::vector<PlacedScan>& placed,
+                                          const std::vector<Pose>& places,
+                                          const ScanIcpOptions& options = {});
 
 }  // namespace hybrid::stages

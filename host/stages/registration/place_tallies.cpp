@@ -50,13 +50,13 @@ void PlaceTallies::ask(device::Queue& queue, const IcpScan& scan, const std::vec
     for (std::size_t k = 0; k < some.size(); ++k) {
       Tally& tally = tallies_[numbers_of(some[k])];
       if (tally.counted == placed_.size()) continue;  // one that is asked about twice
-      add_comparison(compared[k], tally.sum);
+      tally.sum += compared[k];
       tally.counted = placed_.size();
     }
   }
 }
 
-const ScanIcp& PlaceTallies::of(const Pose& place) const {
+const PlaceEvidence& PlaceTallies::of(const Pose& place) const {
   return tallies_.at(numbers_of(place)).sum;
 }
 

@@ -16,11 +16,11 @@ class PlaceTallies {
            const std::vector<Pose>& places, const ScanIcpOptions& options);
   // What compare_places() says of one of them on all of `placed`; its shares are of sums, in the order in
   // which the scans came to be placed.
-  const ScanIcp& of(const Pose& place) const;
+  const PlaceEvidence& of(const Pose& place) const;
 
  private:
   struct Tally {
-    ScanIcp sum;
+    PlaceEvidence sum;
     std::size_t counted = 0;  // of placed_
   };
   void see(const std::vector<PlacedScan>& placed);

@@ -87,7 +87,7 @@ class Chooser {
   std::optional<End> end_of(const Pose& hypothesis);
   // With all samples, on all scans.
   ScanIcp finish(const End& end);
-  bool is_contradicted(const ScanIcp& found, double times = 1) const {
+  bool is_contradicted(const PlaceEvidence& found, double times = 1) const {
     return found.seen_through > times * options_.most_through ||
            against(found.planes).share > times * options_.most_along;
   }
@@ -107,7 +107,7 @@ class Chooser {
     return static_cast<int>(options_.reach_m / LineOfPlaces::step_m(few_.overlap_m));
   }
   bool free_tells(const ScanIcp& found) const { return found.free_m2 > kFreeTells * scan_.area_m2; }
-  bool is_hopeless(const ScanIcp& found, const Vec3& direction, double times = 1) const;
+  bool is_hopeless(const PlaceEvidence& found, const Vec3& direction, double times = 1) const;
   bool is_hopeless_by_fewest(const Pose& hypothesis) const;
   bool is_along(const Pose& a, const Pose& b, const Vec3& direction) const;
   bool is_on_line(const Pose& pose, const Vec3& direction) const;
@@ -127,14 +127,14 @@ class Chooser {
 };
 
 // Whether it is contradicted wherever it lies along the direction.
-bool Chooser::is_hopeless(const ScanIcp& found, const Vec3& direction, double times) const {
+bool Chooser::is_hopeless(const PlaceEvidence& found, const Vec3& direction, double times) const {
   const ComparedPlanes rest = without(found.planes, direction);
   return rest.through.trace() > times * options_.most_through * (rest.on.trace() + rest.through.trace()) ||
          against(rest).share > times * options_.most_along;
 }
 
 bool Chooser::is_hopeless_by_fewest(const Pose& hypothesis) const {
-  const ScanIcp& found = tallies_.of(hypothesis);
+  const PlaceEvidence& found = tallies_.of(hypothesis);
   return is_contradicted(found, kFewTell) && is_hopeless(found, against(found.planes).direction, kFewTell);
 }
 

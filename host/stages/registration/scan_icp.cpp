@@ -165,9 +165,7 @@ void ScanProblem::overlaps(ScanIcp& result) {
     if (one.on_m2 > 0) one.rms_m = std::sqrt(sums.square / one.on_m2);
     result.others.push_back(one);
   }
-  const Seen &planar = seen[IcpScan::kPlanar], &free = seen[kFree];
-  tell_free(free, result);
-  result.seen_through = seen_through_of(planar, free);
+  tell(seen[IcpScan::kPlanar], seen[kFree], result);
   double own = 0;
   for (std::size_t kind = 0; kind < 2; ++kind)
     for (std::size_t i = 0; i < on_any[kind].size(); ++i)
@@ -238,6 +236,24 @@ double ComparedPlanes::beside() const {
   return share_of(beside_m2, *this);
 }
 
+ComparedPlanes& ComparedPlanes::operator+=(const ComparedPlanes& with_others) {
+  on += with_others.on;
+  through += with_others.through;
+  contradicted_m2 += with_others.contradicted_m2;
+  beside_m2 += with_others.beside_m2;
+  farthest_m = std::max(farthest_m, with_others.farthest_m);
+  return *this;
+}
+
+PlaceEvidence& PlaceEvidence::operator+=(const PlaceEvidence& of_others) {
+  const auto through_m2 = [](const PlaceEvidence& one) { return one.free_seen_through * one.free_m2; };
+  const double through = through_m2(*this) + through_m2(of_others), all = free_m2 + of_others.free_m2;
+  planes += of_others.planes;
+  const Seen planar{planes.on.trace(), planes.through.trace()};  // of unit normals
+  tell(planar, {all - through, through}, *this);
+  return *this;
+}
+
 ScanIcp register_to_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                           const Pose& start, const ScanIcpOptions& options) {
   ScanProblem problem(queue, scan, placed, options);
@@ -288,25 +304,6 @@ ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::v
   result.icp.converged = true;
   problem.compare(pose, result, enough);
   return result;
-}
-
-void add_comparison(const ScanIcp& with_others, ScanIcp& sum) {
-  const auto free_of = [](const ScanIcp& one) {
-    const double through = one.free_seen_through * one.free_m2;
-    return Seen{one.free_m2 - through, through};
-  };
-  Seen free = free_of(sum);
-  const Seen more = free_of(with_others);
-  free.on += more.on;
-  free.through += more.through;
-  ComparedPlanes& planes = sum.planes;
-  planes.on += with_others.planes.on;
-  planes.through += with_others.planes.through;
-  planes.contradicted_m2 += with_others.planes.contradicted_m2;
-  planes.beside_m2 += with_others.planes.beside_m2;
-  planes.farthest_m = std::max(planes.farthest_m, with_others.planes.farthest_m);
-  tell_free(free, sum);
-  sum.seen_through = seen_through_of({planes.on.trace(), planes.through.trace()}, free);  // of unit normals
 }
 
 std::vector<PlacedScan> near_scans(const std::vector<PlacedScan>& placed, const ScanIcp& found) {

@@ -56,17 +56,26 @@ struct ComparedPlanes {
   // Of the area that can be compared, 0 where there is none: contradicted_m2, beside_m2.
   double contradicted() const;
   double beside() const;
+
+  ComparedPlanes& operator+=(const ComparedPlanes& with_others);
 };
 
-struct ScanIcp {
-  Registration icp;  // overlap: share of the scan's area on surfaces of any of the others
-  std::vector<ScanOverlap> others;
+// What samples of a scan and of others that are placed say of a place of the scan.
+struct PlaceEvidence {
   // Share of all planar samples that lie on surfaces or are seen through, both ways; where planes are less
   // than a fifth of these, of all samples.
   double seen_through = 0;
   ComparedPlanes planes;
   // Of samples of no plane alone, both ways, and the area of them that lies on surfaces or is seen through.
   double free_seen_through = 0, free_m2 = 0;
+
+  // What they and still other scans say of the same place.
+  PlaceEvidence& operator+=(const PlaceEvidence& of_others);
+};
+
+struct ScanIcp : PlaceEvidence {
+  Registration icp;  // overlap: share of the scan's area on surfaces of any of the others
+  std::vector<ScanOverlap> others;
 };
 
 // METHOD 6, scan to scan: point-to-plane ICP of a scan's samples, planar and not, on the range images of
@@ -88,10 +97,6 @@ ScanIcp assess_on_scans(device::Queue& queue, const IcpScan& scan, const std::ve
 ScanIcp compare_on_scans(device::Queue& queue, const IcpScan& scan, const std::vector<PlacedScan>& placed,
                          const Pose& pose, const ScanIcpOptions& options = {},
                          const std::function<bool(const ScanIcp&)>& enough = {});
-
-// Adds what a comparison of the same pose with other scans says to the sum: planes, seen_through,
-// free_seen_through and free_m2 are then of all of them; the rest stays.
-void add_comparison(const ScanIcp& with_others, ScanIcp& sum);
 
 // Of the placed scans those that overlap with it so far that ICP can do without the others.
 std::vector<PlacedScan> near_scans(const std::vector<PlacedScan>& placed, const ScanIcp& found);

@@ -14,15 +14,16 @@ constexpr double kLeastOfScan = 0.01;  // of its area, of a plane whose height c
 
 }  // namespace
 
-double seen_through_of(const Seen& planar, const Seen& free) {
-  const bool by_planes = planar.all() > kPlanesTell * (planar.all() + free.all());
-  const Seen judge{planar.on + (by_planes ? 0 : free.on), planar.through + (by_planes ? 0 : free.through)};
-  return judge.all() > 0 ? judge.through / judge.all() : 0;
+void tell_free(const Seen& free, PlaceEvidence& evidence) {
+  evidence.free_m2 = free.all();
+  evidence.free_seen_through = free.all() > 0 ? free.through / free.all() : 0;
 }
 
-void tell_free(const Seen& free, ScanIcp& result) {
-  result.free_m2 = free.all();
-  result.free_seen_through = free.all() > 0 ? free.through / free.all() : 0;
+void tell(const Seen& planar, const Seen& free, PlaceEvidence& evidence) {
+  tell_free(free, evidence);
+  const bool by_planes = planar.all() > kPlanesTell * (planar.all() + free.all());
+  const Seen judge{planar.on + (by_planes ? 0 : free.on), planar.through + (by_planes ? 0 : free.through)};
+  evidence.seen_through = judge.all() > 0 ? judge.through / judge.all() : 0;
 }
 
 void add_seen(const IcpScan::Samples& samples, std::span<const float> heights,

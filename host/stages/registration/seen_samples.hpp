@@ -11,10 +11,9 @@ struct Seen {
   double all() const { return on + through; }
 };
 
-// ScanIcp::seen_through.
-double seen_through_of(const Seen& planar, const Seen& free);
-// ScanIcp::free_seen_through, free_m2.
-void tell_free(const Seen& free, ScanIcp& result);
+// What they say but for planes; tell_free(): free_seen_through and free_m2 alone.
+void tell(const Seen& planar, const Seen& free, PlaceEvidence& evidence);
+void tell_free(const Seen& free, PlaceEvidence& evidence);
 
 // Adds samples of one scan on the surfaces of another. `heights`, `clearances`: what closest_sample.cl
 // answers, world metres.

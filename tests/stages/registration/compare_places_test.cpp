@@ -30,7 +30,7 @@ std::vector<Pose> many_places(const PlacedScans& room) {
   return places;
 }
 
-void expect_same(const stages::ScanIcp& a, const stages::ScanIcp& b, double tolerance) {
+void expect_same(const stages::PlaceEvidence& a, const stages::PlaceEvidence& b, double tolerance) {
   EXPECT_NEAR(a.seen_through, b.seen_through, tolerance);
   EXPECT_NEAR(a.free_seen_through, b.free_seen_through, tolerance);
   EXPECT_NEAR(a.free_m2, b.free_m2, tolerance * (1 + b.free_m2));
