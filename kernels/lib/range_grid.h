@@ -21,7 +21,8 @@ static inline float col_measure(uint lens, float3 p) {
 // in bins before b, of which `per_unit` begin at the first edge in every unit of the measure.
 static inline int last_edge(global const float* edges, global const uint* starts, float per_unit, float value,
                             float sign) {
-  const int bin = (int)clamp((value - sign * edges[0]) * per_unit, 0.0f, GRID_BINS - 1.0f);
+  const float at = (value - sign * edges[0]) * per_unit;
+  const int bin = at > 0.0f ? (int)fmin(at, GRID_BINS - 1.0f) : 0;
   uint low = starts[bin], high = starts[bin + 1];
   while (low < high) {
     const uint middle = (low + high) / 2u;

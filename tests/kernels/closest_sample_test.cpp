@@ -174,8 +174,8 @@ TEST(ClosestSample, bins_hold_all_edges) {
   std::vector<float> uneven, with_gap;
   for (int k = 0; k < 400; ++k) uneven.push_back(-1 + 2e-5f * static_cast<float>(k * k));
   for (int k = 0; k < 400; ++k) with_gap.push_back(k < 399 ? 1e-4f * static_cast<float>(k) : 100.0f);
-  const std::vector<float> lone = {0.5f};
-  for (const auto& edges : {uneven, with_gap, lone}) {
+  const std::vector<float> lone = {0.5f}, equal(40, 0.25f);
+  for (const auto& edges : {uneven, with_gap, lone, equal}) {
     const auto bins = stages::edge_bins(edges, 1);
     ASSERT_EQ(bins.starts.size(), static_cast<std::size_t>(GRID_BINS + 1));
     EXPECT_EQ(bins.starts.front(), 0u);

@@ -12,7 +12,7 @@ namespace {
 // Faces of one plane: normals within 1 degree, 2 cm apart at the smaller one's middle.
 constexpr double kSameFaceNormal = 0.99985, kSameFaceOffset_m = 0.02;
 constexpr std::size_t kSidesOfChain = 8;
-constexpr double kRounding_m = 1e-9;  // of where a ray crosses a side
+constexpr double kRayRounding_m = 1e-9;  // of where a ray crosses a side
 
 void check_vertices(const PolygonModel& model) {
   if (model.faces.empty())
@@ -84,15 +84,15 @@ Vec3 middle_of(const FaceShape& face) {
 
 }  // namespace
 
-// By the sides that a ray along x crosses. Of a chain that lies wholly beside the ray's begin only its ends
-// tell whether it crosses it an odd number of times.
+// By the sides that a ray along x crosses. Of a chain that lies wholly beyond the ray's begin the ends alone
+// tell whether the ray crosses it an odd number of times.
 bool FaceShape::is_inside(const Vec2& p) const {
   bool inside = false;
   for (const Chain& chain : chains) {
     if (p.y() < chain.box.min().y() || p.y() >= chain.box.max().y() ||
-        p.x() > chain.box.max().x() + kRounding_m)
+        p.x() > chain.box.max().x() + kRayRounding_m)
       continue;
-    if (p.x() < chain.box.min().x() - kRounding_m) {
+    if (p.x() < chain.box.min().x() - kRayRounding_m) {
       inside ^= (path[chain.first].y() > p.y()) != (path[chain.last].y() > p.y());
       continue;
     }

@@ -1,5 +1,6 @@
 #include "stages/registration/compare_places.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -8,6 +9,8 @@
 
 namespace hybrid::stages {
 namespace {
+
+constexpr std::size_t kOthersAtOnce = 16;  // whose answers are in memory
 
 // Samples of one scan on the surface of another, and what is answered of them at each place.
 struct Asked {
@@ -37,8 +40,20 @@ class ManyPlaces {
 
   // Of places of one scale.
   void compare(std::span<const Pose> places, std::span<PlaceEvidence> found) {
+    std::vector<std::array<Seen, 2>> seen(places.size());
+    for (std::size_t begin = 0; begin < placed_.size(); begin += kOthersAtOnce) {
+      const auto some = std::span(placed_).subspan(begin, std::min(kOthersAtOnce, placed_.size() - begin));
+      const auto all = answers_on(some, places);
+      parallel_for(places.size(), [&](std::size_t p) { add(all, places[p], p, seen[p], found[p].planes); });
+    }
+    for (std::size_t p = 0; p < places.size(); ++p)
+      tell(seen[p][IcpScan::kPlanar], seen[p][1 - IcpScan::kPlanar], found[p]);
+  }
+
+ private:
+  std::vector<Asked> answers_on(std::span<const PlacedScan> placed, std::span<const Pose> places) {
     std::vector<Asked> all;
-    for (const PlacedScan& other : placed_)
+    for (const PlacedScan& other : placed)
       for (std::size_t kind = 0; kind < 2; ++kind) {
         if (other.scan->surface->known()) ask(scan_, other, kind, true, places, all);
         if (scan_.surface->known()) ask(*other.scan, other, kind, false, places, all);
@@ -50,10 +65,9 @@ class ManyPlaces {
       scale(asked.heights, metres);
       scale(asked.clearances, metres);
     }
-    parallel_for(places.size(), [&](std::size_t p) { found[p] = judge(all, places[p], p); });
+    return all;
   }
 
- private:
   void ask(const IcpScan& of, const PlacedScan& other, std::size_t kind, bool forward,
            std::span<const Pose> places, std::vector<Asked>& all) {
     const auto& samples = (options_.fewest ? of.fewest : options_.few ? of.few : of.samples)[kind];
@@ -70,18 +84,15 @@ class ManyPlaces {
                        options_.normal_deg, all.back().answers);
   }
 
-  PlaceEvidence judge(const std::vector<Asked>& all, const Pose& place, std::size_t p) const {
-    PlaceEvidence found;
-    std::array<Seen, 2> seen;
+  void add(const std::vector<Asked>& all, const Pose& place, std::size_t p, std::array<Seen, 2>& seen,
+           ComparedPlanes& planes) const {
     for (const Asked& asked : all) {
       const auto heights = asked.at(asked.heights, p), clearances = asked.at(asked.clearances, p);
       add_seen(*asked.samples, heights, clearances, options_, seen[asked.kind]);
       if (asked.kind == IcpScan::kPlanar)
         add_planes(*asked.samples, (asked.forward ? scan_ : *asked.other->scan).area_m2, heights, clearances,
-                   asked.forward ? place : asked.other->world_from_scan, options_, found.planes);
+                   asked.forward ? place : asked.other->world_from_scan, options_, planes);
     }
-    tell(seen[IcpScan::kPlanar], seen[1 - IcpScan::kPlanar], found);
-    return found;
   }
 
   device::Queue& queue_;

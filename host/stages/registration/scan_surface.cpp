@@ -207,7 +207,8 @@ EdgeBins edge_bins(const std::vector<float>& edges, float sign) {
   if (span > 0) bins.per_unit = static_cast<float>(GRID_BINS) / span;
   bins.starts.assign(GRID_BINS + 1, 0);
   for (const float edge : edges) {
-    const float bin = std::clamp((sign * edge - first) * bins.per_unit, 0.0f, GRID_BINS - 1.0f);
+    const float at = (sign * edge - first) * bins.per_unit;
+    const float bin = at > 0 ? std::min(at, GRID_BINS - 1.0f) : 0;
     ++bins.starts[static_cast<std::size_t>(bin) + 1];
   }
   std::partial_sum(bins.starts.begin(), bins.starts.end(), bins.starts.begin());
