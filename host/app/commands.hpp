@@ -61,6 +61,7 @@ void add_render(CLI::App& program, int& exit_code);
 void add_convert(CLI::App& program, int& exit_code);
 void add_info(CLI::App& program, int& exit_code);
 void add_devices(CLI::App& program, int& exit_code);
+void add_options(CLI::App& program, int& exit_code);
 void add_batch(CLI::App& program, int& exit_code);
 
 }  // namespace hybrid::app

@@ -61,6 +61,7 @@ int run_command(int argc, char** argv) {
   app::add_convert(program, code);
   app::add_info(program, code);
   app::add_devices(program, code);
+  app::add_options(program, code);
   app::add_batch(program, code);
   try {
     if (argc > 1 && argv[1][0] != '-') check_command(program, argv[1]);

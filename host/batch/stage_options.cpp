@@ -186,7 +186,80 @@ Json describe_table(const T& options, const std::vector<OptionRow<T>>& table) {
   return json;
 }
 
+// The rows whose keys the section does not have yet.
+template <typename T>
+void add_notes(const std::string& section, const T& defaults, const std::vector<OptionRow<T>>& table,
+               std::vector<OptionNote>& notes) {
+  for (const auto& row : table) {
+    const std::string key(row.name);
+    if (std::any_of(notes.begin(), notes.end(),
+                    [&](const OptionNote& note) { return note.section == section && note.key == key; }))
+      continue;
+    OptionNote note;
+    note.section = section;
+    note.key = key;
+    note.unit = row.unit;
+    std::visit([&](const auto& value) { note.value = value; }, get_option(defaults, row));
+    note.is_number = note.value.is_number();
+    note.least = row.minimum;
+    note.most = row.maximum;
+    note.choices.assign(row.choices.begin(), row.choices.end());
+    note.help = row.help;
+    notes.push_back(std::move(note));
+  }
+}
+
+std::vector<OptionNote> notes_of_all_tables() {
+  const StageOptions defaults;
+  std::vector<OptionNote> notes;
+  add_notes("planes", defaults, planes_rows(), notes);
+  add_notes("planes", defaults.resample, stages::resample_option_table(), notes);
+  add_notes("planes", defaults.squares, stages::square_plane_option_table(), notes);
+  add_notes("planes", defaults.superclusters, stages::supercluster_option_table(), notes);
+  notes.push_back({"register",
+                   "scale",
+                   "fixed",
+                   "",
+                   false,
+                   0,
+                   0,
+                   {"fixed", "free"},
+                   "whether ICP and landmarks find the scans' scale, too"});
+  add_notes("register", defaults.landmarks, landmark_rows(), notes);
+  add_notes("register", defaults, register_rows(), notes);
+  add_notes("register", defaults.icp, stages::icp_option_table(), notes);
+  add_notes("register", defaults.alignment, stages::automatic_option_table(), notes);
+  add_notes("register", defaults.faces, stages::face_offset_option_table(), notes);
+  add_notes("edit", defaults.edit, stages::opening_option_table(), notes);
+  add_notes("edit", defaults.displacement, stages::displacement_option_table(), notes);
+  add_notes("render", defaults.render, stages::render_option_table(), notes);
+  add_notes("render", defaults.coverage, stages::coverage_option_table(), notes);
+  add_notes("export", defaults.exporting, export_option_table(), notes);
+  add_notes("export", defaults.exporting.atlas, stages::atlas_option_table(), notes);
+  // What is "auto" by default is so there.
+  const Json used = describe(defaults);
+  for (OptionNote& note : notes)
+    if (const Json& section = used.at(note.section); section.contains(note.key))
+      note.value = section.at(note.key);
+  return notes;
+}
+
 }  // namespace
+
+std::vector<std::string> option_sections() {
+  std::vector<std::string> names;
+  for (const Section& section : sections()) names.push_back(section.name);
+  return names;
+}
+
+std::vector<OptionNote> option_notes(const std::vector<std::string>& of_sections) {
+  std::vector<OptionNote> notes = notes_of_all_tables();
+  std::erase_if(notes, [&](const OptionNote& note) {
+    return !of_sections.empty() &&
+           std::find(of_sections.begin(), of_sections.end(), note.section) == of_sections.end();
+  });
+  return notes;
+}
 
 void StageOptions::set_tile(int tile) {
   resample.tile = squares.tile = superclusters.tile = contours.tile = decimate.tile = stray.tile = tile;

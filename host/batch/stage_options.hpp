@@ -77,4 +77,18 @@ bool asks_for_export(const io::SceneFile& scene, const std::vector<std::string>&
 // All options as they were used, for summary.json.
 nlohmann::ordered_json describe(const StageOptions& options);
 
+// A key of one of these sections, for people.
+struct OptionNote {
+  std::string section, key;
+  nlohmann::ordered_json value;  // by default
+  std::string unit;
+  bool is_number = false;
+  double least = 0, most = 0;  // of numbers
+  std::vector<std::string> choices;
+  std::string help;
+};
+std::vector<std::string> option_sections();
+// Of these sections, or of all where none is named; lists of edits are no options.
+std::vector<OptionNote> option_notes(const std::vector<std::string>& of_sections = {});
+
 }  // namespace hybrid::batch

@@ -2,7 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "batch/option_text.hpp"
 #include "core/error.hpp"
+#include "io/files.hpp"
 
 namespace hybrid::testing {
 namespace {
@@ -76,6 +82,64 @@ TEST(StageOptions, a_wrong_assignment_says_what_is_wrong_with_it) {
   EXPECT_TRUE(contains(rejection("render.sigma_px="), "sigma_px"));
   EXPECT_TRUE(contains(rejection("edit.openings=3"), "openings"));
   EXPECT_TRUE(contains(rejection("edit.clip=3"), "scene file"));
+}
+
+// Every key that a section takes, with the default that it has.
+TEST(StageOptions, the_list_of_options_is_a_scene_file_that_changes_nothing) {
+  const auto notes = batch::option_notes();
+  EXPECT_GT(notes.size(), 80u);
+  const TemporaryFolder folder;
+  const auto scene = io::read_scene_file(
+      folder.write("scene.toml", "[[scan]]\nfile = \"a.ply\"\n\n" + batch::option_text(notes)));
+  EXPECT_EQ(batch::describe(batch::read_stage_options(scene)), batch::describe(batch::StageOptions()));
+  std::size_t read = 0;
+  for (const auto* section :
+       {&scene.planes, &scene.registration, &scene.edit, &scene.render, &scene.exporting})
+    read += section->size();
+  EXPECT_EQ(read, notes.size());
+  const auto used = batch::describe(batch::StageOptions());
+  for (const auto& [section, keys] : used.items())
+    for (const auto& [key, value] : keys.items())
+      EXPECT_TRUE(std::any_of(notes.begin(), notes.end(),
+                              [&, &of = section, &name = key](const batch::OptionNote& note) {
+                                return note.section == of && note.key == name;
+                              }))
+          << section << '.' << key;
+  for (const auto& note : notes) {
+    EXPECT_FALSE(note.help.empty()) << note.key;
+    if (note.is_number) {
+      EXPECT_LE(note.least, note.most) << note.key;
+    }
+  }
+}
+
+TEST(StageOptions, some_sections_of_the_list_alone) {
+  for (const auto& note : batch::option_notes({"edit", "export"}))
+    EXPECT_TRUE(note.section == "edit" || note.section == "export");
+  const auto list = batch::option_json(batch::option_notes({"render"}));
+  const auto blend =
+      std::find_if(list.begin(), list.end(), [](const auto& one) { return one["key"] == "blend"; });
+  ASSERT_NE(blend, list.end());
+  EXPECT_EQ((*blend)["default"], "linear");
+  EXPECT_EQ((*blend)["choices"].size(), 4u);
+}
+
+// The example of host/io/scene/README.md.
+TEST(StageOptions, the_example_of_the_page_about_scene_files_is_one) {
+  std::ifstream page(HYBRID_SCENE_PAGE);
+  ASSERT_TRUE(page) << HYBRID_SCENE_PAGE;
+  const std::string text((std::istreambuf_iterator<char>(page)), std::istreambuf_iterator<char>());
+  const auto begin = text.find("```toml\n"), end = text.find("```\n", begin + 8);
+  ASSERT_NE(end, std::string::npos);
+  const TemporaryFolder folder;
+  const auto scene = io::read_scene_file(folder.write("scene.toml", text.substr(begin + 8, end - begin - 8)));
+  EXPECT_EQ(scene.scans.size(), 3u);
+  EXPECT_EQ(scene.scans[0].landmarks.size(), 3u);
+  EXPECT_TRUE(scene.scans[1].pose && scene.scans[1].fixed && scene.scans[1].scanner);
+  EXPECT_TRUE(scene.scans[2].depth);
+  EXPECT_TRUE(scene.model && scene.photographs);
+  EXPECT_GT(scene.views.size(), 100u);
+  batch::read_stage_options(scene);
 }
 
 }  // namespace hybrid::testing

@@ -46,6 +46,7 @@ std::vector<Usage> wrong_options() {
        {"loud", "debug, info, warning, error or off"}},
       {"device_99", "run SCENE --out OUT --device 99", 5, {"--device 99", "no such device", "[0]"}},
       {"device_text", "run SCENE --out OUT --device abacus", 5, {"--device abacus", "no such device", "[0]"}},
+      {"options_of_no_section", "options fly", 2, {"fly", "planes", "render"}},
       {"set_edit_list", "run SCENE --out OUT --set edit.holes=3", 2, {"--set edit.holes=3", "scene file"}},
       {"export_formats",
        "run SCENE --out OUT --only planes,export --set export.formats=gltf",
@@ -268,6 +269,26 @@ TEST(RunAgain, is_the_command_that_was_given) {
   const auto outcome = run(command);
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
   EXPECT_NE(outcome.out.find("run it again: " + command + "\n"), std::string::npos) << outcome.out;
+}
+
+// What `hybrid options` prints may stand in a scene file, and then changes nothing.
+TEST(Options, are_listed_as_a_scene_file_has_them) {
+  const Scratch scratch;
+  const auto all = run("hybrid options"), export_alone = run("hybrid options export --json");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_TRUE(all.out.starts_with("[planes]\n")) << all.out;
+  EXPECT_NE(all.out.find("\nblend = \"linear\"\n"), std::string::npos);
+  fs::copy(mini_scene(), scratch / "scene", fs::copy_options::recursive);
+  std::string text = mini_scene_text();
+  for (const char* section : {"[planes]", "[register]", "[edit]", "[render]", "[export]"})
+    ASSERT_EQ(text.find(section), std::string::npos) << section;
+  io::write_text(scratch / "scene/scene.toml", text + "\n" + all.out);
+  const auto tried = run("hybrid run '" + (scratch / "scene/scene.toml").string() + "' --out " +
+                         (scratch / "out").string() + " --dry-run");
+  EXPECT_EQ(tried.exit_code, 0) << tried.err;
+  const auto list = nlohmann::json::parse(export_alone.out);
+  EXPECT_EQ(list.size(), 8u);
+  for (const auto& one : list) EXPECT_EQ(one["section"], "export");
 }
 
 }  // namespace hybrid::e2e

@@ -52,7 +52,7 @@ const std::vector<OptionRow<SquarePlaneOptions>>& square_plane_option_table() {
   using O = SquarePlaneOptions;
   static const std::vector<OptionRow<O>> table = {
       // The last field is spelt out because GCC 12 crashes on its default here.
-      {"square", "samples", &O::square, 3, 16, "side of a square", {}},
+      {"square", "samples", &O::square, 3, 16, "side of a square; or \"auto\": by noise and spacing", {}},
       {"hypotheses", "", &O::hypotheses, 1, SQUARE_TRIPLETS, "test planes per square", {}},
       {"sigma_m", "m", &O::sigma_m, 0, 1, "range noise along the ray; 0 = estimated from the scan", {}},
       {"threshold_sigmas",
