@@ -150,7 +150,8 @@ kernel void closest_sample(ClosestSampleParams params, SamplePlaces places, glob
   search.col = -1;
   float found = NAN, over = NAN, beyond = NAN;
   float3 normal = (float3)(NAN);
-  const GridNode node = node_towards(&params, row_edges, col_edges, row_starts, col_starts, search.point);
+  GridNode node;
+  node_towards(&params, row_edges, col_edges, row_starts, col_starts, search.point, &node);
   if (node.row >= 0) {
     const float3 p = search.point;
     const float range = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);

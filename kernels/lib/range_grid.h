@@ -38,19 +38,21 @@ typedef struct GridNode {
   int row, col;  // -1: the point lies more than a step outside the grid
 } GridNode;
 
-// row_edges[rows + 1] descending, col_edges[cols + 1] ascending, and their starts.
-static inline GridNode node_towards(const ClosestSampleParams* params, global const float* row_edges,
-                                    global const float* col_edges, global const uint* row_starts,
-                                    global const uint* col_starts, float3 p) {
-  GridNode node = {-1, -1};
+// row_edges[rows + 1] descending, col_edges[cols + 1] ascending, and their starts. (Not returned: of structs
+// that inlined functions return the compiler leaves hints that oclgrind does not know.)
+static inline void node_towards(const ClosestSampleParams* params, global const float* row_edges,
+                                global const float* col_edges, global const uint* row_starts,
+                                global const uint* col_starts, float3 p, GridNode* node) {
+  node->row = -1;
+  node->col = -1;
   const int rows = (int)params->rows, cols = (int)params->cols;
   const float up = row_measure(params->lens, p);
   float around = col_measure(params->lens, p);
-  if (up != up || around != around || (params->lens == GRID_PINHOLE && !(p.x > 0.0f))) return node;
+  if (up != up || around != around || (params->lens == GRID_PINHOLE && !(p.x > 0.0f))) return;
   int row = last_edge(row_edges, row_starts, params->row_bins, -up, -1.0f);
   if (row < 0) row = up - row_edges[0] <= row_edges[0] - row_edges[1] ? 0 : -1;
   if (row >= rows) row = row_edges[rows] - up <= row_edges[rows - 1] - row_edges[rows] ? rows - 1 : -1;
-  if (row < 0) return node;
+  if (row < 0) return;
   const int turns = params->lens == GRID_SPHERICAL;  // on past the last column comes the first
   if (turns) around += 4.0f * ceil((col_edges[0] - around) / 4.0f);
   int col = last_edge(col_edges, col_starts, params->col_bins, around, 1.0f);
@@ -60,12 +62,11 @@ static inline GridNode node_towards(const ClosestSampleParams* params, global co
     const int first = col < 0 || (turns && before < after);
     const float past = fabs(first ? before : after);
     const float step = first ? col_edges[1] - col_edges[0] : col_edges[cols] - col_edges[cols - 1];
-    if (!params->wraps && past > step) return node;
+    if (!params->wraps && past > step) return;
     col = first ? 0 : cols - 1;
   }
-  node.row = row;
-  node.col = col;
-  return node;
+  node->row = row;
+  node->col = col;
 }
 
 // Of a column beside the grid: across the seam; -1: there is none.
