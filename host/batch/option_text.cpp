@@ -22,7 +22,9 @@ std::string option_text(const std::vector<OptionNote>& notes) {
   for (const OptionNote& note : notes) {
     if (note.section != section) text += fmt::format("{}[{}]\n", section.empty() ? "" : "\n", note.section);
     section = note.section;
-    text += fmt::format("# {}{}\n{} = {}\n", takes_in_words(note), note.help, note.key, note.value.dump());
+    text += fmt::format("# {}{}\n", takes_in_words(note), note.help);
+    text += note.value.is_null() ? fmt::format("# {} =\n", note.key)
+                                 : fmt::format("{} = {}\n", note.key, note.value.dump());
   }
   return text;
 }

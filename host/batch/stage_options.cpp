@@ -241,6 +241,9 @@ std::vector<OptionNote> notes_of_all_tables() {
   for (OptionNote& note : notes)
     if (const Json& section = used.at(note.section); section.contains(note.key))
       note.value = section.at(note.key);
+  // [scene] levelled, unless it is given.
+  for (OptionNote& note : notes)
+    if (note.section == "register" && note.key == "levelled") note.value = nullptr;
   return notes;
 }
 

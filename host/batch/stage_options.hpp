@@ -80,7 +80,7 @@ nlohmann::ordered_json describe(const StageOptions& options);
 // A key of one of these sections, for people.
 struct OptionNote {
   std::string section, key;
-  nlohmann::ordered_json value;  // by default
+  nlohmann::ordered_json value;  // by default; null where that is another key's
   std::string unit;
   bool is_number = false;
   double least = 0, most = 0;  // of numbers

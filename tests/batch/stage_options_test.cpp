@@ -96,7 +96,15 @@ TEST(StageOptions, the_list_of_options_is_a_scene_file_that_changes_nothing) {
   for (const auto* section :
        {&scene.planes, &scene.registration, &scene.edit, &scene.render, &scene.exporting})
     read += section->size();
-  EXPECT_EQ(read, notes.size());
+  std::vector<std::string> from_elsewhere;
+  for (const auto& note : notes)
+    if (note.value.is_null()) from_elsewhere.push_back(note.section + "." + note.key);
+  EXPECT_EQ(from_elsewhere, std::vector<std::string>{"register.levelled"});
+  EXPECT_EQ(read + 1, notes.size());
+  const auto upright = io::read_scene_file(
+      folder.write("upright.toml",
+                   "[scene]\nlevelled = true\n[[scan]]\nfile = \"a.ply\"\n\n" + batch::option_text(notes)));
+  EXPECT_TRUE(batch::read_stage_options(upright).alignment.levelled);
   const auto used = batch::describe(batch::StageOptions());
   for (const auto& [section, keys] : used.items())
     for (const auto& [key, value] : keys.items())

@@ -70,7 +70,7 @@ class ManyPlaces {
 
   void ask(const IcpScan& of, const PlacedScan& other, std::size_t kind, bool forward,
            std::span<const Pose> places, std::vector<Asked>& all) {
-    const auto& samples = (options_.fewest ? of.fewest : options_.few ? of.few : of.samples)[kind];
+    const auto& samples = samples_of(of, options_)[kind];
     if (samples.queries.count == 0) return;
     const Pose& there = other.world_from_scan;
     std::vector<Pose> surface_from_samples;

@@ -100,9 +100,7 @@ class ScanProblem {
     std::size_t other, kind;
     ScanPairs pairs;
   };
-  const std::array<IcpScan::Samples, 2>& of(const IcpScan& scan) const {
-    return options_.fewest ? scan.fewest : options_.few ? scan.few : scan.samples;
-  }
+  const std::array<IcpScan::Samples, 2>& of(const IcpScan& scan) const { return samples_of(scan, options_); }
   static double own_spacing(const IcpScan& scan, std::size_t kind) {
     return kind == 1 && scan.surface->known() ? scan.surface->spacing() : 0;
   }

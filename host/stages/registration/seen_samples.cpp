@@ -14,6 +14,10 @@ constexpr double kLeastOfScan = 0.01;  // of its area, of a plane whose height c
 
 }  // namespace
 
+const std::array<IcpScan::Samples, 2>& samples_of(const IcpScan& scan, const ScanIcpOptions& options) {
+  return options.fewest ? scan.fewest : options.few ? scan.few : scan.samples;
+}
+
 void tell_free(const Seen& free, PlaceEvidence& evidence) {
   evidence.free_m2 = free.all();
   evidence.free_seen_through = free.all() > 0 ? free.through / free.all() : 0;

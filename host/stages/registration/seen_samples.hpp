@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 
 #include "stages/registration/scan_icp.hpp"
@@ -10,6 +11,9 @@ struct Seen {
   double on = 0, through = 0;
   double all() const { return on + through; }
 };
+
+// By kind: all, an eighth or a sixty-fourth of a scan's samples, as the options say.
+const std::array<IcpScan::Samples, 2>& samples_of(const IcpScan& scan, const ScanIcpOptions& options);
 
 // What they say but for planes; tell_free(): free_seen_through and free_m2 alone.
 void tell(const Seen& planar, const Seen& free, PlaceEvidence& evidence);
