@@ -43,6 +43,10 @@ std::string scan_lines(const nlohmann::ordered_json& scan) {
                           pose["icp_iterations"].get<int>());
     if (pose.contains("aligned_to"))
       text += fmt::format("  aligned to scan {}\n", pose["aligned_to"].get<std::string>());
+    if (pose.contains("recorded"))
+      text += fmt::format("  {} its file's pose beside scan {}\n",
+                          pose["recorded"].contains("kept") ? "stays at" : "from",
+                          pose["recorded"]["beside"].get<std::string>());
     if (pose.contains("slide")) text += slide_line(pose);
     if (pose.contains("wall_after_icp")) {
       const auto& before = pose["wall_before_icp"];

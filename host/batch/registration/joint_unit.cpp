@@ -102,17 +102,14 @@ NeighbourRegistration::NeighbourRegistration(device::Queue& queue, const stages:
       products_(products),
       models_(products),
       scan_to_scan_(queue, options, products),
-      places_(queue, model, options, products, models_, scan_to_scan_),
-      starts_(products.size()) {}
+      recorded_(products, scan_to_scan_),
+      starts_(products, scan_to_scan_, recorded_),
+      places_(queue, model, options, products, models_, scan_to_scan_, recorded_) {}
 
 void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>& entries, const Vec3& shift,
                                                 Registrations& registrations, Registrations& abstentions) {
-  for (const ScanProduct& product : products_) {
-    recorded_.push_back(product.recorded_pose);
-    if (recorded_.back()) recorded_.back()->translation -= shift;
-  }
-  std::optional<Pose> world_from_frame;  // of the first scan whose file has a pose, and the pose there
-  Pose frame_recorded;
+  shift_ = shift;
+  std::optional<std::size_t> frame;  // the first scan that stays whose file has a pose
   for (std::size_t i = 0; i < products_.size(); ++i) {
     ScanRegistration one;
     one.evidence = stages::gather_evidence(products_[i].image, products_[i].segmentation,
@@ -121,57 +118,59 @@ void NeighbourRegistration::begin_without_model(const std::vector<io::SceneScan>
     if (given)
       one.start = pose_from_row_major(*entries[i].pose);
     else if (i == 0)
-      one.start = recorded_[i].value_or(Pose());
+      one.start = recorded_or_none(i);
     one.how = given && (entries[i].fixed || i == 0) ? "given" : i == 0 ? "frame" : "neighbour";
     one.fixed = entries[i].fixed || i == 0;
     one.icp.world_from_scan = one.start;
     one.icp.converged = true;
     one.abstained = !one.fixed;
-    if (one.fixed && !world_from_frame && recorded_[i]) {
-      world_from_frame = one.start;
-      frame_recorded = *recorded_[i];
-    }
+    if (one.fixed && !frame && products_[i].recorded_pose) frame = i;
     if (one.abstained && given)
-      starts_[i] = ScanStart{one.start, "given"};
-    else if (one.abstained && world_from_frame)
-      starts_[i] = recorded_start(recorded_[i], frame_recorded, *world_from_frame);
-    if (starts_[i] && !given && entries[i].scanner) starts_[i]->from = kOneFrame;
-    if (!entries[i].landmarks.empty()) {
-      one.warnings.push_back(fmt::format(
-          "its {} landmarks (line {} on) place nothing: they are corners of a model, and the scene has no "
-          "[model]; name one, or give a pose",
-          entries[i].landmarks.size(), entries[i].landmarks[0].line));
-      log::warning("scan {}: {}", products_[i].id, one.warnings.back());
-    }
+      starts_.give(i, one.start);
+    else if (one.abstained && frame)
+      starts_.give_recorded(i, *frame, registrations[*frame]->start, entries[i].scanner.has_value());
+    if (!entries[i].landmarks.empty())
+      warn(products_[i],
+           fmt::format("its {} landmarks (line {} on) place nothing: they are corners of a model, and the "
+                       "scene has no [model]; name one, or give a pose",
+                       entries[i].landmarks.size(), entries[i].landmarks[0].line),
+           one);
     auto& list = one.abstained ? abstentions : registrations;
     list[i] = std::move(one);
   }
-  frame_is_free_ =
-      std::none_of(entries.begin(), entries.end(),
-                   [](const io::SceneScan& entry) { return entry.pose.has_value(); }) &&
-      std::none_of(starts_.begin(), starts_.end(), [](const auto& start) { return start.has_value(); });
+  frame_is_free_ = std::none_of(entries.begin(), entries.end(),
+                                [](const io::SceneScan& entry) { return entry.pose.has_value(); }) &&
+                   !starts_.any();
+}
+
+Pose NeighbourRegistration::recorded_or_none(std::size_t scan) const {
+  Pose pose = products_[scan].recorded_pose.value_or(Pose());
+  if (products_[scan].recorded_pose) pose.translation -= shift_;
+  return pose;
 }
 
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
   if (options_.joint && model_ != nullptr) hold_slides(registrations);  // others may be laid on them
   if (model_ == nullptr) place_from_starts(registrations, abstentions);
+  if (model_ != nullptr) places_.lay_recorded(registrations, abstentions);
   if (model_ != nullptr && options_.automatic == "never") return;  // a pose by planes alone is not wanted
   if (model_ != nullptr) places_.lay_all(registrations, abstentions);
   places_.carry_all(registrations, abstentions);
   if (frame_is_free_) keep_largest_island(registrations, abstentions);
 }
 
-// A pose that little but scans without one would hold waits for these: what the frame alone sees of it,
-// through a door or along a wall, may contradict it, or say nothing.
+// A pose that little but scans without one would hold waits for these, but where files are trusted: what the
+// frame alone sees of it, through a door or along a wall, may contradict it, or say nothing.
 void NeighbourRegistration::place_from_starts(Registrations& registrations, Registrations& abstentions) {
-  scan_to_scan_.place_firmly(starts_, registrations, abstentions);
+  starts_.place_recorded(registrations, abstentions);
+  starts_.place_firmly(registrations, abstentions);
   Registrations waiting(products_.size());
   for (std::size_t i = 0; i < products_.size(); ++i)
-    if (starts_[i]) waiting[i] = std::exchange(abstentions[i], std::nullopt);
+    if (starts_.waits(i)) waiting[i] = std::exchange(abstentions[i], std::nullopt);
   if (count_of(waiting) > 0 && count_of(abstentions) > 0) places_.carry_all(registrations, abstentions);
   for (std::size_t i = 0; i < products_.size(); ++i)
     if (waiting[i]) abstentions[i] = std::move(waiting[i]);
-  scan_to_scan_.place(starts_, registrations, abstentions);
+  starts_.place(registrations, abstentions);
 }
 
 // Of two the smaller one is laid on the larger one, and what that gives may tell the next one's place. What
@@ -208,7 +207,7 @@ void NeighbourRegistration::keep_largest_island(Registrations& registrations, Re
     const auto first =
         std::find_if(abstentions.begin(), abstentions.end(), [](const auto& one) { return one.has_value(); });
     const auto frame = static_cast<std::size_t>(first - abstentions.begin());
-    make_frame(**first, recorded_[frame].value_or(Pose()));
+    make_frame(**first, recorded_or_none(frame));
     registrations[frame] = std::exchange(*first, std::nullopt);
     places_.carry_all(registrations, abstentions);
   }
@@ -314,6 +313,7 @@ Json NeighbourRegistration::refine_all(Registrations& registrations) {
                                         one.slide->found.direction, kSlideSigmas * one.slide->found.sigma_m);
     // What samples outside planes know of a pose, planes alone do not: through a door few planes hold a scan.
     if (one.how == "scan-icp") scan.covariance = one.on_scans->icp.icp.covariance;
+    if (one.recorded && one.recorded->word) scan.covariance = one.icp.covariance;
     scans.push_back(scan);
     index.push_back(i);
     ids.push_back(products_[i].id);

@@ -6,6 +6,7 @@
 
 #include "core/log.hpp"
 #include "geometry/angles.hpp"
+#include "stages/registration/pose_evidence.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -13,21 +14,21 @@ namespace {
 // ICP to the proxy from a neighbour's pose is believed where it stays this near.
 constexpr double kStays_m = 0.1, kStaysDeg = 1;
 
-// Alignments to different scans that lie this near are of one place. Another place must overlap so much as a
-// share of the best: without overlap nothing speaks for it.
-constexpr double kSamePlace_m = 0.3, kSamePlaceDeg = 3, kLeastRival = 0.5;
+// A scan that stays where its file has it may see so much of its planar area through the model.
+constexpr double kMostThroughKept = 0.2;
+// ICP on a model whose faces are off by sigma moves a scan by at most so many.
+constexpr double kFaceSigmas = 3;
+
+// Another place must overlap so much as a share of the best: without overlap nothing speaks for it.
+constexpr double kLeastRival = 0.5;
 
 // Of the places that alignments give a scan that stays without a pose so many are judged, the surest first.
 constexpr std::size_t kMostJudged = 100;
 
-bool lie_together(const Pose& a, const Pose& b) {
-  return difference(a, b).within(kSamePlace_m, kSamePlaceDeg * kDegree);
-}
-
 // But for one that is known.
 void add_place(const Pose& place, std::vector<Pose>& places) {
   if (std::none_of(places.begin(), places.end(),
-                   [&](const Pose& known) { return lie_together(known, place); }))
+                   [&](const Pose& known) { return is_one_place(known, place); }))
     places.push_back(place);
 }
 
@@ -47,13 +48,15 @@ const ScanModels::Model& ScanModels::of(std::size_t scan) {
 
 NeighbourPlaces::NeighbourPlaces(device::Queue& queue, const stages::ProxyModel* model,
                                  const StageOptions& options, const std::vector<ScanProduct>& products,
-                                 ScanModels& models, ScanToScan& scan_to_scan)
+                                 ScanModels& models, ScanToScan& scan_to_scan, RecordedPoses& recorded)
     : queue_(queue),
       model_(model),
       options_(options),
       products_(products),
       models_(models),
       scan_to_scan_(scan_to_scan),
+      recorded_(recorded),
+      by_file_(products.size()),
       on_all_(products.size()),
       aligned_(products.size()),
       aligned_back_(products.size()) {}
@@ -134,14 +137,92 @@ void NeighbourPlaces::place(std::size_t scan, ScanRegistration one, Registration
   }
   log::info("scan {}: aligned to {}scan {}", products_[scan].id,
             one.how == "neighbour" ? "" : "all others, most of it to ", one.carried_by);
+  if (!one.refusal.empty()) one.planar_area.reset();  // of what was refused
+  const std::string instead = "aligned to scan " + one.carried_by;
+  accept(scan, std::move(one), instead, registrations, abstentions);
+}
+
+void NeighbourPlaces::accept(std::size_t scan, ScanRegistration one, const std::string& instead,
+                             Registrations& registrations, Registrations& abstentions) {
+  one.abstained = false;
   if (!one.refusal.empty()) {
-    one.warnings.push_back(fmt::format("{}; it is aligned to scan {} instead", one.refusal, one.carried_by));
-    log::warning("scan {}: {}", products_[scan].id, one.warnings.back());
+    warn(products_[scan], fmt::format("{}; it is {} instead", one.refusal, instead), one);
     one.refusal.clear();
-    one.planar_area.reset();
   }
   registrations[scan] = std::move(one);
   abstentions[scan].reset();
+}
+
+void NeighbourPlaces::lay_recorded(Registrations& registrations, Registrations& abstentions) {
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+      if (!abstentions[i]) continue;
+      const auto start = recorded_.start_of(i, registrations);
+      again |= start && lay_recorded(i, *start, registrations, abstentions);
+    }
+  }
+}
+
+bool NeighbourPlaces::lay_recorded(std::size_t scan, const RecordedPoses::Start& start,
+                                   Registrations& registrations, Registrations& abstentions) {
+  const std::string& by = products_[start.by].id;
+  const auto stays = [&](const Pose& found) { return is_one_place(found, start.world_from_scan); };
+  const auto judged = [&](const ScanRegistration& one) {
+    return stages::judge_pose(queue_, one.evidence, *model_, one.icp, options_.icp, options_.alignment);
+  };
+  const std::string instead = fmt::format("placed by its file's pose beside scan {}", by);
+  ScanRegistration one = *abstentions[scan];
+  one.how = "recorded";
+  one.start = start.world_from_scan;
+  one.recorded = {by, {}};
+  one.planar_area.reset();  // of what was refused
+
+  ScanRegistration on_model = one;
+  refine_to_model(queue_, *model_, options_, products_[scan], on_model);
+  const auto evidence = judged(on_model);
+  const auto trusted = [&] { return recorded_.trusted_start_of(scan, registrations); };
+  const auto agrees = [&](const Pose& file) {
+    return agree(on_model.world_from_scan(), file, kFaceSigmas * on_model.faces->disagreement_m);
+  };
+  // Along a direction that the model leaves open it is where the file has it; along the others that shows.
+  const auto is_held = [&] {
+    if (on_model.icp.degenerate.empty()) return true;
+    const auto start_there = trusted();
+    return start_there && agrees(start_there->world_from_scan);
+  };
+  const bool fits = evidence.contradiction.empty();
+  if (fits && stays(on_model.world_from_scan()) && is_held()) {
+    log::info("scan {}: laid on the model from its file's pose beside scan {}", products_[scan].id, by);
+    on_model.planar_area = evidence.shares;
+    accept(scan, std::move(on_model), instead, registrations, abstentions);
+    return true;
+  }
+
+  auto laid = scan_to_scan_.lay(scan, start.world_from_scan, registrations);
+  if (laid.contradiction.empty() && largest_overlap(laid.on_scans.icp) >= kFirmOverlap &&
+      stays(laid.on_scans.icp.icp.world_from_scan)) {
+    laid.on_scans.start = "recorded";
+    lay(scan, start.world_from_scan, std::move(laid.on_scans), registrations, abstentions);
+    return true;
+  }
+
+  if (const auto kept = trusted(); kept && (!fits || agrees(kept->world_from_scan))) {
+    assess(queue_, *model_, options_, products_[scan], kept->world_from_scan, one);
+    if (judged(one).shares.through <= kMostThroughKept &&
+        scan_to_scan_.look(scan, kept->world_from_scan, registrations).through <= kMostThroughRecorded) {
+      one.start = kept->world_from_scan;
+      recorded_.keep(scan, *kept, one);
+      accept(scan, std::move(one), instead, registrations, abstentions);
+      return true;
+    }
+  }
+  const std::string contradiction =
+      fits ? "ICP on the model leads it away, or leaves it open there" : evidence.contradiction;
+  abstentions[scan]->neighbour_reason =
+      fmt::format("from its file's pose beside scan {}: {}", by, contradiction);
+  by_file_[scan] = abstentions[scan]->neighbour_reason + "; ";
+  return false;
 }
 
 std::string NeighbourPlaces::lay_at_one_of(const std::vector<Pose>& places, double least_rival, bool doubted,
@@ -208,7 +289,7 @@ std::vector<Pose> NeighbourPlaces::places_of_island(const Registrations& island,
   const auto of_first = [&](const Pose& place) { return place * (*first)->world_from_scan(); };
   const auto add = [&](const Pose& place) {
     if (std::none_of(places.begin(), places.end(),
-                     [&](const Pose& known) { return lie_together(of_first(known), of_first(place)); }))
+                     [&](const Pose& known) { return is_one_place(of_first(known), of_first(place)); }))
       places.push_back(place);
   };
   const auto add_all = [&](const Registrations& scans, const Registrations& others, bool inverse) {
@@ -260,7 +341,7 @@ bool NeighbourPlaces::carry_by_all(const Neighbour& best, Registrations& registr
   if (places.size() > 1 && count_of(registrations) > 1) {
     const auto chosen = scan_to_scan_.choose(best.scan, places, registrations, kLeastRival);
     const auto& found = chosen.hypothesis;
-    const bool here = lie_together(carried, found.found.icp.world_from_scan);
+    const bool here = is_one_place(carried, found.found.icp.world_from_scan);
     if (found.accepted && !here) {
       lay(best.scan, found.start, {"automatic", found.found, chosen.others}, registrations, abstentions);
       return true;
@@ -315,8 +396,8 @@ void NeighbourPlaces::carry_all(Registrations& registrations, Registrations& abs
       }
       others.push_back(i);
       ScanRegistration& one = *abstentions[i];
-      one.neighbour_reason =
-          fmt::format("{}against scan {}: {}", on_all_[i], products_[best.by].id, best.alignment->reason);
+      one.neighbour_reason = fmt::format("{}{}against scan {}: {}", by_file_[i], on_all_[i],
+                                         products_[best.by].id, best.alignment->reason);
       one.neighbour = *best.alignment;
     }
     std::stable_sort(accepted.begin(), accepted.end(),

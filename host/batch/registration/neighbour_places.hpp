@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/registration/recorded_poses.hpp"
 #include "batch/registration/registration_unit.hpp"
 #include "batch/registration/scan_to_scan.hpp"
 
@@ -39,8 +40,13 @@ class NeighbourPlaces {
  public:
   // `model` may be null. The references must outlive it.
   NeighbourPlaces(device::Queue& queue, const stages::ProxyModel* model, const StageOptions& options,
-                  const std::vector<ScanProduct>& products, ScanModels& models, ScanToScan& scan_to_scan);
+                  const std::vector<ScanProduct>& products, ScanModels& models, ScanToScan& scan_to_scan,
+                  RecordedPoses& recorded);
 
+  // With a model: by ICP on it from where the scans' files have them beside those that have a pose; where the
+  // model does not hold it there, on these scans; where neither tells, there, if the files' poses are
+  // trusted.
+  void lay_recorded(Registrations& registrations, Registrations& abstentions);
   // Those with hypotheses on the model, on all scans that have a pose at once.
   void lay_all(Registrations& registrations, Registrations& abstentions);
   // The scans of an island on those of another, each on all, from where all together tell the island's place;
@@ -73,6 +79,8 @@ class NeighbourPlaces {
   std::vector<Pose> places_of(std::size_t scan, const Registrations& registrations, bool likely) const;
   // Where the alignments between its scans and those of the other lay an island, each place once.
   std::vector<Pose> places_of_island(const Registrations& island, const Registrations& on) const;
+  bool lay_recorded(std::size_t scan, const RecordedPoses::Start& start, Registrations& registrations,
+                    Registrations& abstentions);
   void carry_one(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
   // By samples, on all scans that have a pose; false where these contradict it.
   bool carry_by_samples(const Neighbour& best, Registrations& registrations, Registrations& abstentions);
@@ -85,9 +93,12 @@ class NeighbourPlaces {
                             std::size_t scan, Registrations& registrations, Registrations& abstentions);
   void lay(std::size_t scan, const Pose& start, OnScans on_scans, Registrations& registrations,
            Registrations& abstentions);
-  // One without a pose now has one.
+  // On other scans; one without a pose now has one.
   void place(std::size_t scan, ScanRegistration one, Registrations& registrations,
              Registrations& abstentions);
+  // The same, whatever placed it; `instead`: of a place that was refused, in words.
+  void accept(std::size_t scan, ScanRegistration one, const std::string& instead,
+              Registrations& registrations, Registrations& abstentions);
 
   device::Queue& queue_;
   const stages::ProxyModel* model_;
@@ -95,7 +106,9 @@ class NeighbourPlaces {
   const std::vector<ScanProduct>& products_;
   ScanModels& models_;
   ScanToScan& scan_to_scan_;
-  std::vector<std::string> on_all_;  // by scan, why lay_all() left it without a pose
+  RecordedPoses& recorded_;
+  // By scan, why lay_recorded() and lay_all() left it without a pose.
+  std::vector<std::string> by_file_, on_all_;
   // By scan, its alignments to others' planes, and those of others to its own, inverted.
   std::vector<std::map<std::size_t, stages::AutomaticAlignment>> aligned_, aligned_back_;
 };

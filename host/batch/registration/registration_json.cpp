@@ -75,6 +75,16 @@ Json island_json(const Island& island) {
   return json;
 }
 
+Json recorded_json(const ByRecorded& recorded) {
+  Json json = {{"beside", recorded.by}};
+  if (const auto& word = recorded.word)
+    json["kept"] = {{"scans_that_agree", word->agree},
+                    {"scans_that_differ", word->differ},
+                    {"farthest_m", word->farthest_m},
+                    {"farthest_deg", word->farthest_rad * 180 / M_PI}};
+  return json;
+}
+
 // What pose.json and summary.json say alike of a scan without a pose.
 Json abstained_json(const ScanRegistration& registration) {
   Json json = {{"how", registration.how}, {"status", "abstained"}};
@@ -115,6 +125,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                {"status", "accepted"},
                {"start_world_from_scan", row_major(registration.start)}};
   if (!registration.carried_by.empty()) json["aligned_to"] = registration.carried_by;
+  if (registration.recorded) json["recorded"] = recorded_json(*registration.recorded);
   if (registration.neighbour) {
     json["neighbour"] = automatic_json(*registration.neighbour);
     json["held_by_model"] = registration.held_by_model && registration.faces.has_value();
@@ -152,6 +163,7 @@ Json registration_figures(const ScanRegistration& registration) {
                {"status", "accepted"},
                {"moved_by_icp", {{"deg", moved.angle_rad * 180 / M_PI}, {"m", moved.distance_m}}}};
   if (!registration.carried_by.empty()) json["aligned_to"] = registration.carried_by;
+  if (registration.recorded) json["recorded"] = recorded_json(*registration.recorded);
   if (registration.faces) {
     json["wall_before_icp"] = share_json(registration.wall_before);
     json["wall_after_icp"] = share_json(registration.wall_after);

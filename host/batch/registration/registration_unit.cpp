@@ -137,11 +137,6 @@ void give_back_unexplained(const ScanRegistration& registration, const StageOpti
   stages::discard_covered(product.contour_faces.covered, product.decimation);
 }
 
-void warn(const ScanProduct& product, const std::string& warning, ScanRegistration& registration) {
-  log::warning("scan {}: {}", product.id, warning);
-  registration.warnings.push_back(warning);
-}
-
 // From the planes alone; whether that is accepted.
 bool found_automatically(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
                          ScanRegistration& result) {
@@ -187,9 +182,14 @@ void find_start(device::Queue& queue, const io::SceneScan& entry, const stages::
     result.abstained = !has_landmarks;
     if (result.abstained) return;
   }
-  if (!has_landmarks)
-    fail_input(
-        "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file");
+  if (!has_landmarks) {
+    const std::string none =
+        "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file";
+    if (!product.recorded_pose) fail_input("{}", none);
+    result.refusal = none;  // unless its file's pose tells its place beside other scans
+    result.abstained = true;
+    return;
+  }
   start_from_landmarks(queue, entry, model, options, product, result);
 }
 
@@ -263,6 +263,11 @@ stages::FaceOffsets faces_under(const stages::ProxyModel& model, const StageOpti
 }
 
 }  // namespace
+
+void warn(const ScanProduct& product, const std::string& warning, ScanRegistration& registration) {
+  log::warning("scan {}: {}", product.id, warning);
+  registration.warnings.push_back(warning);
+}
 
 std::string reason_of(const ScanRegistration& abstained) {
   const std::string own = abstained.automatic ? abstained.automatic->reason : "";

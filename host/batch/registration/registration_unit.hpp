@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -49,6 +50,24 @@ struct Island {
   std::optional<OnScans> on_scans;
 };
 
+// What scans say of the poses in their files. Those that ICP on one beside them leaves where the files have
+// both agree, those that it moves, or that are contradicted there, differ.
+struct RecordedWord {
+  std::size_t agree = 0, differ = 0;
+  double farthest_m = 0, farthest_rad = 0;  // that ICP moved one that agrees
+
+  // Then the files' poses are worth something where scans do not tell, too.
+  bool is_trusted() const;
+  // As Registration::covariance, of such a pose.
+  std::array<double, 36> covariance(const Pose& world_from_scan) const;
+};
+
+// A pose that is the one in the scan's file, beside that of another scan, or that ICP found from there.
+struct ByRecorded {
+  std::string by;
+  std::optional<RecordedWord> word;  // where nothing else holds it
+};
+
 // Where a scan without a pose may stand; so many at most are said.
 inline constexpr std::size_t kMostPlaces = 4;
 struct PossiblePlace {
@@ -57,8 +76,9 @@ struct PossiblePlace {
 };
 
 struct ScanRegistration {
-  // "landmarks" | "automatic" | "given"; with other scans: "neighbour", "scan-icp" (from a given or recorded
-  // pose), "frame" (the first, without a model)
+  // "landmarks" | "automatic" | "given" | "recorded" (from the pose in its file, beside that of another
+  // scan); with other scans: "neighbour", "scan-icp" (from a given or recorded pose), "frame" (the first,
+  // without a model), "coordinates"
   std::string how;
   bool fixed = false;
   bool abstained = false;             // there is no pose: the automatic alignment abstained, or `refusal`
@@ -84,7 +104,9 @@ struct ScanRegistration {
   // abstained.
   std::string carried_by, neighbour_reason;
   std::optional<stages::AutomaticAlignment> neighbour;
-  bool unjudged = false;  // without a model: a given or recorded pose that no other scan tells anything of
+  bool unjudged =
+      false;  // a given or recorded pose that neither the model nor another scan tells anything of
+  std::optional<ByRecorded> recorded;
   std::vector<PossiblePlace> places;  // of a scan without a pose, for which most speaks first
   std::optional<Island> island;       // without a model, of a scan without a pose
   std::optional<OnScans> on_scans;    // without a model, where another scan has a pose
@@ -107,6 +129,9 @@ struct ScanRegistration {
 // landmarks nor a pose are given and [register] automatic = "never".
 ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                            const StageOptions& options, const ScanProduct& product, Progress& progress);
+
+// To the log and to the registration's warnings.
+void warn(const ScanProduct& product, const std::string& warning, ScanRegistration& registration);
 
 // Of a scan that abstained: why it has no pose, as pose.json and summary.json say.
 std::string reason_of(const ScanRegistration& abstained);

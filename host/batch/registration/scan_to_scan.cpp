@@ -3,22 +3,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "core/log.hpp"
 #include "geometry/angles.hpp"
 
 namespace hybrid::batch {
 namespace {
 
 constexpr int kSamples = 40000;  // of each kind
-// Of the scan's area, or the other's, on each other's surfaces: what is held firmly is placed first.
-constexpr std::array<double, 4> kOverlaps = {0.5, 0.2, 0.05, 0.01};
 // Of what lies on surfaces or is seen through: more contradicts a pose. Over random rooms right ones have
 // 0.02 at most, wrong ones 0.08 and more (the test ScanIcp). Where little holds the scan, as through a
 // church's door, right ones have 0.012 at most, wrong ones 0.04 and more.
-constexpr double kFirmOverlap = 0.2, kMostSeenThrough = 0.05, kMostWhereWeak = 0.025;
+constexpr double kMostSeenThrough = 0.05, kMostWhereWeak = 0.025;
 // A pose that planes alone do not tell from rivals is told from them where it has so much at most, and each
 // rival so many times more.
 constexpr double kMostOfBest = 0.02, kTimesBest = 4;
@@ -44,25 +40,7 @@ constexpr double kBeside = 3, kBesideDeg = 2, kBack = 0.4, kBackDeg = 0.2;
 // Scans of one place lie on each other within their noise: 0.3 to 1 times it in rooms and churches of
 // hybrid-synth, 5 where the instrument is not calibrated, 10 where two rooms are alike within centimetres.
 constexpr double kTimesNoise = 4, kFarOff_m = 0.005, kLeastNoise_m = 1e-4;
-constexpr double kReach = 2;                       // of distances that are measured, in overlap_m
-constexpr double kSame_m = 1e-3, kSameRad = 1e-4;  // poses in files that are one
-
-std::string refused_in_words(const OnScans& on, const std::string& from, const std::string& contradiction) {
-  return fmt::format(
-      "the other scans contradict the pose that ICP found from the {} pose: {}; its rms is {:.4g} m, {:.0f} "
-      "% of the "
-      "scan's area lie on surfaces of others, and of all that can be compared {:.0f} % are seen through. "
-      "Check the "
-      "pose (world_from_scan, row by row, metres){}; fixed = true keeps a given pose as it is",
-      from, contradiction, on.icp.icp.rms_m, 100 * on.icp.icp.overlap, 100 * on.icp.seen_through,
-      from == "recorded" ? " in the scan's file, or give one in the scene file" : "");
-}
-
-double largest_overlap(const stages::ScanIcp& found) {
-  double largest = 0;
-  for (const auto& other : found.others) largest = std::max(largest, other.overlap);
-  return largest;
-}
+constexpr double kReach = 2;  // of distances that are measured, in overlap_m
 
 bool is_weak(const stages::ScanIcp& found) {
   return largest_overlap(found) < kFirmOverlap;
@@ -103,18 +81,17 @@ std::vector<Pose> beside(const Pose& pose, const Vec3& centre, double distance_m
 
 }  // namespace
 
+double largest_overlap(const stages::ScanIcp& found) {
+  double largest = 0;
+  for (const auto& other : found.others) largest = std::max(largest, other.overlap);
+  return largest;
+}
+
 const std::string& OnScans::nearest() const {
   std::size_t best = 0;
   for (std::size_t k = 1; k < others.size(); ++k)
     if (icp.others[k].on_m2 > icp.others[best].on_m2) best = k;
   return others[best];
-}
-
-std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
-                                        const Pose& world_from_frame) {
-  if (!recorded) return std::nullopt;
-  if (difference(*recorded, frame_recorded).within(kSame_m, kSameRad)) return std::nullopt;
-  return ScanStart{world_from_frame * (frame_recorded.inverse() * *recorded), "recorded"};
 }
 
 ScanToScan::ScanToScan(device::Queue& queue, const StageOptions& options,
@@ -220,98 +197,21 @@ std::optional<OnSlide> ScanToScan::hold_slide(std::size_t i, const Registrations
       others.ids};
 }
 
-bool ScanToScan::place_one(std::size_t i, double least_overlap, ScanStart& start,
-                           Registrations& registrations, Registrations& abstentions) {
-  const Others others = others_than(i, registrations);
-  if (others.scans.empty()) return false;
-  if (!start.found || start.found->others != others.ids) {  // poses stay once they are found
-    start.found = OnScans{start.from, best_from(i, others, start.world_from_scan), others.ids};
-    start.contradiction = contradiction_of(start.found->icp, start.world_from_scan);
-    if (start.contradiction.empty() && is_weak(start.found->icp))
-      start.contradiction = rival_of(i, others, start.found->icp.icp.world_from_scan);
-  }
-  if (!start.contradiction.empty() || largest_overlap(start.found->icp) < least_overlap) return false;
-  ScanRegistration one = std::move(*abstentions[i]);
-  abstentions[i].reset();
-  one.how = "scan-icp";
-  one.abstained = false;
-  one.held_by_model = false;
-  one.start = start.world_from_scan;
-  one.on_scans.emplace(*std::move(start.found));
-  one.carried_by = one.on_scans->nearest();
-  one.icp = one.on_scans->icp.icp;
-  if (is_weak(one.on_scans->icp))
-    warn(i,
-         fmt::format(
-             "little holds it: at most {:.0f} % of it, or of a scan that had a pose, lie on each other, "
-             "so that it may be off by more than its covariance says; another scan between them, or a "
-             "model, would hold it",
-             100 * largest_overlap(one.on_scans->icp)),
-         one);
-  if (!one.icp.converged)
-    warn(i,
-         fmt::format("ICP on the other scans did not converge in {} iterations: give a pose that is nearer",
-                     one.icp.iterations),
-         one);
-  log::info("scan {}: laid on scan {} from its {} pose", products_[i].id, one.carried_by, start.from);
-  registrations[i] = std::move(one);
-  return true;
+ScanToScan::Laid ScanToScan::lay_from(std::size_t i, const Pose& start, const Registrations& registrations) {
+  Others others = others_than(i, registrations);
+  auto found = best_from(i, others, start);
+  std::string contradiction = contradiction_of(found, start);
+  if (contradiction.empty() && is_weak(found)) contradiction = rival_of(i, others, found.icp.world_from_scan);
+  return {{"", std::move(found), std::move(others.ids)}, std::move(contradiction)};
 }
 
-// What the others contradict is refused, a guess dropped; what they do not tell of stays.
-void ScanToScan::settle(std::size_t i, const ScanStart& start, Registrations& registrations,
-                        Registrations& abstentions) {
-  if (start.from == kOneFrame) return;
-  ScanRegistration& one = *abstentions[i];
-  if (start.found && !start.contradiction.empty() && largest_overlap(start.found->icp) >= kOverlaps.back()) {
-    one.how = start.from;
-    one.on_scans = start.found;
-    one.refusal = refused_in_words(*one.on_scans, start.from, start.contradiction);
-    return;
-  }
-  one.how = start.from;
-  one.abstained = false;
-  one.unjudged = true;
-  one.start = one.icp.world_from_scan = start.world_from_scan;
-  one.icp.converged = true;
-  warn(i,
-       fmt::format("its {} pose is as it was: less than {:.0f} % of the scan lie on surfaces of others",
-                   start.from, 100 * kOverlaps.back()),
-       one);
-  registrations[i] = std::move(one);
-  abstentions[i].reset();
-}
-
-void ScanToScan::warn(std::size_t i, std::string text, ScanRegistration& one) const {
-  log::warning("scan {}: {}", products_[i].id, text);
-  one.warnings.push_back(std::move(text));
-}
-
-void ScanToScan::place_firmly(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
-                              Registrations& abstentions) {
-  place_down_to(kFirmOverlap, starts, registrations, abstentions);
-}
-
-void ScanToScan::place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
-                       Registrations& abstentions) {
-  place_down_to(0, starts, registrations, abstentions);
-  for (std::size_t i = 0; i < starts.size(); ++i)
-    if (starts[i]) settle(i, *starts[i], registrations, abstentions);
-}
-
-void ScanToScan::place_down_to(double least_overlap, std::vector<std::optional<ScanStart>>& starts,
-                               Registrations& registrations, Registrations& abstentions) {
-  for (const double least : kOverlaps) {
-    if (least < least_overlap) return;
-    for (bool again = true; again;) {
-      again = false;
-      for (std::size_t i = 0; i < starts.size(); ++i) {
-        if (!starts[i] || !place_one(i, least, *starts[i], registrations, abstentions)) continue;
-        starts[i].reset();
-        again = true;
-      }
-    }
-  }
+ScanToScan::Look ScanToScan::look(std::size_t i, const Pose& pose, const Registrations& registrations) {
+  Others others = others_than(i, registrations);
+  auto found = stages::compare_on_scans(queue_, scan(i), others.scans, pose, icp_);
+  double through_m2 = 0;
+  for (const auto& other : found.others) through_m2 += other.through_m2;
+  const double area_m2 = scan(i).area_m2;
+  return {{"", std::move(found), std::move(others.ids)}, area_m2 > 0 ? through_m2 / area_m2 : 0};
 }
 
 void ScanToScan::judge(std::size_t i, std::size_t other, stages::AutomaticAlignment& found) {
@@ -462,7 +362,7 @@ void ScanToScan::describe(Registrations& registrations) {
                 others.ids};
     measure_distances(i, others, one);
     if (const auto& open = one.on_scans->icp.icp.degenerate; !open.empty() && !one.fixed && !one.unjudged)
-      warn(i,
+      warn(products_[i],
            fmt::format(
                "the other scans leave its pose undetermined: it is {}; there it is as its start has it: give "
                "a pose that is exact there, another scan that sees more, or a [model]",
@@ -471,7 +371,7 @@ void ScanToScan::describe(Registrations& registrations) {
     const double rms_m = one.on_scans->icp.icp.rms_m, noise_m = products_[i].sigma_m;
     if (rms_m > std::max(kFarOff_m, kTimesNoise * noise_m) &&
         largest_overlap(one.on_scans->icp) >= kFirmOverlap)
-      warn(i,
+      warn(products_[i],
            fmt::format(
                "it lies on other scans with an rms of {:.1f} mm, {:.0f} times its noise: the instrument "
                "is not calibrated, something moved, or they are of places that are alike",

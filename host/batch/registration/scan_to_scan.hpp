@@ -14,24 +14,9 @@ namespace hybrid::batch {
 
 using Registrations = std::vector<std::optional<ScanRegistration>>;
 
-// The start of scans whose scanner positions the scene file gives: that their files' coordinates are of one
-// frame is a guess.
-inline constexpr const char* kOneFrame = "coordinates";
-
-// A pose that was given for a scan without a model.
-struct ScanStart {
-  Pose world_from_scan;
-  std::string from;  // "given" | "recorded" | kOneFrame
-  // What ICP made of it last, and what speaks against that: "" = nothing.
-  std::optional<OnScans> found{};
-  std::string contradiction{};
-};
-
-// The start that a scan's file gives: its pose there, relative to that of the frame, whose pose in the world
-// is known. The same pose as the frame's says nothing: scans that were never registered all have the
-// identity.
-std::optional<ScanStart> recorded_start(const std::optional<Pose>& recorded, const Pose& frame_recorded,
-                                        const Pose& world_from_frame);
+// Of the scan, or of another one, so much on each other's surfaces holds it firmly.
+inline constexpr double kFirmOverlap = 0.2;
+double largest_overlap(const stages::ScanIcp& found);
 
 // Lays scans on each other by their samples, planar or not (METHOD 6, stages/registration/scan_icp.hpp).
 class ScanToScan {
@@ -39,14 +24,24 @@ class ScanToScan {
   // The references must outlive it.
   ScanToScan(device::Queue& queue, const StageOptions& options, const std::vector<ScanProduct>& products);
 
-  // ICP from these starts on the scans that have a pose, those that overlap most first; a pose that the scans
-  // contradict is refused, with the numbers. One that no other scan can judge stays as it is. Takes scans
-  // from `abstentions` to `registrations`, or leaves them there, refused.
-  void place(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
-             Registrations& abstentions);
-  // Of these, before, only those that the scans hold firmly; the others keep their starts.
-  void place_firmly(std::vector<std::optional<ScanStart>>& starts, Registrations& registrations,
-                    Registrations& abstentions);
+  // How a scan lies on the scans that have a pose under a pose (world) as it is; `through`: the area that is
+  // seen through, both ways, as a share of the scan's.
+  struct Look {
+    OnScans on_scans;
+    double through = 0;
+  };
+  Look look(std::size_t i, const Pose& pose, const Registrations& registrations);
+
+  // ICP on the scans that have a pose, and what speaks against where it ends; "" = nothing.
+  struct Laid {
+    OnScans on_scans;
+    std::string contradiction;
+  };
+  // From a hypothesis of the scan's pose (world).
+  Laid lay(std::size_t i, const Pose& start, const Registrations& registrations);
+  // From a start that was given, and from beside what that finds as long as it finds better; where little
+  // holds the scan nothing else there may fit as well.
+  Laid lay_from(std::size_t i, const Pose& start, const Registrations& registrations);
 
   // Judges an alignment of scan `i` to scan `other` by planes alone, in whose frame it is: places that are
   // alike have planes that fit, and are seen through. Where nothing but rivals spoke against it, and the
@@ -68,13 +63,6 @@ class ScanToScan {
   // The likeliest of such hypotheses (stages/registration/likely_places.hpp), and what speaks for them.
   std::vector<PossiblePlace> best_places(std::size_t i, const std::vector<Pose>& places,
                                          const Registrations& registrations, std::size_t most);
-
-  // ICP from a pose (world) on all scans that have one, and what speaks against where it ends; "" = nothing.
-  struct Laid {
-    OnScans on_scans;
-    std::string contradiction;
-  };
-  Laid lay(std::size_t i, const Pose& start, const Registrations& registrations);
 
   // Of an island as one: the place among these (to the frame of `on`) that the samples of all scans of both
   // leave; `order` counts its scans.
@@ -98,15 +86,8 @@ class ScanToScan {
   stages::ScanIcp best_from(std::size_t i, const Others& others, const Pose& start);
   // Another place that ICP finds from beside this one, in words; "" = none.
   std::string rival_of(std::size_t i, const Others& others, const Pose& found);
-  bool place_one(std::size_t i, double least_overlap, ScanStart& start, Registrations& registrations,
-                 Registrations& abstentions);
-  void place_down_to(double least_overlap, std::vector<std::optional<ScanStart>>& starts,
-                     Registrations& registrations, Registrations& abstentions);
-  void settle(std::size_t i, const ScanStart& start, Registrations& registrations,
-              Registrations& abstentions);
   void judge_by_planes(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
   void judge_by_samples(std::size_t i, std::size_t other, stages::AutomaticAlignment& found);
-  void warn(std::size_t i, std::string text, ScanRegistration& one) const;
   // `firm`: without those that slide.
   Others others_than(std::size_t i, const Registrations& registrations, bool firm = false);
   // To those others that it has to do with, under its pose.

@@ -1,0 +1,184 @@
+// Scan files that have poses, as a survey leaves them that was registered before, through the program.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <set>
+#include <sstream>
+
+#include "geometry/pose.hpp"
+#include "io/output.hpp"
+#include "program.hpp"
+
+namespace hybrid::e2e {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Stations of a small church, front, nave, chancel, porch, corner, aisle; the model knows nothing of the
+// frame of the poses in their files.
+class RecordedSurvey {
+ public:
+  explicit RecordedSurvey(int scans) {
+    const auto made =
+        run("hybrid-synth church --seed 5 --preset tiny --megapixels 0.1 --format ptx --quiet --scans " +
+            std::to_string(scans) + " --out " + folder().string());
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    scene_ = io::read_text(folder() / "scene.toml");
+    scene_.resize(scene_.find("[photographs]"));
+    const auto truth = json_of(folder() / "truth.json");
+    for (const auto& scan : truth["scans"])
+      truth_[scan["id"]] = pose_from_row_major(scan["world_from_scan"].get<std::array<double, 16>>());
+  }
+
+  // Writes into each file what `moved` makes of its pose in the survey's frame.
+  void record(const std::function<Pose(const std::string&, const Pose&)>& moved) {
+    const Pose survey{1, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vec3::UnitZ())), {400, -30, 12}};
+    for (const auto& [id, pose] : truth_) record(id, moved(id, survey * pose));
+  }
+  void keep_landmarks_of(const std::string& scan) {
+    for (auto at = scene_.find("landmarks = ["); at != std::string::npos;
+         at = scene_.find("landmarks = [", at + 1)) {
+      const auto id = scene_.rfind("id = \"", at) + 6;
+      if (scene_.compare(id, scan.size() + 1, scan + "\"") == 0) continue;
+      scene_.erase(at, scene_.find("\n]\n", at) + 3 - at);
+      --at;
+    }
+  }
+  void take_model_out() {
+    keep_landmarks_of("none");
+    const auto at = scene_.find("[model]");
+    scene_.erase(at, scene_.find("\n\n", at) - at);
+  }
+  Outcome register_all() const {
+    io::write_text(folder() / "scene.toml", scene_);
+    return run("hybrid register " + (folder() / "scene.toml").string() + " --quiet --force --out " +
+               out().string());
+  }
+  nlohmann::json pose(const std::string& id) const { return json_of(out() / "scans" / id / "pose.json"); }
+  // Of every scan that has a pose, by the truth.
+  std::map<std::string, double> errors_mm() const {
+    const auto summary = json_of(out() / "summary.json");
+    std::map<std::string, double> errors;
+    for (const auto& scan : summary["scans"])
+      if (scan["registration"]["status"] == "accepted")
+        errors[scan["id"]] = scan["truth"]["pose_error_mm"].get<double>();
+    return errors;
+  }
+
+ private:
+  fs::path folder() const { return scratch_ / "church"; }
+  fs::path out() const { return scratch_ / "out"; }
+  // The header has the scanner's position and axes, and the matrix that row vectors are multiplied by.
+  void record(const std::string& id, const Pose& pose) const {
+    const fs::path file = folder() / "scans" / (id + ".ptx");
+    std::istringstream from(io::read_text(file));
+    std::ostringstream to;
+    to.precision(17);
+    std::string line;
+    for (int k = 0; std::getline(from, line); ++k) {
+      if (k < 2 || k > 9) {
+        to << line << '\n';
+        continue;
+      }
+      const int row = k < 6 ? k - 2 : k - 6;  // of position and axes, or of the matrix
+      const bool is_place = k < 6 ? row == 0 : row == 3;
+      const Vec3 v = is_place ? pose.translation : pose.rotate(Vec3::Unit(k < 6 ? row - 1 : row));
+      to << v.x() << ' ' << v.y() << ' ' << v.z();
+      if (k >= 6) to << (is_place ? " 1" : " 0");
+      to << '\n';
+    }
+    io::write_text(file, to.str());
+  }
+
+  Scratch scratch_;
+  std::string scene_;
+  std::map<std::string, Pose> truth_;
+};
+
+Pose as_it_is(const std::string&, const Pose& pose) {
+  return pose;
+}
+
+Pose by(double metres, const Pose& pose) {
+  Pose moved = pose;
+  moved.translation += metres * Vec3(0.6, -0.8, 0);
+  return moved;
+}
+
+}  // namespace
+
+TEST(RecordedPoses, landmarks_of_one_scan_place_a_survey_that_was_registered_before) {
+  RecordedSurvey survey(3);
+  survey.record(as_it_is);
+  survey.keep_landmarks_of("nave");
+  const auto outcome = survey.register_all();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto errors = survey.errors_mm();
+  ASSERT_EQ(errors.size(), 3u);
+  for (const auto& [id, error] : errors) EXPECT_LT(error, 0.5) << id;
+  for (const char* id : {"front", "chancel"}) {
+    EXPECT_EQ(survey.pose(id)["how"], "recorded") << id;
+    EXPECT_FALSE(survey.pose(id)["recorded"].contains("kept")) << id;
+  }
+  EXPECT_EQ(survey.pose("chancel")["recorded"]["beside"], "nave");
+  EXPECT_NE(outcome.out.find("from its file's pose beside scan nave"), std::string::npos) << outcome.out;
+}
+
+// All identities say nothing: as if there were none.
+TEST(RecordedPoses, a_survey_that_never_was_registered_has_none) {
+  RecordedSurvey survey(3);
+  survey.keep_landmarks_of("nave");
+  EXPECT_EQ(survey.register_all().exit_code, 3);
+  const auto front = survey.pose("front");
+  EXPECT_EQ(front["status"], "abstained");
+  EXPECT_EQ(front["reason"].get<std::string>().find("its file's pose"), std::string::npos);
+}
+
+// By satellites and compass, say: none is believed where neither the model nor the samples confirm it.
+TEST(RecordedPoses, rough_ones_are_starts_and_no_more) {
+  RecordedSurvey survey(3);
+  double metres = -0.4;
+  survey.record([&](const std::string&, const Pose& pose) { return by(metres += 0.4, pose); });
+  survey.keep_landmarks_of("nave");
+  EXPECT_EQ(survey.register_all().exit_code, 3);
+  for (const auto& [id, error] : survey.errors_mm()) EXPECT_LT(error, 2) << id;
+  EXPECT_NE(survey.pose("front")["status"], "accepted");
+}
+
+TEST(RecordedPoses, without_a_model_what_little_holds_stays_where_its_file_has_it) {
+  RecordedSurvey survey(3);
+  survey.record(as_it_is);
+  survey.take_model_out();
+  const auto outcome = survey.register_all();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto errors = survey.errors_mm();
+  ASSERT_EQ(errors.size(), 3u);
+  for (const auto& [id, error] : errors) EXPECT_LT(error, 1) << id;
+  // Through the door the front sees a sample every decimetre of the nave.
+  const auto nave = survey.pose("nave");
+  EXPECT_EQ(nave["how"], "recorded");
+  EXPECT_EQ(nave["recorded"]["beside"], "front");
+  EXPECT_EQ(nave["recorded"]["kept"]["scans_that_agree"], 2);
+  EXPECT_EQ(nave["recorded"]["kept"]["scans_that_differ"], 0);
+  EXPECT_LT(nave["recorded"]["kept"]["farthest_m"], 0.005);
+  ASSERT_EQ(nave["warnings"].size(), 1u);
+  EXPECT_NE(nave["warnings"][0].get<std::string>().find("as nothing else holds it"), std::string::npos);
+  EXPECT_EQ(survey.pose("chancel")["how"], "scan-icp");
+  EXPECT_EQ(survey.pose("chancel")["on_scans"]["start"], "recorded");
+}
+
+TEST(RecordedPoses, one_that_others_contradict_is_led_to_where_they_have_it) {
+  RecordedSurvey survey(6);
+  survey.record(
+      [](const std::string& id, const Pose& pose) { return id == "chancel" ? by(0.4, pose) : pose; });
+  survey.take_model_out();
+  const auto outcome = survey.register_all();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto errors = survey.errors_mm();
+  ASSERT_EQ(errors.size(), 6u);
+  for (const auto& [id, error] : errors) EXPECT_LT(error, 1) << id;
+  EXPECT_EQ(survey.pose("chancel")["how"], "scan-icp");
+}
+
+}  // namespace hybrid::e2e
