@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <functional>
-#include <set>
+#include <map>
 #include <sstream>
+#include <string>
 
 #include "geometry/pose.hpp"
 #include "io/output.hpp"
@@ -179,6 +181,48 @@ TEST(RecordedPoses, one_that_others_contradict_is_led_to_where_they_have_it) {
   ASSERT_EQ(errors.size(), 6u);
   for (const auto& [id, error] : errors) EXPECT_LT(error, 1) << id;
   EXPECT_EQ(survey.pose("chancel")["how"], "scan-icp");
+}
+
+// A grid of elevations times azimuths, each node on the box of these half sides around the scanner.
+void write_box(const fs::path& file, double degrees, int rows, int cols, double half_m) {
+  std::ostringstream text;
+  text << cols << '\n' << rows << "\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+  for (int col = 0; col < cols; ++col)
+    for (int row = 0; row < rows; ++row) {
+      const double azimuth = (col - 0.5 * (cols - 1)) * degrees * M_PI / 180,
+                   elevation = (row - 0.5 * (rows - 1)) * degrees * M_PI / 180;
+      const Vec3 ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                     std::sin(elevation));
+      const Vec3 point = ray * (half_m / ray.cwiseAbs().maxCoeff());
+      text << point.x() << ' ' << point.y() << ' ' << point.z() << " 0.5\n";
+    }
+  io::write_text(file, text.str());
+}
+
+// Nothing of it lies on surfaces of the other, which is no reason to believe it: all of it is seen through.
+TEST(RecordedPoses, a_given_pose_where_nothing_lies_and_all_is_seen_through_is_refused) {
+  const Scratch scratch;
+  write_box(scratch / "room.ptx", 1, 120, 360, 6);
+  write_box(scratch / "wall.ptx", 0.5, 60, 80, 2.5);
+  const auto registered = [&](const char* pose) {
+    io::write_text(scratch / "scene.toml",
+                   std::string("[scene]\nname = \"two\"\n[[scan]]\nid = \"room\"\nfile = \"room.ptx\"\n"
+                               "[[scan]]\nid = \"wall\"\nfile = \"wall.ptx\"\n") +
+                       pose);
+    return run("hybrid register " + (scratch / "scene.toml").string() + " --quiet --force --out " +
+               (scratch / "out").string());
+  };
+  const auto outcome = registered("pose = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("the other scans contradict the given pose: "), std::string::npos)
+      << outcome.err;
+  const auto pose = json_of(scratch / "out/scans/wall/pose.json");
+  EXPECT_EQ(pose["status"], "abstained");
+  EXPECT_GT(pose["refused"]["on_scans"]["seen_through"], 0.9);
+  // Outside the room nobody can tell.
+  const auto outside = registered("pose = [1, 0, 0, 20, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
+  EXPECT_EQ(outside.exit_code, 0) << outside.err;
+  EXPECT_NE(outside.err.find("its given pose is as it was"), std::string::npos) << outside.err;
 }
 
 }  // namespace hybrid::e2e

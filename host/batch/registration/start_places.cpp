@@ -109,6 +109,18 @@ void StartPlaces::settle(std::size_t i, Registrations& registrations, Registrati
     one.refusal = refused_in_words(*one.on_scans, start.from, start.contradiction);
     return;
   }
+  auto seen = scan_to_scan_.look(i, start.world_from_scan, registrations);
+  if (seen.through > kMostThroughRecorded) {
+    seen.on_scans.start = start.from;
+    one.refusal = fmt::format(
+        "the other scans contradict the {} pose: {:.0f} % of the scan's area are seen through there, and "
+        "less "
+        "than {:.0f} % lie on surfaces of others. Check it (world_from_scan, row by row, metres); fixed = "
+        "true keeps a given pose as it is",
+        start.from, 100 * seen.through, 100 * kOverlaps.back());
+    one.on_scans = std::move(seen.on_scans);
+    return;
+  }
   one.abstained = false;
   one.unjudged = true;
   one.start = one.icp.world_from_scan = start.world_from_scan;
