@@ -64,7 +64,8 @@ void add_diff(CLI::App& batch, int& exit_code) {
   command->add_option("before", *before, "STORE, STORE@1 (one night back), STORE@NAME; alone: STORE@1")
       ->required();
   command->add_option("after", *after, "the same; default: the plan in force of the first");
-  command->add_option("--thresholds", *thresholds, "TOML file: which way is worse, and by how much (README)");
+  command->add_option("--thresholds", *thresholds,
+                      "TOML file: which way is worse, and by how much (host/archive/README.md)");
   command->add_option("--out", *out, "folder for a page with the pictures side by side");
   command->add_option("--pictures", *pictures, "pairs of pictures on the page at most");
   command->add_flag("--json", *json, "print one JSON document on stdout");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
 
 #include "batch/registration/registered_scans.hpp"
 #include "core/suggest.hpp"
@@ -56,131 +57,19 @@ const std::vector<OptionRow<stages::LandmarkOptions>>& landmark_rows() {
   return rows;
 }
 
-// Sets `key` in the first of `tables` that has it.
-template <typename T>
-bool apply(const std::string& key, const OptionValue& value, T& options,
-           const std::vector<OptionRow<T>>& table) {
-  const auto* row = find_option(table, key);
-  if (row) set_option(options, *row, value);
-  return row != nullptr;
-}
-
-// Each sets one key of its section; false when the section has no such key.
-bool apply_planes(StageOptions& options, const std::string& key, const OptionValue& value) {
-  if (key == "square") {
-    options.set_square(value);
-    return true;
-  }
-  return apply(key, value, options, planes_rows()) ||
-         apply(key, value, options.resample, stages::resample_option_table()) ||
-         apply(key, value, options.squares, stages::square_plane_option_table()) ||
-         apply(key, value, options.superclusters, stages::supercluster_option_table());
-}
-
-bool apply_register(StageOptions& options, const std::string& key, const OptionValue& value) {
-  if (key == "scale") {
-    const auto scale = detail::checked_text(key, {"fixed", "free"}, value);
-    options.icp.free_scale = options.landmarks.free_scale = options.alignment.free_scale = scale == "free";
-    return true;
-  }
-  if (key == "write" && std::holds_alternative<std::string>(value))
-    registered_formats(std::get<std::string>(value));
-  return apply(key, value, options.landmarks, landmark_rows()) ||
-         apply(key, value, options, register_rows()) ||
-         apply(key, value, options.icp, stages::icp_option_table()) ||
-         apply(key, value, options.alignment, stages::automatic_option_table()) ||
-         apply(key, value, options.faces, stages::face_offset_option_table());
-}
-
-bool apply_edit(StageOptions& options, const std::string& key, const OptionValue& value) {
-  const auto& lists = io::scene_edit_keys();
-  if (std::find(lists.begin(), lists.end(), key) != lists.end())
-    fail_input("{}: a list of edits belongs into the scene file", key);
-  return apply(key, value, options.edit, stages::opening_option_table()) ||
-         apply(key, value, options.displacement, stages::displacement_option_table());
-}
-
-bool apply_render(StageOptions& options, const std::string& key, const OptionValue& value) {
-  if (key == "sigma_px") {
-    stages::set_sigma(options.render, value);
-    return true;
-  }
-  return apply(key, value, options.render, stages::render_option_table()) ||
-         apply(key, value, options.coverage, stages::coverage_option_table());
-}
-
-bool apply_export(StageOptions& options, const std::string& key, const OptionValue& value) {
-  return set_export_option(options.exporting, key, value);
-}
-
-// A section of options in the scene file and on the command line.
-struct Section {
-  std::string name;
-  const io::SceneOptions io::SceneFile::*written;
-  bool (*apply_key)(StageOptions&, const std::string& key, const OptionValue&);
-  std::vector<std::string_view> known;  // its keys, for the error that rejects another
+// A table of options, whatever part of all options it is of.
+struct Table {
+  std::vector<std::string_view> names;
+  // False where the table has no such key.
+  std::function<bool(StageOptions&, const std::string& key, const OptionValue&)> set;
+  std::function<void(const StageOptions&, Json&)> describe;
+  std::function<void(const std::string& section, std::vector<OptionNote>&)> add_notes;
 };
 
-// Tables may share an option: each name once, in the order given.
-std::vector<std::string_view> names_of(const std::vector<std::vector<std::string_view>>& lists) {
-  std::vector<std::string_view> names;
-  for (const auto& list : lists)
-    for (const std::string_view name : list)
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  return names;
-}
-
-const std::vector<Section>& sections() {
-  static const std::vector<Section> all = {
-      {"planes", &io::SceneFile::planes, apply_planes,
-       names_of({{"square"},
-                 option_names(planes_rows()),
-                 option_names(stages::resample_option_table()),
-                 option_names(stages::square_plane_option_table()),
-                 option_names(stages::supercluster_option_table())})},
-      {"register", &io::SceneFile::registration, apply_register,
-       names_of({{"scale"},
-                 option_names(landmark_rows()),
-                 option_names(register_rows()),
-                 option_names(stages::icp_option_table()),
-                 option_names(stages::automatic_option_table()),
-                 option_names(stages::face_offset_option_table())})},
-      {"edit", &io::SceneFile::edit, apply_edit,
-       names_of({option_names(stages::opening_option_table()),
-                 option_names(stages::displacement_option_table()), io::scene_edit_keys()})},
-      {"render", &io::SceneFile::render, apply_render,
-       names_of(
-           {option_names(stages::render_option_table()), option_names(stages::coverage_option_table())})},
-      {"export", &io::SceneFile::exporting, apply_export, export_option_names()},
-  };
-  return all;
-}
-
-void apply_key(StageOptions& options, const Section& section, const std::string& key,
-               const OptionValue& value) {
-  if (!section.apply_key(options, key, value)) fail_input("{}", unknown_name("key", key, section.known));
-}
-
-// A value as it stands on the command line: true, false, a number, else text, with or without quotes.
-OptionValue parse_value(const std::string& text) {
-  if (text == "true" || text == "false") return text == "true";
-  const char* const end = text.data() + text.size();
-  std::int64_t whole = 0;
-  if (const auto parsed = std::from_chars(text.data(), end, whole);
-      parsed.ec == std::errc() && parsed.ptr == end)
-    return whole;
-  double number = 0;
-  if (const auto parsed = std::from_chars(text.data(), end, number);
-      parsed.ec == std::errc() && parsed.ptr == end)
-    return number;
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
-  return text;
-}
-
 template <typename T>
-Json describe_table(const T& options, const std::vector<OptionRow<T>>& table) {
+Json describe_rows(const T& options, const std::vector<OptionRow<T>>& rows) {
   Json json = Json::object();
-  for (const auto& row : table)
+  for (const auto& row : rows)
     if (row.name != "tile")  // changes no result, so it must not change summary.json
       std::visit([&](const auto& value) { json[std::string(row.name)] = value; }, get_option(options, row));
   return json;
@@ -188,9 +77,9 @@ Json describe_table(const T& options, const std::vector<OptionRow<T>>& table) {
 
 // The rows whose keys the section does not have yet.
 template <typename T>
-void add_notes(const std::string& section, const T& defaults, const std::vector<OptionRow<T>>& table,
+void add_notes(const std::string& section, const T& defaults, const std::vector<OptionRow<T>>& rows,
                std::vector<OptionNote>& notes) {
-  for (const auto& row : table) {
+  for (const auto& row : rows) {
     const std::string key(row.name);
     if (std::any_of(notes.begin(), notes.end(),
                     [&](const OptionNote& note) { return note.section == section && note.key == key; }))
@@ -209,41 +98,179 @@ void add_notes(const std::string& section, const T& defaults, const std::vector<
   }
 }
 
+// `part`: of all options, const or not, those that the rows are of.
+template <typename T, typename Part>
+Table table_of(const std::vector<OptionRow<T>>& rows, Part part) {
+  return {option_names(rows),
+          [&rows, part](StageOptions& options, const std::string& key, const OptionValue& value) {
+            const auto* row = find_option(rows, key);
+            if (row) set_option(part(options), *row, value);
+            return row != nullptr;
+          },
+          [&rows, part](const StageOptions& options, Json& json) {
+            json.update(describe_rows(part(options), rows));
+          },
+          [&rows, part](const std::string& section, std::vector<OptionNote>& notes) {
+            const StageOptions defaults;
+            add_notes(section, part(defaults), rows, notes);
+          }};
+}
+
+// What a section has besides tables: keys of its own, asked first; false where there is none of that name.
+bool set_planes_key(StageOptions& options, const std::string& key, const OptionValue& value) {
+  if (key != "square") return false;
+  options.set_square(value);
+  return true;
+}
+
+bool set_register_key(StageOptions& options, const std::string& key, const OptionValue& value) {
+  if (key == "write" && std::holds_alternative<std::string>(value))
+    registered_formats(std::get<std::string>(value));
+  if (key != "scale") return false;
+  const auto scale = detail::checked_text(key, {"fixed", "free"}, value);
+  options.icp.free_scale = options.landmarks.free_scale = options.alignment.free_scale = scale == "free";
+  return true;
+}
+
+bool set_edit_key(StageOptions&, const std::string& key, const OptionValue&) {
+  const auto& lists = io::scene_edit_keys();
+  if (std::find(lists.begin(), lists.end(), key) != lists.end())
+    fail_input("{}: a list of edits belongs into the scene file", key);
+  return false;
+}
+
+bool set_render_key(StageOptions& options, const std::string& key, const OptionValue& value) {
+  if (key != "sigma_px") return false;
+  stages::set_sigma(options.render, value);
+  return true;
+}
+
+bool set_export_key(StageOptions& options, const std::string& key, const OptionValue& value) {
+  if (key != "formats" || !std::holds_alternative<std::string>(value)) return false;
+  options.exporting.formats = std::get<std::string>(value);
+  wanted_formats(options.exporting);  // or what is none
+  return true;
+}
+
+// A section of options in the scene file and on the command line.
+struct Section {
+  std::string name;
+  const io::SceneOptions io::SceneFile::*written;
+  bool (*set_own)(StageOptions&, const std::string& key, const OptionValue&);
+  std::vector<std::string_view> own;  // for the error that rejects another
+  std::vector<Table> tables;          // they may share a key: the first one's is set
+
+  // Each name once.
+  std::vector<std::string_view> names() const {
+    std::vector<std::string_view> all = own;
+    for (const Table& table : tables)
+      for (const std::string_view key : table.names)
+        if (std::find(all.begin(), all.end(), key) == all.end()) all.push_back(key);
+    return all;
+  }
+  void set(StageOptions& options, const std::string& key, const OptionValue& value) const {
+    if (set_own(options, key, value)) return;
+    if (std::none_of(tables.begin(), tables.end(),
+                     [&](const Table& table) { return table.set(options, key, value); }))
+      fail_input("{}", unknown_name("key", key, names()));
+  }
+};
+
+const std::vector<Section>& sections() {
+  const auto all_of = [](auto& o) -> auto& {
+    return o;
+  };
+  static const std::vector<Section> all = {
+      {"planes",
+       &io::SceneFile::planes,
+       set_planes_key,
+       {"square"},
+       {table_of(planes_rows(), all_of),
+        table_of(
+            stages::resample_option_table(), [](auto& o) -> auto& { return o.resample; }),
+        table_of(
+            stages::square_plane_option_table(), [](auto& o) -> auto& { return o.squares; }),
+        table_of(
+            stages::supercluster_option_table(), [](auto& o) -> auto& { return o.superclusters; })}},
+      {"register",
+       &io::SceneFile::registration,
+       set_register_key,
+       {"scale"},
+       {table_of(
+            landmark_rows(), [](auto& o) -> auto& { return o.landmarks; }),
+        table_of(register_rows(), all_of),
+        table_of(
+            stages::icp_option_table(), [](auto& o) -> auto& { return o.icp; }),
+        table_of(
+            stages::automatic_option_table(), [](auto& o) -> auto& { return o.alignment; }),
+        table_of(
+            stages::face_offset_option_table(), [](auto& o) -> auto& { return o.faces; })}},
+      {"edit",
+       &io::SceneFile::edit,
+       set_edit_key,
+       io::scene_edit_keys(),
+       {table_of(
+            stages::opening_option_table(), [](auto& o) -> auto& { return o.edit; }),
+        table_of(
+            stages::displacement_option_table(), [](auto& o) -> auto& { return o.displacement; })}},
+      {"render",
+       &io::SceneFile::render,
+       set_render_key,
+       {},
+       {table_of(
+            stages::render_option_table(), [](auto& o) -> auto& { return o.render; }),
+        table_of(
+            stages::coverage_option_table(), [](auto& o) -> auto& { return o.coverage; })}},
+      {"export",
+       &io::SceneFile::exporting,
+       set_export_key,
+       {},
+       {table_of(
+            export_option_table(), [](auto& o) -> auto& { return o.exporting; }),
+        table_of(
+            stages::atlas_option_table(), [](auto& o) -> auto& { return o.exporting.atlas; })}},
+  };
+  return all;
+}
+
+// A value as it stands on the command line: true, false, a number, else text, with or without quotes.
+OptionValue parse_value(const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  const char* const end = text.data() + text.size();
+  std::int64_t whole = 0;
+  if (const auto parsed = std::from_chars(text.data(), end, whole);
+      parsed.ec == std::errc() && parsed.ptr == end)
+    return whole;
+  double number = 0;
+  if (const auto parsed = std::from_chars(text.data(), end, number);
+      parsed.ec == std::errc() && parsed.ptr == end)
+    return number;
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
+  return text;
+}
+
 std::vector<OptionNote> notes_of_all_tables() {
-  const StageOptions defaults;
   std::vector<OptionNote> notes;
-  add_notes("planes", defaults, planes_rows(), notes);
-  add_notes("planes", defaults.resample, stages::resample_option_table(), notes);
-  add_notes("planes", defaults.squares, stages::square_plane_option_table(), notes);
-  add_notes("planes", defaults.superclusters, stages::supercluster_option_table(), notes);
-  notes.push_back({"register",
-                   "scale",
-                   "fixed",
-                   "",
-                   false,
-                   0,
-                   0,
-                   {"fixed", "free"},
-                   "whether ICP and landmarks find the scans' scale, too"});
-  add_notes("register", defaults.landmarks, landmark_rows(), notes);
-  add_notes("register", defaults, register_rows(), notes);
-  add_notes("register", defaults.icp, stages::icp_option_table(), notes);
-  add_notes("register", defaults.alignment, stages::automatic_option_table(), notes);
-  add_notes("register", defaults.faces, stages::face_offset_option_table(), notes);
-  add_notes("edit", defaults.edit, stages::opening_option_table(), notes);
-  add_notes("edit", defaults.displacement, stages::displacement_option_table(), notes);
-  add_notes("render", defaults.render, stages::render_option_table(), notes);
-  add_notes("render", defaults.coverage, stages::coverage_option_table(), notes);
-  add_notes("export", defaults.exporting, export_option_table(), notes);
-  add_notes("export", defaults.exporting.atlas, stages::atlas_option_table(), notes);
-  // What is "auto" by default is so there.
-  const Json used = describe(defaults);
-  for (OptionNote& note : notes)
+  for (const Section& section : sections()) {
+    if (section.name == "register")
+      notes.push_back({"register",
+                       "scale",
+                       "fixed",
+                       "",
+                       false,
+                       0,
+                       0,
+                       {"fixed", "free"},
+                       "whether ICP and landmarks find the scans' scale, too"});
+    for (const Table& table : section.tables) table.add_notes(section.name, notes);
+  }
+  const Json used = describe(StageOptions());
+  for (OptionNote& note : notes) {
     if (const Json& section = used.at(note.section); section.contains(note.key))
-      note.value = section.at(note.key);
-  // [scene] levelled, unless it is given.
-  for (OptionNote& note : notes)
-    if (note.section == "register" && note.key == "levelled") note.value = nullptr;
+      note.value = section.at(note.key);  // what is "auto" by default is so there
+    if (note.section == "register" && note.key == "levelled")
+      note.value = nullptr;  // [scene]'s, unless given
+  }
   return notes;
 }
 
@@ -291,7 +318,7 @@ void StageOptions::apply(const std::string& assignment) {
       std::find_if(sections().begin(), sections().end(), [&](const auto& s) { return s.name == name; });
   if (section == sections().end())
     fail_input("unknown section '{}'; expected planes, register, edit, render or export", name);
-  apply_key(*this, *section, key, parse_value(assignment.substr(equals + 1)));
+  section->set(*this, key, parse_value(assignment.substr(equals + 1)));
 }
 
 void StageOptions::set(const std::string& assignment) {
@@ -308,7 +335,7 @@ StageOptions read_stage_options(const io::SceneFile& scene, const std::vector<st
   for (const auto& section : sections())
     for (const auto& [key, option] : scene.*section.written)
       with_context(fmt::format("{}:{}: [{}]", scene.path.string(), option.line, section.name),
-                   [&, &k = key, &o = option] { apply_key(options, section, k, o.value); });
+                   [&, &k = key, &o = option] { section.set(options, k, o.value); });
   for (const auto& assignment : assignments) options.set(assignment);
   return options;
 }
@@ -320,29 +347,15 @@ bool asks_for_export(const io::SceneFile& scene, const std::vector<std::string>&
 }
 
 nlohmann::ordered_json describe(const StageOptions& options) {
-  Json planes = describe_table(options.resample, stages::resample_option_table());
-  planes.update(describe_table(options.squares, stages::square_plane_option_table()));
-  planes.update(describe_table(options.superclusters, stages::supercluster_option_table()));
-  if (options.auto_square) planes["square"] = "auto";
-  planes.update(describe_table(options, planes_rows()));
-  Json registration = describe_table(options.icp, stages::icp_option_table());
-  registration.update(describe_table(options.landmarks, landmark_rows()));
-  registration.update(describe_table(options, register_rows()));
-  registration.update(describe_table(options.alignment, stages::automatic_option_table()));
-  Json edit = describe_table(options.edit, stages::opening_option_table());
-  edit.update(describe_table(options.displacement, stages::displacement_option_table()));
-  Json render = describe_table(options.render, stages::render_option_table());
-  if (options.render.auto_sigma) render["sigma_px"] = "auto";
-  render.update(describe_table(options.coverage, stages::coverage_option_table()));
-  registration.update(describe_table(options.faces, stages::face_offset_option_table()));
-  registration["scale"] = options.icp.free_scale ? "free" : "fixed";
-  Json exporting = describe_table(options.exporting, export_option_table());
-  exporting.update(describe_table(options.exporting.atlas, stages::atlas_option_table()));
-  return {{"planes", planes},
-          {"register", registration},
-          {"edit", edit},
-          {"render", render},
-          {"export", exporting}};
+  Json json = Json::object();
+  for (const Section& section : sections()) {
+    Json& keys = json[section.name] = Json::object();
+    for (const Table& table : section.tables) table.describe(options, keys);
+  }
+  if (options.auto_square) json["planes"]["square"] = "auto";
+  if (options.render.auto_sigma) json["render"]["sigma_px"] = "auto";
+  json["register"]["scale"] = options.icp.free_scale ? "free" : "fixed";
+  return json;
 }
 
 }  // namespace hybrid::batch

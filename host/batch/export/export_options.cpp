@@ -17,23 +17,6 @@ const std::vector<OptionRow<ExportOptions>>& export_option_table() {
   return table;
 }
 
-bool set_export_option(ExportOptions& options, const std::string& key, const OptionValue& value) {
-  if (const auto* row = find_option(export_option_table(), key)) {
-    set_option(options, *row, value);
-    if (key == "formats") wanted_formats(options);
-    return true;
-  }
-  const auto* row = find_option(stages::atlas_option_table(), key);
-  if (row) set_option(options.atlas, *row, value);
-  return row != nullptr;
-}
-
-std::vector<std::string_view> export_option_names() {
-  auto names = option_names(export_option_table());
-  for (const auto name : option_names(stages::atlas_option_table())) names.push_back(name);
-  return names;
-}
-
 std::set<std::string> wanted_formats(const ExportOptions& options) {
   std::set<std::string> formats;
   std::string text = options.formats + ",", word;

@@ -17,9 +17,6 @@ struct ExportOptions {
 inline const std::set<std::string> kExportFormats = {"glb", "obj",    "ply", "las",
                                                      "e57", "colmap", "st",  "rib"};
 
-// Sets one key; false when there is none of that name. Throws ErrorKind::input.
-bool set_export_option(ExportOptions& options, const std::string& key, const OptionValue& value);
-std::vector<std::string_view> export_option_names();
 const std::vector<OptionRow<ExportOptions>>& export_option_table();  // without the atlas's
 
 // What `formats` says. Throws ErrorKind::input naming the word that is no format.

@@ -13,7 +13,7 @@ bool is_one_place(const Pose& a, const Pose& b);
 bool agree(const Pose& a, const Pose& b, double more_m = 0);
 
 // A pose in a scan's file is contradicted where of the scan's area so much is seen through by other scans, or
-// of theirs by it. Of 72 scans of churches right ones have 0.04 at most, those decimetres off 0.1 and more
+// of theirs by it. Of 60 scans of churches right ones have 0.04 at most, those decimetres off 0.1 and more
 // wherever there is something to compare.
 inline constexpr double kMostThroughRecorded = 0.05;
 

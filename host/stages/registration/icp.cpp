@@ -194,7 +194,6 @@ const std::vector<OptionRow<IcpOptions>>& icp_option_table() {
       {"tau", "", &O::tau, 0, 1, "point step: relative change of the mean square at which to stop", {}},
       {"scale_floor_m", "m", &O::scale_floor_m, 1e-6, 1, "least scale of the robust weights", {}},
       {"max_samples", "samples", &O::max_samples, 0, 1e9, "planar samples used, by area; 0 = all", {}},
-      {"free_scale", "", &O::free_scale, 0, 0, "fit the scan's scale too", {}},
       {"seed", "", &O::seed, 0, 2147483647, "of the draw of samples", {}},
   };
   return table;
