@@ -20,9 +20,9 @@ void add_convert(CLI::App& program, int& exit_code) {
   command
       ->add_option(
           "files", *files,
-          "IN and OUT: the scan file (" + io::scan_extensions() +
-              ") and the file to write (.e57, .exr, .ptx, .pts, .ply, .pcd or .las); before an .e57 also "
-              "several range images that were made from one")
+          "IN... and OUT: scan files (" + io::scan_extensions() +
+              ") and the file to write (.e57, .exr, .ptx, .pts, .ply, .pcd or .las); of several files the "
+              "scans go into one .e57 or .ptx")
       ->required()
       ->expected(2, kMostFiles);
   command->add_option("--index", request->index, "this scan of the file alone, from 0");

@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/error.hpp"
@@ -179,11 +180,12 @@ class RecordsConversion {
 bool converts_records(const ConvertRequest& request) {
   const std::string out = extension_of(request.out);
   if (out != ".e57" && out != ".exr") return false;
-  if (is_e57(request.in)) return true;
-  // Salvage reads samples; several inputs are range images.
-  if (is_las(request.in)) return request.more.empty() && !request.salvage;
-  return extension_of(request.in) == ".exr" && fs::is_regular_file(request.in) &&
-         io::holds_exr_records(request.in);
+  const auto is_image_with_records = [](const fs::path& file) {
+    return extension_of(file) == ".exr" && fs::is_regular_file(file) && io::holds_exr_records(file);
+  };
+  if (request.more.empty() && is_e57(request.in)) return true;
+  if (request.more.empty() && is_las(request.in)) return !request.salvage;  // which reads samples
+  return is_image_with_records(request.in) && std::ranges::all_of(request.more, is_image_with_records);
 }
 
 std::size_t photographs_in(const ConvertRequest& request) {

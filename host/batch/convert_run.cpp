@@ -17,10 +17,20 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
+struct Input {
+  fs::path file;
+  io::ScanEntry scan;
+};
 struct Output {
   fs::path file;
-  std::vector<io::ScanEntry> scans;
+  std::vector<Input> scans;
 };
+
+std::vector<fs::path> inputs_of(const ConvertRequest& request) {
+  std::vector<fs::path> files{request.in};
+  files.insert(files.end(), request.more.begin(), request.more.end());
+  return files;
+}
 
 void check_output(const fs::path& file, const ConvertRequest& request, bool is_folder = false) {
   std::error_code code;
@@ -32,8 +42,8 @@ void check_output(const fs::path& file, const ConvertRequest& request, bool is_f
   if (!is_folder && fs::is_directory(file, code))
     fail(ErrorKind::usage, "{}: expected the name of a file, found a folder; add a name with an extension",
          file.string());
-  const auto is_it = [&](const fs::path& input) { return fs::equivalent(file, input, code); };
-  if (is_it(request.in) || std::ranges::any_of(request.more, is_it))
+  if (std::ranges::any_of(inputs_of(request),
+                          [&](const fs::path& input) { return fs::equivalent(file, input, code); }))
     fail(ErrorKind::usage, "{}: is the input itself; choose another name", file.string());
   if (!request.force)
     fail(ErrorKind::usage, "{}: is there already; choose another name or add --force to replace it",
@@ -42,17 +52,21 @@ void check_output(const fs::path& file, const ConvertRequest& request, bool is_f
 
 // What goes where, all names checked before anything is read or written.
 std::vector<Output> plan(const ConvertRequest& request, const io::ScanWriter& writer) {
-  auto entries = io::list_scans(request.in, {.salvage = request.salvage, .exact = true});
-  if (request.index) entries = {io::scan_at(request.in, entries, *request.index)};
+  std::vector<Input> scans;
+  for (const fs::path& file : inputs_of(request)) {
+    auto entries = io::list_scans(file, {.salvage = request.salvage, .exact = true});
+    if (request.index) entries = {io::scan_at(file, entries, *request.index)};
+    for (io::ScanEntry& entry : entries) scans.push_back({file, std::move(entry)});
+  }
   std::vector<Output> outputs;
-  if (writer.several || entries.size() == 1) {
-    outputs.push_back({request.out, std::move(entries)});
+  if (writer.several || scans.size() == 1) {
+    outputs.push_back({request.out, std::move(scans)});
   } else {
-    for (const auto& entry : entries)
+    for (const Input& input : scans)
       outputs.push_back(
-          {request.out.parent_path() / fmt::format("{}-{}{}", request.out.stem().string(), entry.index,
+          {request.out.parent_path() / fmt::format("{}-{}{}", request.out.stem().string(), input.scan.index,
                                                    request.out.extension().string()),
-           {entry}});
+           {input}});
   }
   for (const Output& output : outputs) check_output(output.file, request);
   return outputs;
@@ -61,7 +75,13 @@ std::vector<Output> plan(const ConvertRequest& request, const io::ScanWriter& wr
 class Conversion {
  public:
   Conversion(const ConvertRequest& request, const io::ScanWriter& writer)
-      : request_(request), writer_(writer), photographs_(photographs_in(request)) {}
+      : request_(request), writer_(writer) {
+    for (const fs::path& file : inputs_of(request)) {
+      ConvertRequest of_file = request;
+      of_file.in = file;
+      photographs_ += photographs_in(of_file);
+    }
+  }
 
   ConvertRun go() {
     ConvertRun run;
@@ -75,6 +95,7 @@ class Conversion {
     }
     if (written.empty()) throw Error(last_failure_.value());
     run.summary = {{"input", request_.in.string()}, {"outputs", written}, {"failures", failures_}};
+    for (const fs::path& file : request_.more) run.summary["more_inputs"].push_back(file.string());
     run.exit_code = failures_.empty() ? 0 : 3;
     return run;
   }
@@ -96,9 +117,10 @@ class Conversion {
             {"scans", scans_}};
   }
 
-  std::unique_ptr<io::ScanStream> open(const io::ScanEntry& entry) {
+  std::unique_ptr<io::ScanStream> open(const Input& input) {
+    const io::ScanEntry& entry = input.scan;
     try {
-      auto scan = io::stream_scan(request_.in, entry);
+      auto scan = io::stream_scan(input.file, entry);
       tell(*scan);
       return scan;
     } catch (const Error& error) {
@@ -117,7 +139,9 @@ class Conversion {
       losses.dropped.push_back(fmt::format("photographs ({})", photographs_));
     for (const auto& note : scan.notes) log::warning("scan {}: {}", scan.name, note);
     if (!losses.dropped.empty())
-      log::warning("scan {}: dropped, {} cannot hold it: {}", scan.name, writer_.name,
+      log::warning("scan {}: dropped, {}: {}", scan.name,
+                   request_.more.empty() ? fmt::format("{} cannot hold it", writer_.name)
+                                         : fmt::format("{} of several files has none of it", writer_.name),
                    fmt::join(losses.dropped, ", "));
     for (const auto& change : losses.changed) log::warning("scan {}: {}", scan.name, change);
     scans_.push_back({{"name", scan.name},
@@ -129,7 +153,7 @@ class Conversion {
 
   const ConvertRequest& request_;
   const io::ScanWriter& writer_;
-  std::size_t photographs_;
+  std::size_t photographs_ = 0;
   Json scans_ = Json::array(), failures_ = Json::array();
   std::optional<Error> last_failure_;
 };
@@ -147,14 +171,17 @@ bool damaged_description(const ConvertRequest& request) {
 }
 
 bool keeps_records(const ConvertRequest& request) {
-  const bool keeps = converts_records(request);
-  if (!keeps && !request.more.empty())
-    fail(ErrorKind::usage,
-         "{}: expected one input, or the range images of one E57 file and an .e57 to write, found {} inputs; "
-         "convert "
-         "each by itself",
-         request.more.front().string(), 1 + request.more.size());
-  return keeps;
+  const io::ScanWriter& writer = io::writer_for(request.out);
+  if (!request.more.empty() && request.index)
+    fail(ErrorKind::usage, "--index: expected one input, which has that scan, found {}",
+         1 + request.more.size());
+  if (!request.more.empty() && !writer.several)
+    fail(
+        ErrorKind::usage,
+        "{}: expected one input, as a file of {} holds one scan, found {}; convert each by itself, or choose "
+        "an .e57",
+        request.out.string(), writer.name, 1 + request.more.size());
+  return converts_records(request);
 }
 
 // Of a conversion of records.
@@ -189,7 +216,7 @@ DryRun try_convert(const ConvertRequest& request) {
   bool good = false;
   for (const Output& output : plan(request, io::writer_for(request.out))) {
     std::string line = fmt::format("would write {}:", output.file.string());
-    for (const auto& entry : output.scans) {
+    for (const auto& [file, entry] : output.scans) {
       if (entry.problem.empty())
         line += fmt::format(" {} ({} samples)", entry.name, entry.samples);
       else

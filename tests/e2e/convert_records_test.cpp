@@ -120,7 +120,7 @@ TEST_F(ConvertRecords, WhatIsWrongIsNamed) {
     EXPECT_FALSE(fs::exists(folder_ / "c.e57"));
   };
   refused("b-0.exr b-1.exr c.e57", 4, "found another file's; convert each by itself");
-  refused("a.ptx b-1.exr c.e57", 2, "expected one input");
+  refused("a.ptx b-1.exr c.pcd", 2, "expected one input");
   refused("b-0.exr b-0.exr c.e57", 4, "found scan 0 again");
   refused("b-0.exr b-1.exr c.ply", 2, "expected one input");
   refused("a.e57 b.exr", 2, "b-0.exr: is there already");

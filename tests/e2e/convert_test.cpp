@@ -85,6 +85,42 @@ TEST_F(Convert, SeveralScansGoIntoNumberedFilesOrOne) {
   EXPECT_EQ(bytes("d.ply"), bytes("b-1.ply"));
 }
 
+// Of several E57 files the first one's scans alone were written, without a word.
+TEST_F(Convert, ScansOfSeveralFilesGoIntoOne) {
+  write("a.ptx", scan_ + other_);
+  write("b.ptx", other_);
+  write("together.ptx", scan_ + other_ + other_);
+  for (const char* file : {"a", "b"}) {
+    const std::string name = file;
+    EXPECT_EQ(hybrid("convert " + name + ".ptx " + name + ".e57").exit_code, 0);
+  }
+  const Outcome outcome = hybrid("convert a.e57 b.e57 c.e57");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "c.e57: 3 scans, 12 samples")) << outcome.out;
+  EXPECT_EQ(hybrid("convert c.e57 c.ptx").exit_code, 0);
+  EXPECT_EQ(hybrid("convert together.ptx direct.ptx").exit_code, 0);
+  EXPECT_EQ(bytes("c.ptx"), bytes("direct.ptx"));
+  // Formats may be mixed, and a file may be there twice.
+  EXPECT_EQ(hybrid("convert a.ptx b.e57 d.ptx").exit_code, 0);
+  EXPECT_EQ(bytes("d.ptx"), bytes("direct.ptx"));
+  EXPECT_EQ(hybrid("convert a.ptx b.e57 b.ptx e.ptx --json").exit_code, 0);
+  EXPECT_EQ(Json::parse(hybrid("info e.ptx --json").out)["scans"].size(), 4u);
+  const Outcome told = hybrid("convert a.ptx b.e57 f.e57 --dry-run");
+  EXPECT_TRUE(holds(told.out, "would write f.e57: a-0 (4 samples) a-1 (4 samples) b (4 samples)"))
+      << told.out;
+  expect_refused("convert a.e57 b.e57 f.ply", 2,
+                 {"f.ply: expected one input", "PLY holds one scan, found 2"});
+  expect_refused("convert a.e57 b.e57 f.e57 --index 0", 2, {"--index: expected one input"});
+  expect_refused("convert a.e57 missing.e57 f.e57", 4, {"missing.e57: no such file"});
+  expect_refused("convert a.e57 b.e57 b.e57", 2, {"b.e57: is the input itself"});
+  EXPECT_FALSE(fs::exists(folder_ / "f.e57"));
+  write("bad.ptx", kHeader + "0 0 0 1\n1 x 3\n" + kPoints.substr(kPoints.find('\n') + 1));
+  const Outcome some = hybrid("convert a.ptx bad.ptx b.ptx g.e57");
+  EXPECT_EQ(some.exit_code, 3);
+  EXPECT_TRUE(holds(some.out, "failed: scan bad: ")) << some.out;
+  EXPECT_EQ(Json::parse(hybrid("info g.e57 --json").out)["scans"].size(), 3u);
+}
+
 TEST_F(Convert, ADamagedScanDoesNotStopTheOthers) {
   write("a.ptx", kHeader + "0 0 0 1\n1 x 3\n" + kPoints.substr(kPoints.find('\n') + 1) + other_);
   const Outcome outcome = hybrid("convert a.ptx b.ptx");
