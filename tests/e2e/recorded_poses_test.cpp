@@ -36,7 +36,10 @@ class RecordedSurvey {
   // Writes into each file what `moved` makes of its pose in the survey's frame.
   void record(const std::function<Pose(const std::string&, const Pose&)>& moved) {
     const Pose survey{1, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vec3::UnitZ())), {400, -30, 12}};
-    for (const auto& [id, pose] : truth_) record(id, moved(id, survey * pose));
+    for (const auto& [id, pose] : truth_) {
+      recorded_[id] = moved(id, survey * pose);
+      record(id, recorded_[id]);
+    }
   }
   void keep_landmarks_of(const std::string& scan) {
     for (auto at = scene_.find("landmarks = ["); at != std::string::npos;
@@ -45,6 +48,22 @@ class RecordedSurvey {
       if (scene_.compare(id, scan.size() + 1, scan + "\"") == 0) continue;
       scene_.erase(at, scene_.find("\n]\n", at) + 3 - at);
       --at;
+    }
+  }
+  // As another program shows them, which puts the scan where its file has it.
+  void pick_in_file_coordinates(const std::string& scan) {
+    const Pose pose = recorded_.at(scan);
+    const std::string pick = "{ scan = [";
+    for (auto at = scene_.find(pick); at != std::string::npos; at = scene_.find(pick, at + 1)) {
+      const auto begin = at + pick.size();
+      Vec3 p;
+      char comma = 0;
+      std::istringstream(scene_.substr(begin)) >> p.x() >> comma >> p.y() >> comma >> p.z();
+      const Vec3 there = pose * p;
+      std::ostringstream text;
+      text.precision(12);
+      text << there.x() << ", " << there.y() << ", " << there.z();
+      scene_.replace(begin, scene_.find(']', begin) - begin, text.str());
     }
   }
   void take_model_out() {
@@ -95,7 +114,7 @@ class RecordedSurvey {
 
   Scratch scratch_;
   std::string scene_;
-  std::map<std::string, Pose> truth_;
+  std::map<std::string, Pose> truth_, recorded_;
 };
 
 Pose as_it_is(const std::string&, const Pose& pose) {
@@ -125,6 +144,37 @@ TEST(RecordedPoses, landmarks_of_one_scan_place_a_survey_that_was_registered_bef
   }
   EXPECT_EQ(survey.pose("chancel")["recorded"]["beside"], "nave");
   EXPECT_NE(outcome.out.find("from its file's pose beside scan nave"), std::string::npos) << outcome.out;
+}
+
+// They may be picked where the file has the scan, as most programs show it.
+TEST(RecordedPoses, landmarks_may_be_in_the_coordinates_of_the_file) {
+  RecordedSurvey survey(3);
+  survey.record(as_it_is);
+  survey.keep_landmarks_of("nave");
+  survey.pick_in_file_coordinates("nave");
+  const auto outcome = survey.register_all();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("scan nave: its landmarks are not in the scan's frame"), std::string::npos)
+      << outcome.err;
+  const auto errors = survey.errors_mm();
+  ASSERT_EQ(errors.size(), 3u);
+  for (const auto& [id, error] : errors) EXPECT_LT(error, 0.5) << id;
+  EXPECT_EQ(survey.pose("nave")["how"], "landmarks");
+  ASSERT_EQ(survey.pose("nave")["warnings"].size(), 1u);
+}
+
+// Without the pose that they go with, ICP from hundreds of metres off finds the church turned by half.
+TEST(RecordedPoses, landmarks_that_lead_far_away_place_nothing) {
+  RecordedSurvey survey(3);
+  survey.record(as_it_is);
+  survey.keep_landmarks_of("nave");
+  survey.pick_in_file_coordinates("nave");
+  survey.record([](const std::string&, const Pose&) { return Pose(); });
+  EXPECT_EQ(survey.register_all().exit_code, 3);
+  EXPECT_EQ(survey.pose("nave")["status"], "abstained");
+  EXPECT_NE(survey.pose("nave")["reason"].get<std::string>().find("more than 2 m or 40 degrees"),
+            std::string::npos)
+      << survey.pose("nave")["reason"];
 }
 
 // All identities say nothing: as if there were none.

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batch/registration/recorded_poses.hpp"
 #include "batch/registration/registration_json.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
 #include "core/parallel_blocks.hpp"
+#include "geometry/angles.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
 #include "stages/registration/automatic_checks.hpp"
@@ -229,13 +231,25 @@ std::string refused_in_words(const ScanRegistration& result, const std::string& 
                        : "Check the pose (world_from_scan, row by row, metres), or give 3 or more landmarks");
 }
 
+// From farther off ICP finds some other place, which may fit as well.
+constexpr double kFarthestLed_m = 2, kFarthestLedDeg = 40;
+
+std::string led_away(const ScanRegistration& result, const StageOptions& options) {
+  const auto moved = difference(result.start, result.world_from_scan());
+  const double scale = options.icp.free_scale ? result.world_from_scan().scale : 1;
+  if (moved.within(kFarthestLed_m * scale, kFarthestLedDeg * kDegree)) return "";
+  return fmt::format("it lies {:.2f} m and {:.1f} degrees from there, more than {:.3g} m or {} degrees",
+                     moved.distance_m, moved.angle_rad / kDegree, kFarthestLed_m * scale, kFarthestLedDeg);
+}
+
 // Takes a pose back that was not found by the planes' evidence and that this contradicts.
 void judge(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
            ScanRegistration& result) {
   if (result.how == "automatic") return;
-  const auto evidence =
+  auto evidence =
       stages::judge_pose(queue, result.evidence, model, result.icp, options.icp, options.alignment);
   result.planar_area = evidence.shares;
+  if (evidence.contradiction.empty()) evidence.contradiction = led_away(result, options);
   if (evidence.contradiction.empty()) return;
   const auto diagnosis = stages::diagnose_pose(queue, result.evidence, model, result.world_from_scan().scale,
                                                evidence.shares.supported, options.alignment);
@@ -295,6 +309,32 @@ void refine_to_model(device::Queue& queue, const stages::ProxyModel& model, cons
   result.faces = faces_under(model, options, product, result);
 }
 
+namespace {
+
+// Other programs show a scan's points as its file's pose has them, and picks are taken there.
+bool placed_by_file_picks(device::Queue& queue, const stages::ProxyModel& model, const StageOptions& options,
+                          const ScanProduct& product, ScanRegistration& result) {
+  if (!result.landmarks || !product.recorded_pose) return false;
+  ScanRegistration other = result;
+  other.start = result.landmarks->world_from_scan * *product.recorded_pose;
+  if (is_one_place(other.start, result.start)) return false;
+  refine_to_model(queue, model, options, product, other);
+  const auto evidence =
+      stages::judge_pose(queue, other.evidence, model, other.icp, options.icp, options.alignment);
+  if (!evidence.contradiction.empty() || !led_away(other, options).empty()) return false;
+  other.planar_area = evidence.shares;
+  other.refusal.clear();
+  other.abstained = false;
+  warn(product,
+       "its landmarks are not in the scan's frame, with the scanner at the origin, but in the file's "
+       "coordinates, whose pose it has: they are taken so",
+       other);
+  result = std::move(other);
+  return true;
+}
+
+}  // namespace
+
 ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                            const StageOptions& options, const ScanProduct& product, Progress& progress) {
   const std::string unit = "scan " + product.id;
@@ -311,8 +351,10 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
     return result;
   }
   refine_to_model(queue, model, options, product, result);
-  check_overlap(model.polygons(), result);
-  judge(queue, model, options, result);
+  const bool near = result.icp.overlap >= kLeastOverlap;
+  if (near) judge(queue, model, options, result);
+  if ((!near || result.abstained) && !placed_by_file_picks(queue, model, options, product, result))
+    check_overlap(model.polygons(), result);
   if (result.abstained) return result;
   if (!result.icp.converged)
     warn(product,

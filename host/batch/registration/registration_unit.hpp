@@ -123,10 +123,12 @@ struct ScanRegistration {
 // METHOD 5 to 7: landmarks, the scene's pose or the automatic alignment give the start; tile ICP, then ICP on
 // the planar samples the result, or, where the proxy's faces are off, pose and face offsets together; a pose
 // with fixed = true is final. Landmarks that do not belong together place nothing: then the planes alone do,
-// where [register] automatic lets them. A scan whose automatic alignment abstains and that has no landmarks,
-// or such ones, is returned without a pose, and so is one whose planes contradict what ICP found from
-// landmarks or the scene's pose (stages/registration/pose_evidence.hpp). Throws ErrorKind::input when neither
-// landmarks nor a pose are given and [register] automatic = "never".
+// where [register] automatic lets them. Landmarks that place nothing in the scan's frame may be in the file's
+// coordinates, by the pose in it; then they are taken so, with a warning. A scan whose automatic alignment
+// abstains and that has no landmarks, or such ones, is returned without a pose, and so is one whose planes
+// contradict what ICP found from landmarks or the scene's pose (stages/registration/pose_evidence.hpp), or
+// that it led farther than 2 m or 40 degrees from there. Throws ErrorKind::input when neither landmarks nor a
+// pose are given, nor one in the file, and [register] automatic = "never".
 ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, const stages::ProxyModel& model,
                            const StageOptions& options, const ScanProduct& product, Progress& progress);
 
