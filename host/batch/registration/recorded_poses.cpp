@@ -96,7 +96,7 @@ std::optional<RecordedPoses::Start> RecordedPoses::start_by(std::size_t i, std::
   return Start{pose, others.front()};
 }
 
-// On the one beside it that holds it most; nothing where none holds it firmly.
+// On those beside it that hold it firmly, until it agrees with one; where none does, it says nothing.
 void RecordedPoses::ask(std::size_t i, RecordedWord& word) {
   auto others = nearest(i);
   others.resize(std::min(others.size(), kAsked));
