@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "geometry/pose.hpp"
 #include "io/output.hpp"
@@ -48,6 +50,31 @@ class RecordedSurvey {
       if (scene_.compare(id, scan.size() + 1, scan + "\"") == 0) continue;
       scene_.erase(at, scene_.find("\n]\n", at) + 3 - at);
       --at;
+    }
+  }
+  // On the model's corners opposite, about the middle between those that were picked.
+  void turn_landmarks_by_half(const std::string& scan) {
+    const std::string pick = "model = [";
+    const auto begin = scene_.find("id = \"" + scan + "\""), end = scene_.find("[[scan]]", begin);
+    std::vector<Vec3> corners;
+    std::vector<std::size_t> places;
+    for (auto at = scene_.find(pick, begin); at < std::min(end, scene_.find("[model]"));
+         at = scene_.find(pick, at + 1)) {
+      Vec3 p;
+      char comma = 0;
+      std::istringstream(scene_.substr(at + pick.size())) >> p.x() >> comma >> p.y() >> comma >> p.z();
+      corners.push_back(p);
+      places.push_back(at + pick.size());
+    }
+    ASSERT_FALSE(corners.empty());
+    const auto by_y = [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); };
+    const auto [low, high] = std::minmax_element(corners.begin(), corners.end(), by_y);
+    const double both = low->y() + high->y();
+    for (std::size_t k = corners.size(); k-- > 0;) {
+      std::ostringstream text;
+      text.precision(12);
+      text << -corners[k].x() << ", " << both - corners[k].y() << ", " << corners[k].z();
+      scene_.replace(places[k], scene_.find(']', places[k]) - places[k], text.str());
     }
   }
   // As another program shows them, which puts the scan where its file has it.
@@ -161,6 +188,18 @@ TEST(RecordedPoses, landmarks_may_be_in_the_coordinates_of_the_file) {
   for (const auto& [id, error] : errors) EXPECT_LT(error, 0.5) << id;
   EXPECT_EQ(survey.pose("nave")["how"], "landmarks");
   ASSERT_EQ(survey.pose("nave")["warnings"].size(), 1u);
+}
+
+// Of a church that fits itself turned by half no plane tells that landmarks were picked on the wrong side.
+TEST(RecordedPoses, a_scan_that_landmarks_turn_by_half_is_told) {
+  RecordedSurvey survey(3);
+  survey.record(as_it_is);
+  survey.turn_landmarks_by_half("chancel");
+  const auto outcome = survey.register_all();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto warnings = survey.pose("chancel")["warnings"].dump();
+  EXPECT_NE(warnings.find("180.0 degrees from there, beside scan nave"), std::string::npos) << warnings;
+  EXPECT_FALSE(survey.pose("front").dump().find("degrees from there, beside") != std::string::npos);
 }
 
 // Without the pose that they go with, ICP from hundreds of metres off finds the church turned by half.

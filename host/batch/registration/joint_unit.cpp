@@ -278,6 +278,10 @@ void NeighbourRegistration::refine(Registrations& registrations, Registrations& 
   if (options_.joint && model_ != nullptr) hold_slides(registrations);
   if (options_.joint && count_of(registrations) > 1) figures_ = refine_all(registrations);
   if (model_ == nullptr) scan_to_scan_.describe(registrations);
+  for (std::size_t i = 0; model_ != nullptr && i < products_.size(); ++i)
+    if (registrations[i])
+      if (const auto words = recorded_.contradiction_of(i, registrations); !words.empty())
+        warn(products_[i], words, *registrations[i]);
   for (Registrations& island : islands_) tell_island(island, abstentions);
   for (std::size_t i = 0; i < products_.size(); ++i)
     if (abstentions[i]) abstentions[i]->places = places_of(i, *abstentions[i], registrations);

@@ -127,6 +127,18 @@ const RecordedWord& RecordedPoses::word() {
   return *word_;
 }
 
+std::string RecordedPoses::contradiction_of(std::size_t i, const Registrations& registrations) {
+  const auto by_file = start_of(i, registrations);
+  const Pose& pose = registrations[i]->world_from_scan();
+  if (!by_file || is_one_place(by_file->world_from_scan, pose) || !word().is_trusted()) return "";
+  const auto apart = difference(by_file->world_from_scan, pose);
+  return fmt::format(
+      "its file has it {:.2f} m and {:.1f} degrees from there, beside scan {}, and the files' poses of {} "
+      "scans "
+      "agree with what these see of each other: check the landmarks, or poses, of both",
+      apart.distance_m, apart.angle_rad / kDegree, products_[by_file->by].id, word().agree);
+}
+
 void RecordedPoses::keep(std::size_t i, const Start& start, ScanRegistration& one) {
   one.unjudged = true;
   one.held_by_model = false;

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "batch/registration/scan_to_scan.hpp"
@@ -39,6 +40,10 @@ class RecordedPoses {
 
   // Found when first asked for.
   const RecordedWord& word();
+
+  // Of a scan that has a pose: that by the word of the files, if they are trusted, it or the nearest of the
+  // others stands elsewhere; "" = not.
+  std::string contradiction_of(std::size_t i, const Registrations& registrations);
 
   // That a scan has its file's pose, by that of scan `by`, as nothing else tells: into `one`, with a warning.
   void keep(std::size_t i, const Start& start, ScanRegistration& one);
