@@ -1,7 +1,7 @@
 #include "batch/planes_run.hpp"
 
-#include "batch/e57_images.hpp"
 #include "batch/output_folder.hpp"
+#include "batch/photographs/e57_images.hpp"
 #include "batch/planes_json.hpp"
 #include "batch/scene_scan.hpp"
 #include "batch/timing_json.hpp"

@@ -1,5 +1,7 @@
 #include "batch/render_unit.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <map>
 
@@ -19,18 +21,19 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kLeaveOneOut = "leave-one-out/";  // what such views' names begin with
 constexpr std::string_view kPair = "-pair";             // what a view's comparison adds to its name
 
-// The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's
-// centre moves with the world's scale, its image does not change.
-Pose camera_in_world(const Pose& cam_from_photographs, const Pose& world_from_photographs) {
-  Pose world_from_cam = world_from_photographs * cam_from_photographs.inverse();
-  world_from_cam.scale = 1;
-  return world_from_cam.inverse();
+// Photographs agree with others no worse where cameras and surfaces are right (Renderer::agreements).
+constexpr double kLeastAgreement = 0.5;
+
+bool is_doubtful(const stages::PhotographAgreement& agreement) {
+  return agreement.points == 0 || (agreement.correlation && *agreement.correlation < kLeastAgreement);
 }
 
-int photograph_index(const PhotographSet& photographs, const std::string& name) {
-  for (std::size_t i = 0; i < photographs.cameras.size(); ++i)
-    if (photographs.cameras[i].name == name) return static_cast<int>(i);
-  return -1;
+std::string some_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 3;
+  const std::vector<std::string> first(
+      names.begin(), names.begin() + static_cast<std::ptrdiff_t>(std::min(kMost, names.size())));
+  return fmt::format("{}{}", fmt::join(first, ", "),
+                     names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "");
 }
 
 // What a view has of the scene, of the pixels that are the photograph's own (its alpha is not 0).
@@ -130,75 +133,6 @@ std::vector<stages::Curtain> curtains_of(const std::vector<ScanProduct>& product
 
 }  // namespace
 
-std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
-                                                    const std::vector<Photograph>& cameras) {
-  if (!section.e57_files.empty()) return section.e57_files;
-  std::vector<std::filesystem::path> files, missing;
-  for (const Photograph& photograph : cameras) {
-    files.push_back(section.images / photograph.name);
-    std::error_code code;
-    if (!std::filesystem::exists(files.back(), code)) missing.push_back(files.back());
-  }
-  if (!missing.empty())
-    fail_input(
-        "{}: no such file, and {} of {} photographs in all are missing; put them there, set [photographs] "
-        "images "
-        "to the folder that the names of {} start from, or take their cameras out",
-        missing.front().string(), missing.size(), files.size(), section.cameras.path.string());
-  return files;
-}
-
-PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage,
-                               std::size_t decoded_bytes) {
-  PhotographSet set;
-  if (!section.e57_files.empty()) {
-    set.pixels = std::make_shared<KeptPhotographs>(decoded_bytes);
-    E57PhotographSet found = read_e57_photographs(section.e57_files, salvage);
-    set.cameras = std::move(found.cameras);
-    for (Image8& image : found.pixels) set.pixels->add(std::move(image));
-    set.anchors = std::move(found.anchors);
-    set.frames = std::move(found.frames);
-    set.files = section.e57_files;
-    return set;
-  }
-  const io::CameraFile cameras = io::read_cameras(section.cameras, section.images);
-  for (const std::string& note : cameras.notes) log::warning("{}: {}", section.cameras.path.string(), note);
-  set.cameras = cameras.photographs;
-  set.files = photograph_files(section, set.cameras);
-  std::uint64_t all_bytes = 0;
-  for (const Photograph& photograph : set.cameras)
-    all_bytes += 3 * static_cast<std::uint64_t>(photograph.camera.width) *
-                 static_cast<std::uint64_t>(photograph.camera.height);
-  set.pixels = std::make_shared<KeptPhotographs>(decoded_bytes, all_bytes);
-  const Pose world_from_photographs =
-      section.world_from_photographs ? pose_from_row_major(*section.world_from_photographs) : Pose();
-  std::vector<KeptPhotographs::File> files;
-  for (std::size_t i = 0; i < set.cameras.size(); ++i) {
-    Photograph& photograph = set.cameras[i];
-    photograph.cam_from_world = camera_in_world(photograph.cam_from_world, world_from_photographs);
-    files.push_back({set.files[i], photograph.camera.width, photograph.camera.height});
-  }
-  set.pixels->add(files);
-  return set;
-}
-
-void place_photographs(const io::SceneFile::Photographs& section, const std::vector<PlacedScan>& scans,
-                       PhotographSet& photographs) {
-  photographs.placed_with.clear();
-  for (std::size_t i = 0; i < photographs.anchors.size(); ++i) {
-    const E57Anchor& anchor = photographs.anchors[i];
-    PlacedCamera placed;
-    if (section.world_from_photographs)
-      placed = {camera_in_world(anchor.file_from_cam.inverse(),
-                                pose_from_row_major(*section.world_from_photographs)),
-                "world_from_photographs"};
-    else
-      placed = place_camera(anchor, photographs.frames, scans);
-    photographs.cameras[i].cam_from_world = placed.cam_from_world;
-    photographs.placed_with.push_back(placed.with);
-  }
-}
-
 stages::RenderScene build_render_scene(const PolygonModel& model, const std::vector<ScanProduct>& products,
                                        const std::vector<std::optional<ScanRegistration>>& registrations,
                                        const PhotographSet& photographs, const WorldContours& contours,
@@ -232,9 +166,7 @@ stages::ViewRequest view_request(const io::SceneView& view, const PhotographSet&
   if (view.photograph.empty()) {
     request.camera = io::camera_of(view);
   } else {
-    const int index = photograph_index(photographs, view.photograph);
-    if (index < 0) fail_input("photograph '{}': no camera of that name in the camera model", view.photograph);
-    request.camera = photographs.cameras[static_cast<std::size_t>(index)];
+    request.camera = photographs.cameras[photograph_index(photographs.cameras, view.photograph)];
   }
   request.show = view.show;
   request.texture = view.texture;
@@ -292,7 +224,7 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
   const bool left_out =
       std::find(view.leave_out.begin(), view.leave_out.end(), view.photograph) != view.leave_out.end();
   if (view.texture && !view.photograph.empty() && left_out) {
-    const auto index = static_cast<std::size_t>(photograph_index(photographs, view.photograph));
+    const auto index = photograph_index(photographs.cameras, view.photograph);
     const auto photograph = photographs.pixels->get(index);
     const auto mask = compared_mask(rendered, *photograph);
     const auto quality = stages::compare_images(rendered.colour, *photograph, mask);
@@ -313,9 +245,42 @@ Json render_view(stages::Renderer& renderer, const io::SceneView& view, const Ph
 
 Json equalisation_figures(const stages::Renderer& renderer, const PhotographSet& photographs) {
   Json rows = Json::array();
-  for (std::size_t i = 0; i < photographs.cameras.size(); ++i)
-    rows.push_back({{"photograph", photographs.cameras[i].name}, {"gain", renderer.gains()[i]}});
+  for (std::size_t i = 0; i < photographs.cameras.size(); ++i) {
+    const auto& agreement = renderer.agreements()[i];
+    Json row = {{"photograph", photographs.cameras[i].name},
+                {"gain", renderer.gains()[i]},
+                {"points", agreement.points},
+                {"agreement", agreement.correlation ? Json(*agreement.correlation) : Json()}};
+    if (is_doubtful(agreement)) row["doubtful"] = true;
+    rows.push_back(std::move(row));
+  }
   return rows;
+}
+
+void warn_of_disagreement(const stages::Renderer& renderer, const PhotographSet& photographs) {
+  std::vector<std::string> blind, odd;
+  double worst = 1;
+  for (std::size_t i = 0; i < renderer.agreements().size(); ++i) {
+    const auto& agreement = renderer.agreements()[i];
+    if (agreement.points == 0) blind.push_back(photographs.cameras[i].name);
+    if (!agreement.correlation || !is_doubtful(agreement)) continue;
+    odd.push_back(photographs.cameras[i].name);
+    worst = std::min(worst, *agreement.correlation);
+  }
+  const bool most = 2 * (blind.size() + odd.size()) > photographs.cameras.size();
+  const char* remedy =
+      most ? "the cameras' frame may be another than the model's: give [photographs] landmarks, or "
+             "world_from_photographs (host/io/scene/README.md)"
+           : "check these cameras, and whether model and scans have what they show";
+  if (!blind.empty())
+    log::warning("{} of {} photographs see nothing of model and scans ({}); {}", blind.size(),
+                 photographs.cameras.size(), some_of(blind), remedy);
+  if (!odd.empty())
+    log::warning(
+        "{} of {} photographs ({}) do not show what others show of the same surface (agreement down to "
+        "{:.2f}, "
+        "expected {} and more), which comes out in wrong colours; {}",
+        odd.size(), photographs.cameras.size(), some_of(odd), worst, kLeastAgreement, remedy);
 }
 
 Json sigma_figures(const stages::Renderer& renderer) {

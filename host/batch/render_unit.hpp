@@ -4,35 +4,11 @@
 #include <vector>
 
 #include "batch/drawn_samples.hpp"
-#include "batch/e57_images.hpp"
-#include "batch/kept_photographs.hpp"
+#include "batch/photographs/photograph_set.hpp"
 #include "batch/registration/registration_unit.hpp"
 #include "io/scene/scene_file.hpp"
 
 namespace hybrid::batch {
-
-// The photographs of a scene: cameras in the model's frame, pixels decoded and checked against their cameras'
-// sizes; as many decoded photographs as KeptPhotographs' budget holds are in memory.
-struct PhotographSet {
-  std::vector<Photograph> cameras;
-  std::shared_ptr<KeptPhotographs> pixels = std::make_shared<KeptPhotographs>();
-  std::vector<std::filesystem::path> files;
-  // Photographs out of E57 files, whose cameras stand in the file's frame until place_photographs.
-  std::vector<E57Anchor> anchors;  // one per camera, or none
-  std::vector<E57Frame> frames;
-  std::vector<std::string> placed_with;  // per camera, after place_photographs
-};
-// Every photograph's file, all checked to be there before any is decoded. Throws ErrorKind::input naming the
-// first and telling how many there are.
-std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
-                                                    const std::vector<Photograph>& cameras);
-// In salvage a picture inside an E57 file that cannot be read is left out with a warning.
-PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage = false,
-                               std::size_t decoded_bytes = std::size_t{1} << 30);
-// Cameras out of E57 files into the world: by world_from_photographs where the scene file has it, else with
-// the scans (place_camera). Does nothing to other photographs.
-void place_photographs(const io::SceneFile::Photographs& section, const std::vector<PlacedScan>& scans,
-                       PhotographSet& photographs);
 
 // Proxy, contour polygons and retained samples of all registered scans (as splats), photographs (METHOD 10).
 // Needs products[].drawn (choose_drawn_samples, whose `contours` these are). With `unseen_m` (RenderOptions)
@@ -59,9 +35,14 @@ nlohmann::ordered_json leave_one_out_figures(const nlohmann::ordered_json& views
 nlohmann::ordered_json render_view(stages::Renderer& renderer, const io::SceneView& view,
                                    const PhotographSet& photographs, const std::filesystem::path& out);
 
-// Gains of every photograph's channels (`[render] equalise`).
+// Gains of every photograph's channels, points of the surface that it sees, and how well it agrees with the
+// other photographs there (`[render] equalise`).
 nlohmann::ordered_json equalisation_figures(const stages::Renderer& renderer,
                                             const PhotographSet& photographs);
+
+// Warns of photographs that see nothing of the scene, or agree so little with the others on what they see
+// that cameras or surfaces must be wrong. Says nothing without `[render] equalise`.
+void warn_of_disagreement(const stages::Renderer& renderer, const PhotographSet& photographs);
 
 // sigma_px = "auto": what was chosen and what was tried; null otherwise.
 nlohmann::ordered_json sigma_figures(const stages::Renderer& renderer);

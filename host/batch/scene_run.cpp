@@ -89,6 +89,9 @@ class Run {
       run_.photographs =
           read_photographs(*run_.scene.photographs, request_.salvage,
                            (std::size_t{1} << 18) * static_cast<std::size_t>(options_.render.photograph_mb));
+      if (run_.model)
+        place_by_landmarks(*run_.scene.photographs, *run_.model, options_.landmarks.snap_tolerance_m,
+                           run_.photographs);
       for (const auto& file : run_.photographs.files)
         if (!is_scan_file(file)) add_input(file);
     }
@@ -344,6 +347,7 @@ class Run {
     stages::Renderer renderer(queue_, scene, options_.render);
     sigma_ = sigma_figures(renderer);
     if (options_.render.equalise) equalisation_ = equalisation_figures(renderer, run_.photographs);
+    warn_of_disagreement(renderer, run_.photographs);
     if (!run_.photographs.cameras.empty())
       unit("coverage", [&] { coverage_ = coverage_figures(renderer, scene, options_.coverage); });
     if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));
@@ -429,6 +433,10 @@ class Run {
       placed.push_back(
           {{"name", run_.photographs.cameras[i].name}, {"placed_with", run_.photographs.placed_with[i]}});
     if (!placed.empty()) run_.summary["photographs"] = placed;
+    if (run_.scene.photographs)
+      if (const Json placed_by = landmark_figures(*run_.scene.photographs, run_.photographs);
+          !placed_by.is_null())
+        run_.summary["photograph_landmarks"] = placed_by;
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;
     if (!joint_.is_null()) run_.summary["joint"] = joint_;

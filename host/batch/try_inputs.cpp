@@ -4,6 +4,7 @@
 
 #include "batch/editing/scene_editing.hpp"
 #include "batch/output_folder.hpp"
+#include "batch/photographs/photograph_set.hpp"
 #include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
 #include "core/error.hpp"
@@ -69,7 +70,7 @@ void try_scans(const io::SceneFile& scene, bool salvage, Trial& trial) {
     });
 }
 
-void try_model(const io::SceneFile& scene, Trial& trial) {
+PolygonModel try_model(const io::SceneFile& scene, Trial& trial) {
   std::vector<io::ObjFaceNames> names;
   const PolygonModel model = read_scene_model(*scene.model, names);
   const PolygonModel edited = SceneEditing().edit(scene, model, names);
@@ -77,10 +78,12 @@ void try_model(const io::SceneFile& scene, Trial& trial) {
   trial.line(fmt::format("  model {}: {} faces", scene.model->file.string(), model.faces.size()) +
              (edited.faces.size() != model.faces.size() ? fmt::format(", {} after edits", edited.faces.size())
                                                         : ""));
+  return edited;
 }
 
 // Whether all of them can be used.
-bool try_photographs(const io::SceneFile::Photographs& section, bool salvage, Trial& trial) {
+bool try_photographs(const io::SceneFile::Photographs& section, const PolygonModel& model,
+                     const StageOptions& options, bool salvage, Trial& trial) {
   bool good = true;
   for (const fs::path& file : section.e57_files)
     good &= trial.part("photographs", [&] {
@@ -89,14 +92,21 @@ bool try_photographs(const io::SceneFile::Photographs& section, bool salvage, Tr
         trial.line(fmt::format("  photograph {}: {}", one.photograph.name, io::place_of(opened, one.image)));
     });
   if (!section.e57_files.empty()) return good;
-  const auto cameras = io::read_cameras(section.cameras, section.images).photographs;
-  const auto files = photograph_files(section, cameras);
+  PhotographSet set;
+  set.cameras = io::read_cameras(section.cameras, section.images).photographs;
+  const auto files = photograph_files(section, set.cameras, salvage);
   for (std::size_t i = 0; i < files.size(); ++i)
     good &= trial.part("photographs", [&] {
-      const Camera& camera = cameras[i].camera;
+      const Camera& camera = set.cameras[i].camera;
       io::check_photograph(files[i], camera.width, camera.height);
       trial.line(fmt::format("  photograph {}: {} x {}", files[i].string(), camera.width, camera.height));
     });
+  good &= trial.part("photographs", [&] {
+    place_by_landmarks(section, model, options.landmarks.snap_tolerance_m, set);
+    if (set.landmarks)
+      trial.line(fmt::format("  {} landmarks of photographs: rms {:.1f} mm", section.landmarks.size(),
+                             1000 * set.landmarks->rms_m));
+  });
   return good;
 }
 
@@ -111,11 +121,11 @@ DryRun try_scene(const RunRequest& request) {
   trial.line(fmt::format("scene {}: {} scan entries, {} views, stages {}, into {}", scene.name,
                          scene.scans.size(), scene.views.size(), fmt::join(stages, ", "),
                          request.out.string()));
-  if (scene.model) try_model(scene, trial);
+  const PolygonModel model = scene.model ? try_model(scene, trial) : PolygonModel();
   if (scene.truth) io::read_truth(*scene.truth);
   const bool drawn = stages.count("render") + stages.count("export") > 0 || request.leave_one_out;
-  const bool photographs =
-      !drawn || !scene.photographs || try_photographs(*scene.photographs, request.salvage, trial);
+  const bool photographs = !drawn || !scene.photographs ||
+                           try_photographs(*scene.photographs, model, options, request.salvage, trial);
   try_scans(scene, request.salvage, trial);
   return trial.end(!photographs);
 }

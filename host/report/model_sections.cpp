@@ -125,6 +125,59 @@ std::string edit_section(Previews& previews, const Json& summary) {
          displacement_table(out, edit) + edited_scans(edit) + row(scans);
 }
 
+std::string photograph_section(const Json& summary) {
+  const auto folded = [](const char* what, std::size_t rows, const std::string& table) {
+    constexpr std::size_t kMostOpen = 30;
+    if (rows <= kMostOpen) return table;
+    return fmt::format("<details><summary>{} {}</summary>\n{}</details>\n", rows, what, table);
+  };
+  std::string html;
+  if (summary.contains("equalisation") && !summary["equalisation"].empty()) {
+    Table table;
+    table.text("photograph")
+        .number(
+            "agreement", "", 2,
+            "correlation with what other photographs show of the same surface: 0.8 and more where cameras "
+            "and surfaces are right")
+        .number("points", "", 0, "of the surface that it sees")
+        .number("red", "", 3, "what its light is multiplied with")
+        .number("green", "", 3)
+        .number("blue", "", 3);
+    for (const auto& row : summary["equalisation"]) {
+      Json agreement = row["agreement"];
+      if (row.contains("doubtful")) {
+        if (agreement.is_null())
+          agreement = {{"text", "sees nothing"}, {"state", "bad"}};
+        else
+          agreement = {{"value", agreement}, {"state", "bad"}};
+      }
+      table.add(
+          {row["photograph"], agreement, row["points"], row["gain"][0], row["gain"][1], row["gain"][2]});
+    }
+    html += folded("photographs", summary["equalisation"].size(), table.html());
+  }
+  if (summary.contains("photograph_landmarks")) {
+    const auto& landmarks = summary["photograph_landmarks"];
+    Table table;
+    table.number("landmark", "", 0)
+        .text("photograph", "empty: a point in the cameras' frame")
+        .number("residual", "pixels", 2)
+        .number("residual", "mm", 1)
+        .text("fit");
+    for (const auto& pick : landmarks["picks"])
+      table.add(
+          {pick["landmark"], pick.value("photograph", ""), cell(pick, "/residual_px"),
+           cell(pick, "/residual_m", 1000),
+           pick.contains("left_out") ? Json({{"text", "left out"}, {"state", "bad"}}) : Json("fitted")});
+    html +=
+        fmt::format(
+            "<h3>Landmarks</h3>\n<p>The cameras' frame in the model's: scale {:.6g}, rms {:.1f} mm.</p>\n",
+            landmarks["scale"].get<double>(), 1000 * landmarks["rms_m"].get<double>()) +
+        table.html();
+  }
+  return html.empty() ? "" : "<h2 id=\"photographs\">Photographs</h2>\n" + html;
+}
+
 std::string coverage_section(const Json& summary) {
   if (!summary.contains("coverage")) return "";
   const auto& coverage = summary["coverage"];

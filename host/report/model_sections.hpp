@@ -11,6 +11,9 @@ namespace hybrid::report {
 // What [edit] changed: faces, holes, openings found and cut, displacement maps, clips and moved depths.
 std::string edit_section(Previews& previews, const Json& summary);
 
+// Whether photographs agree with each other, their gains, and the landmarks that placed their cameras.
+std::string photograph_section(const Json& summary);
+
 // What no photograph sees, face by face, and where to stand for more.
 std::string coverage_section(const Json& summary);
 

@@ -332,7 +332,8 @@ void write_scene_page(const ScenePage& given) {
   std::string body = facts(page) + failure_section(page.failures) + abstained_sections(page, previews) +
                      registration_section(page, previews) + edit_section(previews, page.summary) +
                      view_section(page, previews) + leave_one_out_section(page, previews) +
-                     coverage_section(page.summary) + export_section(previews, page.summary);
+                     photograph_section(page.summary) + coverage_section(page.summary) +
+                     export_section(previews, page.summary);
   body += scan_table(page);
   const auto& scans = page.summary["scans"];
   for (std::size_t i = 0; i < scans.size(); ++i) body += scan_section(previews, scans[i], i);

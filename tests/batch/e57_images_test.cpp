@@ -1,4 +1,4 @@
-#include "batch/e57_images.hpp"
+#include "batch/photographs/e57_images.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "batch/kept_photographs.hpp"
+#include "batch/photographs/kept_photographs.hpp"
 
 #include <gtest/gtest.h>
 

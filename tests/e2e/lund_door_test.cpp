@@ -114,6 +114,46 @@ TEST(LundDoor, triangulated_points_lie_on_the_proxy) {
   EXPECT_LT(distances[distances.size() / 2], 0.015);
 }
 
+// Of the corners that the README lists with their picks by eye (there the first pixel's centre is 0.5, 0.5),
+// and where all that the proxy was drawn from has them; the README's frame is of edges and points, too.
+TEST(LundDoor, corners_picked_by_eye_place_the_cameras) {
+  if (!lund_present()) GTEST_SKIP() << "no photographs at " << lund_data() << "; set HYBRID_DATA";
+  const Scratch scratch;
+  write_small_scene(scratch / "small.toml");
+  std::string text = io::read_text(scratch / "small.toml");
+  const auto begin = text.find("world_from_photographs = ["), end = text.find("]\n", begin);
+  text.replace(begin, end + 2 - begin, R"(landmarks = [
+  { photograph = "DSC_0001.JPG", pixel = [1803.3, 1195.8], model = [4.648, -1.116, -0.017], snap = false },
+  { photograph = "DSC_0002.JPG", pixel = [1798.3, 1224.9], model = [4.648, -1.116, -0.017], snap = false },
+  { photograph = "DSC_0004.JPG", pixel = [1741.8, 1234.2], model = [4.648, -1.116, -0.017], snap = false },
+  { photograph = "DSC_0002.JPG", pixel = [1621.8, 387.5], model = [-2.428, 1.406, 0.636], snap = false },
+  { photograph = "DSC_0005.JPG", pixel = [1659.8, 322.4], model = [-2.428, 1.406, 0.636], snap = false },
+  { photograph = "DSC_0009.JPG", pixel = [1719.8, 299.0], model = [-2.428, 1.406, 0.636], snap = false },
+  { photograph = "DSC_0001.JPG", pixel = [878.1, 615.3], model = [-1.166, 3.284, 7.399], snap = false },
+  { photograph = "DSC_0004.JPG", pixel = [806.5, 521.4], model = [-1.166, 3.284, 7.399], snap = false },
+  { photograph = "DSC_0007.JPG", pixel = [861.6, 487.0], model = [-1.166, 3.284, 7.399], snap = false },
+  { photograph = "DSC_0006.JPG", pixel = [38.8, 1232.4], model = [4.720, -0.524, 13.297], snap = false },
+  { photograph = "DSC_0008.JPG", pixel = [80.3, 1251.8], model = [4.720, -0.524, 13.297], snap = false },
+  { photograph = "DSC_0012.JPG", pixel = [154.1, 1215.6], model = [4.720, -0.524, 13.297], snap = false },
+]
+)");
+  io::write_text(scratch / "small.toml", text);
+  const auto outcome = run("hybrid render " + (scratch / "small.toml").string() + " --out " +
+                           (scratch / "out").string() + " --quiet --view front");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(outcome.err.empty()) << outcome.err;
+  const auto found = json_of(scratch / "out/summary.json");
+  const auto& landmarks = found["photograph_landmarks"];
+  for (const auto& pick : landmarks["picks"]) EXPECT_LT(pick["residual_px"].get<double>(), 2) << pick;
+  const Pose pose = pose_from_row_major(landmarks["world_from_photographs"].get<std::array<double, 16>>());
+  const Pose documented =
+      pose_from_row_major(*io::read_scene_file(kLundDoor).photographs->world_from_photographs);
+  for (const Vec3& point : {Vec3(-4, 0, 0), Vec3(4, 0, 12), Vec3(0, 4, 4), Vec3(0, -16, 3)}) {
+    const Vec3 there = pose * (documented.inverse() * point);
+    EXPECT_LT((there - point).norm(), 0.001 * kFacadeWidth) << point.transpose();
+  }
+}
+
 TEST(LundDoor, a_scene_of_photographs_without_scans_runs) {
   if (!lund_present()) GTEST_SKIP() << "no photographs at " << lund_data() << "; set HYBRID_DATA";
   const Scratch scratch;

@@ -265,6 +265,48 @@ TEST(scene_file, poses_and_landmarks) {
   });
 }
 
+TEST(scene_file, landmarks_of_photographs) {
+  const std::string section = "[photographs]\ncolmap = \"c\"\nimages = \"i\"\n";
+  const TemporaryFolder folder;
+  const auto picks = read_text_scene(folder, section + R"(landmarks = [
+  { photograph = "a.jpg", pixel = [812, 2040.5], vertex = 12 },
+  { photograph = "a.jpg", model = [4, -12, 1.6] },
+  { point = [0.1, 0.2, 0.3], model = [1, 2, 3] },
+  { point = [0.1, 0.2, 0.3], model = [1, 2, 3], snap = false },
+]
+)" + kScan)
+                         .photographs->landmarks;
+  ASSERT_EQ(picks.size(), 4u);
+  EXPECT_EQ(picks[0].photograph, "a.jpg");
+  EXPECT_EQ(picks[0].pixel, (std::array{812.0, 2040.5}));
+  EXPECT_EQ(picks[0].vertex, 12);
+  EXPECT_EQ(picks[0].line, 5);
+  EXPECT_TRUE(picks[0].snap);
+  EXPECT_FALSE(picks[1].pixel);
+  EXPECT_FALSE(picks[1].snap) << "no photograph is taken at a corner";
+  EXPECT_EQ(*picks[2].point, Vec3(0.1, 0.2, 0.3));
+  EXPECT_TRUE(picks[2].snap);
+  EXPECT_FALSE(picks[3].snap);
+  const auto one = [&](const std::string& pick) {
+    return section + "landmarks = [{ " + pick + " }]\n" + kScan;
+  };
+  expect_errors({
+      {one("pixel = [1, 2], vertex = 0"), "4",
+       "one of photograph = \"name\" and point = [x, y, z], found neither"},
+      {one("photograph = \"a\", point = [1, 2, 3], vertex = 0"), "4", "found both"},
+      {one("point = [1, 2, 3], pixel = [1, 2], vertex = 0"), "4", "expected the photograph that it is in"},
+      {one("photograph = \"a\", pixel = [1, 2]"), "4", "one of model = [x, y, z] and vertex = index"},
+      {one("photograph = \"a\", pixel = [1], vertex = 0"), "4", "expected an array of 2 numbers"},
+      {one("photo = \"a\", pixel = [1, 2], vertex = 0"), "4", "unknown key \"photo\""},
+      {"[photographs]\ne57 = \"a.e57\"\nlandmarks = []\n" + kScan, "3", "go with their scans"},
+      {section +
+           "world_from_photographs = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\nlandmarks = [{ photograph = "
+           "\"a\", vertex = 0 }]\n" +
+           kScan,
+       "5", "found both; remove one"},
+  });
+}
+
 TEST(scene_file, every_format_of_cameras) {
   const TemporaryFolder folder;
   const auto photographs = [&](const std::string& keys) {

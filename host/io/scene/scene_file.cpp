@@ -83,6 +83,29 @@ SceneScan read_scan(const SceneTable& table) {
   return result;
 }
 
+ScenePhotographPick read_photograph_pick(const SceneTable& table) {
+  ScenePhotographPick result;
+  result.line = table.line();
+  result.photograph = table.text("photograph").value_or("");
+  result.point = table.point("point");
+  if (result.photograph.empty() != result.point.has_value())
+    table.fail_table("expected one of photograph = \"name\" and point = [x, y, z], found {}",
+                     result.point ? "both" : "neither");
+  if (table.has("pixel")) {
+    if (result.point) table.fail_key("pixel", "expected the photograph that it is in, found a point");
+    const auto numbers = table.numbers("pixel", 2);
+    result.pixel = {numbers[0], numbers[1]};
+  }
+  result.model = table.point("model");
+  result.vertex = table.index("vertex");
+  if (result.model.has_value() == result.vertex.has_value())
+    table.fail_table("expected one of model = [x, y, z] and vertex = index, found {}",
+                     result.model ? "both" : "neither");
+  // No photograph is taken at a corner.
+  result.snap = table.flag("snap", result.pixel || result.point);
+  return result;
+}
+
 SceneFile::Photographs read_photographs(const SceneTable& table) {
   constexpr std::array kFormats{CameraFormat::colmap, CameraFormat::strecha, CameraFormat::bundler,
                                 CameraFormat::nerfstudio, CameraFormat::e57};
@@ -100,11 +123,20 @@ SceneFile::Photographs read_photographs(const SceneTable& table) {
   if (result.cameras.format == CameraFormat::e57) {
     if (table.has("images"))
       table.fail_key("images", "the photographs lie in the E57 file itself; remove the key");
+    if (table.has("landmarks"))
+      table.fail_key("landmarks",
+                     "photographs in E57 files go with their scans; remove the key, or place them by "
+                     "world_from_photographs");
     result.e57_files = table.paths("e57");
     result.cameras.path = result.e57_files.front();
     return result;
   }
   result.cameras.path = table.required_path(given.front());
+  for (const SceneTable& pick :
+       table.tables("landmarks", {"photograph", "pixel", "point", "model", "vertex", "snap"}))
+    result.landmarks.push_back(read_photograph_pick(pick));
+  if (result.world_from_photographs && !result.landmarks.empty())
+    table.fail_key("landmarks", "expected either these or world_from_photographs, found both; remove one");
   // Nerfstudio's names start at its own file's folder.
   result.images = result.cameras.format == CameraFormat::nerfstudio && !table.has("images")
                       ? result.cameras.path.parent_path()
@@ -235,7 +267,7 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.has_export = root.has("export");
   read_model(root, scene);
   if (const auto table = root.table("photographs", {"colmap", "strecha", "bundler", "nerfstudio", "e57",
-                                                    "images", "world_from_photographs"}))
+                                                    "images", "world_from_photographs", "landmarks"}))
     scene.photographs = read_photographs(*table);
   for (const SceneTable& table :
        root.tables("view", {"name", "photograph", "eye", "target", "up", "fov_deg", "projection", "size",

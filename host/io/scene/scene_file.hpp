@@ -26,6 +26,18 @@ struct SceneLandmark {
   bool snap = true;
 };
 
+// A landmark of the photographs: what shows, or where, and its place in the model.
+struct ScenePhotographPick {
+  int line = 0;
+  std::string photograph;                      // as its camera file names it; "" = `point`
+  std::optional<std::array<double, 2>> pixel;  // row, column, from 0, of its pixels' centres; none: where the
+                                               // photograph was taken
+  std::optional<Vec3> point;                   // in the cameras' frame
+  std::optional<Vec3> model;                   // metres, model frame ...
+  std::optional<int> vertex;                   // ... or vertex index of the model file
+  bool snap = true;
+};
+
 struct SceneScan {
   int line = 0;
   std::string id;  // as written, or "" (then from the file name)
@@ -91,6 +103,7 @@ struct SceneFile {
     std::vector<std::filesystem::path>
         e57_files;  // whose images are the photographs; `cameras` has the first
     std::optional<std::array<double, 16>> world_from_photographs;
+    std::vector<ScenePhotographPick> landmarks;  // or by these
   };
   std::optional<Photographs> photographs;
   SceneOptions planes, registration, edit, render, exporting;

@@ -83,7 +83,7 @@ Spread spread(const Points& points) {
 // Below this width the turn about the line through the picks is lost in their errors.
 constexpr double kMinWidth = 0.01;
 
-void check_spread(const std::vector<LandmarkPair>& pairs, const Points& points, const char* where) {
+void check_spread(const std::vector<LandmarkPair>& pairs, const Points& points, const std::string& where) {
   const Spread found = spread(points);
   const double length = (points[found.b] - points[found.a]).norm();
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -107,7 +107,7 @@ void leave_one_out(const Points& from, const Points& to, bool free_scale, Landma
     others_from.erase(others_from.begin() + static_cast<std::ptrdiff_t>(left));
     others_to.erase(others_to.begin() + static_cast<std::ptrdiff_t>(left));
     double miss = kNotKnown, rms = kNotKnown;
-    if (spread(others_from).width >= kMinWidth && spread(others_to).width >= kMinWidth) {
+    if (fix_rotation(others_from) && fix_rotation(others_to)) {
       const Pose pose = horn(others_from, others_to, {}, free_scale);
       miss = (pose * from[left] - to[left]).norm();
       rms = rms_of(pose, others_from, others_to);
@@ -158,6 +158,10 @@ Pose horn(const Points& from, const Points& to, const std::vector<double>& weigh
   return pose;
 }
 
+bool fix_rotation(const Points& points) {
+  return spread(points).width >= kMinWidth;
+}
+
 double rms_of(const Pose& pose, const Points& from, const Points& to) {
   double sum = 0;
   for (std::size_t i = 0; i < from.size(); ++i) sum += (pose * from[i] - to[i]).squaredNorm();
@@ -186,7 +190,7 @@ LandmarkFit fit_landmarks(const PolygonModel& model, const std::vector<LandmarkP
     from.push_back(pair.point_in_scan);
     to.push_back(pair.point_in_model);
   }
-  check_spread(pairs, from, "scan");
+  check_spread(pairs, from, options.frame);
   check_spread(pairs, to, "model");
 
   LandmarkFit fit;

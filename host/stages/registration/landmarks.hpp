@@ -19,6 +19,7 @@ struct LandmarkPair {
 struct LandmarkOptions {
   double snap_tolerance_m = 0.1;  // a pick farther from every vertex is an error that names it
   bool free_scale = false;
+  std::string frame = "scan";  // for messages: what the picks' coordinates are of
 };
 
 struct LandmarkFit {
@@ -47,6 +48,9 @@ LandmarkFit fit_landmarks(const PolygonModel& model, const std::vector<LandmarkP
 // `factor` times what these miss it by (and by more than 1 mm), and without it they agree at least twice as
 // well as without any other pick.
 std::optional<std::size_t> outlying_pick(const LandmarkFit& fit, double factor = 4);
+
+// Whether the points are so far from any one line that they fix a rotation.
+bool fix_rotation(const std::vector<Vec3>& points);
 
 // Root of the mean square of |pose * from - to|.
 double rms_of(const Pose& pose, const std::vector<Vec3>& from, const std::vector<Vec3>& to);

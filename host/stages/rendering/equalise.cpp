@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/median.hpp"
 #include "core/parallel.hpp"
@@ -59,11 +60,33 @@ void add_points(RenderState& state, const Photograph& photograph, std::vector<Su
   }
 }
 
+double mean_log(const LogLight& light) {
+  return (static_cast<double>(light[0]) + static_cast<double>(light[1]) + static_cast<double>(light[2])) / 3;
+}
+
+// Logarithms of light that vary by less are of one tone, and noise.
+constexpr double kLeastVariation = 0.05;
+
+// Pearson's, of pairs; NaN where either hardly varies.
+double correlation_of(const std::vector<std::array<double, 2>>& pairs) {
+  std::array<double, 2> mean{};
+  for (const auto& pair : pairs)
+    for (std::size_t k = 0; k < 2; ++k) mean[k] += pair[k] / static_cast<double>(pairs.size());
+  double aa = 0, bb = 0, ab = 0;
+  for (const auto& pair : pairs) {
+    const double a = pair[0] - mean[0], b = pair[1] - mean[1];
+    aa += a * a, bb += b * b, ab += a * b;
+  }
+  const double least = kLeastVariation * kLeastVariation * static_cast<double>(pairs.size());
+  return aa > least && bb > least ? ab / std::sqrt(aa * bb) : NAN;
+}
+
 // Of two photographs' points in ascending order, those of both.
 PhotographOverlap overlap(std::size_t first, std::size_t second,
                           const std::vector<std::vector<std::uint32_t>>& seen,
                           const std::vector<std::vector<LogLight>>& lights) {
   std::array<std::vector<double>, 3> ratios;
+  std::vector<std::array<double, 2>> means;
   const auto &a = seen[first], &b = seen[second];
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
     if (a[i] != b[j]) {
@@ -74,8 +97,9 @@ PhotographOverlap overlap(std::size_t first, std::size_t second,
     if (std::isnan(from[0]) || std::isnan(to[0])) continue;
     for (std::size_t k = 0; k < 3; ++k)
       ratios[k].push_back(static_cast<double>(to[k]) - static_cast<double>(from[k]));
+    means.push_back({mean_log(from), mean_log(to)});
   }
-  PhotographOverlap found{first, second, ratios[0].size(), {}};
+  PhotographOverlap found{first, second, ratios[0].size(), {}, correlation_of(means)};
   for (std::size_t k = 0; k < 3 && found.points > 0; ++k) found.log_ratio[k] = median(ratios[k]);
   return found;
 }
@@ -93,7 +117,7 @@ std::vector<device::Array<float>> log_gain_tables(const RenderState& state) {
 
 }  // namespace
 
-std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState& state) {
+PhotographOverlaps measure_overlaps(Renderer& renderer, RenderState& state) {
   const auto& photographs = state.scene.photographs;
   std::vector<SurfacePoint> points;
   for (const Photograph& photograph : photographs)
@@ -114,12 +138,40 @@ std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState&
         },
         1024);
   }
-  std::vector<PhotographOverlap> overlaps;
+  PhotographOverlaps overlaps;
+  for (const auto& list : seen) overlaps.points.push_back(list.size());
   for (std::size_t first = 0; first < photographs.size(); ++first)
     for (std::size_t second = first + 1; second < photographs.size(); ++second)
       if (const auto found = overlap(first, second, seen, lights); found.points >= kFewest)
-        overlaps.push_back(found);
+        overlaps.pairs.push_back(found);
   return overlaps;
+}
+
+std::vector<PhotographAgreement> agreements_of(const PhotographOverlaps& overlaps) {
+  struct Weighted {
+    double correlation;
+    std::size_t points;
+  };
+  std::vector<std::vector<Weighted>> each(overlaps.points.size());
+  for (const PhotographOverlap& pair : overlaps.pairs)
+    for (const std::size_t photograph : {pair.first, pair.second})
+      if (!std::isnan(pair.correlation)) each[photograph].push_back({pair.correlation, pair.points});
+  std::vector<PhotographAgreement> agreements;
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    std::sort(each[i].begin(), each[i].end(), [](const Weighted& a, const Weighted& b) {
+      return std::tie(a.correlation, a.points) < std::tie(b.correlation, b.points);
+    });
+    std::size_t all = 0, before = 0;
+    for (const Weighted& pair : each[i]) all += pair.points;
+    PhotographAgreement agreement{overlaps.points[i], std::nullopt};
+    for (const Weighted& pair : each[i]) {
+      before += pair.points;
+      if (agreement.correlation || 2 * before < all) continue;
+      agreement.correlation = pair.correlation;
+    }
+    agreements.push_back(agreement);
+  }
+  return agreements;
 }
 
 std::vector<std::array<double, 3>> solve_gains(std::size_t photographs,

@@ -12,6 +12,14 @@ struct PhotographOverlap {
   std::size_t first, second;        // photographs
   std::size_t points;               // that both see, well exposed
   std::array<double, 3> log_ratio;  // median of log(light in second / light in first)
+  // Pearson's, of the logarithms of their light (mean of the channels) there; NaN where the light of either
+  // varies by less than 5 % (standard deviation): there is nothing to compare.
+  double correlation;
+};
+
+struct PhotographOverlaps {
+  std::vector<PhotographOverlap> pairs;
+  std::vector<std::size_t> points;  // per photograph: of the surface, as coarse rays of all of them meet it
 };
 
 // Gains per photograph and channel (times its linear light) that make overlaps agree: least squares on the
@@ -21,9 +29,13 @@ struct PhotographOverlap {
 std::vector<std::array<double, 3>> solve_gains(std::size_t photographs,
                                                const std::vector<PhotographOverlap>& overlaps);
 
+// How well each photograph agrees with the others on what both see: the median of its pairs' correlations,
+// each weighing as its points.
+std::vector<PhotographAgreement> agreements_of(const PhotographOverlaps& overlaps);
+
 // The overlaps of a scene's photographs: points on its surface where coarse rays of each photograph meet it,
 // and the mean light around them in each photograph that sees them. Kernels: ray_cast, rank_photos.
-std::vector<PhotographOverlap> measure_overlaps(Renderer& renderer, RenderState& state);
+PhotographOverlaps measure_overlaps(Renderer& renderer, RenderState& state);
 
 // What brings a view from the exposure that all photographs have in common to that of the photographs it
 // shows, per channel: exp(-mean of the logarithms of their gains), each pixel counting once and in it each of

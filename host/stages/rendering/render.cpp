@@ -423,7 +423,9 @@ Renderer::Renderer(device::Queue& queue, const RenderScene& scene, const RenderO
     : state_(std::make_unique<State>(queue, scene, options)) {
   state_->gains.assign(scene.photographs.size(), {1, 1, 1});
   if (options.equalise) {
-    state_->gains = solve_gains(scene.photographs.size(), measure_overlaps(*this, *state_));
+    const PhotographOverlaps overlaps = measure_overlaps(*this, *state_);
+    state_->gains = solve_gains(scene.photographs.size(), overlaps.pairs);
+    state_->agreements = agreements_of(overlaps);
     state_->store.set_gains(state_->gains);
   }
   if (!options.auto_sigma || band_sigmas(options).empty() || scene.photographs.size() < 2) return;
@@ -434,6 +436,10 @@ Renderer::~Renderer() = default;
 
 const std::vector<std::array<double, 3>>& Renderer::gains() const {
   return state_->gains;
+}
+
+const std::vector<PhotographAgreement>& Renderer::agreements() const {
+  return state_->agreements;
 }
 
 Shoulder Renderer::common_shoulder() const {

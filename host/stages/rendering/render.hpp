@@ -120,6 +120,12 @@ struct SigmaChoice {
   std::vector<Trial> tried;
 };
 
+// Whether a photograph shows what the others show where it does (agreements_of).
+struct PhotographAgreement {
+  std::size_t points = 0;             // of the surface that it sees, of some 400,000 for all photographs
+  std::optional<double> correlation;  // nothing: no overlap, or one in which nothing varies
+};
+
 // A place on a proxy face.
 struct SurfacePoint {
   Vec3 position, normal;  // world; unit, towards the side that is asked about
@@ -137,6 +143,9 @@ class Renderer {
   const std::optional<SigmaChoice>& sigma_choice() const;
   // What the photographs' linear light is multiplied with, per channel; all 1 without `equalise`.
   const std::vector<std::array<double, 3>>& gains() const;
+  // One per photograph; empty without `equalise`. Measured: 0.82 and more where cameras and surfaces are
+  // right, under 0.5 where the cameras' frame is turned or scaled.
+  const std::vector<PhotographAgreement>& agreements() const;
   // What pictures at the one exposure of all photographs do with light above white.
   Shoulder common_shoulder() const;
   // METHOD 10. Kernels: ray_cast, blend_photos, blur_photo. Throws ErrorKind::input: a leave_out that names

@@ -21,6 +21,7 @@ struct RenderState {
   std::vector<SightCone> sights;                // per photograph
   std::map<std::string, DeviceBvh> geometries;  // by what is shown
   std::vector<std::array<double, 3>> gains;     // per photograph and channel
+  std::vector<PhotographAgreement> agreements;  // per photograph, with equalise
   std::optional<SigmaChoice> sigma;
 
   RenderState(device::Queue& q, const RenderScene& s, const RenderOptions& o);

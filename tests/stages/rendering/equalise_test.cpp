@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cases/room_scene.hpp"
@@ -56,8 +57,8 @@ std::array<double, 3> brightness(const stages::RenderedView& view, const Image8&
 TEST(Equalise, gains_make_overlaps_agree_and_have_mean_1) {
   // 1 is twice as bright as 0, 2 half as bright as 1 in red; 3 overlaps nothing.
   const double two = std::log(2.0);
-  const std::vector<PhotographOverlap> overlaps = {{0, 1, 100000, {two, two, two}},
-                                                   {1, 2, 100000, {-two, 0, 0}}};
+  const std::vector<PhotographOverlap> overlaps = {{0, 1, 100000, {two, two, two}, 1},
+                                                   {1, 2, 100000, {-two, 0, 0}, 1}};
   const auto gains = stages::solve_gains(4, overlaps);
   EXPECT_NEAR(gains[0][0] / gains[1][0], 2, 2e-3);
   EXPECT_NEAR(gains[2][0] / gains[1][0], 2, 2e-3);
@@ -79,6 +80,57 @@ TEST(Equalise, a_darker_and_redder_photograph_is_brought_back) {
   // The gains reach the picture: photograph 2's own view from the others, which are bright, and from itself.
   const Renderer plain(queue(), room.scene, {.equalise = false});
   for (const auto& gain : plain.gains()) EXPECT_EQ(gain, (std::array<double, 3>{1, 1, 1}));
+}
+
+TEST(Equalise, photographs_agree_where_cameras_are_right_whatever_their_exposure) {
+  const RoomScene room = unevenly_exposed();
+  const Renderer renderer(queue(), room.scene, {.equalise = true});
+  ASSERT_EQ(renderer.agreements().size(), 5u);
+  for (const auto& agreement : renderer.agreements()) {
+    EXPECT_GT(agreement.points, 1000u);
+    ASSERT_TRUE(agreement.correlation);
+    EXPECT_GT(*agreement.correlation, 0.9);
+  }
+  const Renderer plain(queue(), room.scene, {.equalise = false});
+  EXPECT_TRUE(plain.agreements().empty());
+}
+
+TEST(Equalise, a_photograph_with_the_camera_of_another_agrees_with_none) {
+  RoomScene room = RoomScene::make(5, 320, 240);
+  auto& pixels = room.scene.photograph_pixels[2].pixels;
+  std::reverse(pixels.begin(), pixels.end());  // as if it hung head down
+  const Renderer renderer(queue(), room.scene, {.equalise = true});
+  for (std::size_t i = 0; i < 5; ++i) {
+    ASSERT_TRUE(renderer.agreements()[i].correlation);
+    if (i == 2)
+      EXPECT_LT(*renderer.agreements()[i].correlation, 0.5);
+    else
+      EXPECT_GT(*renderer.agreements()[i].correlation, 0.8) << i;
+  }
+}
+
+TEST(Equalise, nothing_is_said_of_what_is_of_one_tone_and_of_what_sees_nothing) {
+  RoomScene room = RoomScene::make(5, 320, 240);
+  for (Image8& image : room.scene.photograph_pixels)
+    std::fill(image.pixels.begin(), image.pixels.end(), std::uint8_t{128});
+  room.scene.photographs[4].cam_from_world.translation -= Vec3(0, 0, 500);  // all of it behind
+  const Renderer renderer(queue(), room.scene, {.equalise = true});
+  for (const auto& agreement : renderer.agreements()) EXPECT_FALSE(agreement.correlation);
+  EXPECT_GT(renderer.agreements()[0].points, 1000u);
+  EXPECT_EQ(renderer.agreements()[4].points, 0u);
+}
+
+TEST(Equalise, agreement_is_the_median_of_overlaps_by_their_points) {
+  stages::PhotographOverlaps overlaps;
+  overlaps.points = {10, 20, 30, 40};
+  overlaps.pairs = {{0, 1, 100, {}, 0.9}, {0, 2, 300, {}, 0.2}, {1, 2, 50, {}, NAN}};
+  const auto agreements = stages::agreements_of(overlaps);
+  ASSERT_EQ(agreements.size(), 4u);
+  EXPECT_EQ(agreements[0].correlation, 0.2);
+  EXPECT_EQ(agreements[1].correlation, 0.9);
+  EXPECT_EQ(agreements[2].correlation, 0.2);
+  EXPECT_FALSE(agreements[3].correlation);
+  EXPECT_EQ(agreements[3].points, 40u);
 }
 
 TEST(Equalise, photographs_that_differ_in_exposure_blend_without_a_seam) {

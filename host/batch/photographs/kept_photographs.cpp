@@ -1,4 +1,4 @@
-#include "batch/kept_photographs.hpp"
+#include "batch/photographs/kept_photographs.hpp"
 
 #include <exception>
 
@@ -30,7 +30,7 @@ KeptPhotographs::KeptPhotographs(std::size_t budget_bytes, std::uint64_t all_byt
     : budget_bytes_(budget_bytes),
       scratch_(all_bytes > budget_bytes ? ScratchFile::make(all_bytes) : nullptr) {}
 
-void KeptPhotographs::add(const std::vector<File>& files) {
+void KeptPhotographs::add(const std::vector<File>& files, const Lost& lost) {
   for (std::size_t first = 0, last = 0; first < files.size(); first = last) {
     for (std::uint64_t bytes = 0; last < files.size(); ++last) {
       bytes += decoded_bytes(files[last]);
@@ -47,8 +47,16 @@ void KeptPhotographs::add(const std::vector<File>& files) {
       }
     });
     for (std::size_t i = 0; i < images.size(); ++i) {
-      if (errors[i]) std::rethrow_exception(errors[i]);
-      keep(files[first + i].path, std::move(images[i]));
+      if (!errors[i]) {
+        keep(files[first + i].path, std::move(images[i]));
+        continue;
+      }
+      try {
+        std::rethrow_exception(errors[i]);
+      } catch (const Error& error) {
+        if (!lost || error.kind() != ErrorKind::input) throw;
+        lost(first + i, error);
+      }
     }
   }
 }

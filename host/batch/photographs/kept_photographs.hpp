@@ -2,10 +2,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "core/error.hpp"
 #include "core/scratch_file.hpp"
 #include "geometry/image.hpp"
 
@@ -23,9 +25,11 @@ class KeptPhotographs {
     std::filesystem::path path;
     int width, height;  // as the camera model says
   };
-  // Decoded side by side as far as half the budget holds them. Throws as io::read_photograph does, for the
-  // first of them that fails.
-  void add(const std::vector<File>& files);
+  // Decoded side by side as far as half the budget holds them. What io::read_photograph throws of an input
+  // goes to `lost` with the file's index, in order, and the file is left out; without `lost` the first of
+  // them is thrown.
+  using Lost = std::function<void(std::size_t, const Error&)>;
+  void add(const std::vector<File>& files, const Lost& lost = {});
   // Pixels that no file gives again stay, whatever the budget.
   void add(Image8 image);
 
