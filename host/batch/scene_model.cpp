@@ -5,6 +5,7 @@
 #include "core/error.hpp"
 #include "core/log.hpp"
 #include "geometry/outline.hpp"
+#include "io/scene/map_shift.hpp"
 
 namespace hybrid::batch {
 namespace fs = std::filesystem;
@@ -53,6 +54,8 @@ void check_vertices(const fs::path& file, const PolygonModel& model, const Face&
 PolygonModel read_scene_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names) {
   const double scale = section.unit == "mm" ? 0.001 : 1.0;
   PolygonModel model = io::read_obj(section.file, scale, section.up == "y", &names);
+  if (io::take_off_shift(section.shift, model))
+    log::info("{}: in coordinates of the map: [scene] shift is taken off", section.file.string());
   std::string first;
   std::size_t kept = 0, left_out = 0;
   for (std::size_t i = 0; i < model.faces.size(); ++i) {

@@ -7,9 +7,9 @@
 
 namespace hybrid::batch {
 
-// In metres, Z up; `names`: per face, what the file calls it. Faces without an area, which meshes have, are
-// left out with a warning that names the first of them. Throws ErrorKind::input as io::read_obj() does, and
-// when no other face is there.
+// In metres, Z up, without the scene's shift; `names`: per face, what the file calls it. Faces without an
+// area, which meshes have, are left out with a warning that names the first of them. Throws ErrorKind::input
+// as io::read_obj() does, and when no other face is there.
 PolygonModel read_scene_model(const io::SceneFile::Model& section, std::vector<io::ObjFaceNames>& names);
 
 // Throws ErrorKind::input naming file and line of the first face whose outlines cross: of the model as it is

@@ -5,6 +5,7 @@
 #include "batch/editing/edit_unit.hpp"
 #include "batch/output_folder.hpp"
 #include "core/error.hpp"
+#include "io/scene/map_shift.hpp"
 
 namespace hybrid::batch {
 
@@ -64,19 +65,25 @@ void check_edited_scans_early(const io::SceneFile& scene, bool salvage) {
   if (const auto ids = scan_ids(scene, salvage)) check_edited_scans(scene, *ids);
 }
 
-io::SceneScan in_scan_frame(io::SceneScan entry) {
+io::SceneScan in_scan_frame(io::SceneScan entry, const Vec3& shift) {
   if (entry.depth) {
     const Pose camera_from_scan = io::camera_from_depth_scan();
     for (io::SceneLandmark& landmark : entry.landmarks)
       if (landmark.scan) landmark.scan = camera_from_scan.inverse() * *landmark.scan;
     if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * camera_from_scan);
   }
-  if (!entry.scanner) return entry;
-  for (io::SceneLandmark& landmark : entry.landmarks)
-    if (landmark.scan) *landmark.scan -= *entry.scanner;
-  if (entry.pose)
-    entry.pose =
-        row_major(pose_from_row_major(*entry.pose) * Pose{1, Eigen::Quaterniond::Identity(), *entry.scanner});
+  if (entry.scanner) {
+    for (io::SceneLandmark& landmark : entry.landmarks)
+      if (landmark.scan) *landmark.scan -= *entry.scanner;
+    if (entry.pose)
+      entry.pose = row_major(pose_from_row_major(*entry.pose) *
+                             Pose{1, Eigen::Quaterniond::Identity(), *entry.scanner});
+  }
+  if (entry.pose) {
+    auto& matrix = *entry.pose;
+    const Vec3 translation = io::off_map({matrix[3], matrix[7], matrix[11]}, shift);
+    matrix[3] = translation.x(), matrix[7] = translation.y(), matrix[11] = translation.z();
+  }
   return entry;
 }
 

@@ -19,8 +19,9 @@ io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stage
 // that only where no entry's id is it, and one that cannot be listed leaves it open.
 void check_edited_scans_early(const io::SceneFile& scene, bool salvage);
 
-// What the scene file says in the file's coordinates, in the scanner's frame.
-io::SceneScan in_scan_frame(io::SceneScan entry);
+// What the scene file says in the file's coordinates, in the scanner's frame; its pose without the scene's
+// shift (io::off_map).
+io::SceneScan in_scan_frame(io::SceneScan entry, const Vec3& shift = Vec3::Zero());
 // The other way round: a pose of the scanner's frame as the entry says it.
 Pose in_file_frame(const io::SceneScan& entry, const Pose& world_from_scan);
 

@@ -14,6 +14,7 @@
 #include "batch/registration/landmark_sheet.hpp"
 #include "batch/registration/place_sheet.hpp"
 #include "batch/registration/registered_scans.hpp"
+#include "batch/registration/turned_faces.hpp"
 #include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
 #include "batch/scene_summary.hpp"
@@ -176,7 +177,7 @@ class Run {
         made = make_planes(queue_, id, entry, scan_entry, options_, progress_, edited ? edit : EditImage());
       run_.products.push_back(std::move(made->product));
       remains_.push_back(std::move(made->remains));
-      entries_.push_back(in_scan_frame(entry));
+      entries_.push_back(in_scan_frame(entry, run_.scene.shift));
       indices_.push_back(scan_entry.index);
     });
     run_.registrations.resize(run_.products.size());
@@ -207,6 +208,7 @@ class Run {
       joint_ = neighbours->figures();
     });
     neighbours.reset();
+    if (model) turned_faces_ = faces_seen_from_behind(*model, options_, run_.registrations);
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
     editing_.finish_clips(run_.scene);
@@ -440,6 +442,7 @@ class Run {
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;
     if (!joint_.is_null()) run_.summary["joint"] = joint_;
+    if (!turned_faces_.empty()) run_.summary["faces_seen_from_behind"] = turned_faces_;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
   }
 
@@ -472,6 +475,7 @@ class Run {
   std::optional<io::SceneTruth> truth_;
   std::map<fs::path, std::string> hashes_;  // of the inputs
   Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, equalisation_, sigma_, joint_;
+  std::vector<std::string> turned_faces_;  // of the model
   SceneRun run_;
 };
 

@@ -30,6 +30,9 @@ class BadRegistration : public ::testing::Test {
   nlohmann::json pose() const {
     return nlohmann::json::parse(io::read_text(scratch_ / "out/scans/s/pose.json"));
   }
+  nlohmann::json summary() const {
+    return nlohmann::json::parse(io::read_text(scratch_ / "out/summary.json"));
+  }
   fs::path sheet() const { return scratch_ / "out/scans/s/sheet"; }
 
   std::string proxy_{};  // instead of the mini scene's
@@ -48,6 +51,14 @@ std::string landmarks(const std::vector<int>& seen, const std::vector<int>& mean
         fmt::format("\n  {{ scan = [{:.3f}, {:.3f}, {:.3f}], vertex = {} }},", p.x(), p.y(), p.z(), meant[i]);
   }
   return text + "\n]";
+}
+
+// Of the mini scene's model.
+std::string corners() {
+  std::string text;
+  for (int corner = 0; corner < 8; ++corner)
+    text += fmt::format("v {} {} {}\n", corner & 1 ? 4 : 0, corner & 2 ? 3 : 0, corner & 4 ? 2.5 : 0);
+  return text;
 }
 
 }  // namespace
@@ -86,6 +97,29 @@ TEST_F(BadRegistration, a_given_pose_that_is_a_quarter_off_is_contradicted) {
   EXPECT_EQ(pose()["status"], "abstained");
   EXPECT_TRUE(pose()["refused"]["rms_m"].is_number());
   EXPECT_TRUE(fs::exists(sheet() / "landmarks.toml"));
+}
+
+// As modelling programs export them: some faces, or all, with their backs to the scanner.
+TEST_F(BadRegistration, a_model_whose_faces_are_turned_round_is_told) {
+  proxy_ =
+      corners() +
+      "g floor\nf 3 4 2 1\ng ceiling\nf 6 8 7 5\ng south\nf 2 6 5 1\ng north\nf 7 8 4 3\ng west\nf 5 7 3 1\n"
+      "g east\nf 4 8 6 2\n";
+  expect_failure(
+      register_from(landmarks({0, 7, 1, 6, 2}, {0, 7, 1, 6, 2})), 3,
+      {"no plane of the scan lies on a face of the model that looks its way",
+       "of the planar area lie on faces, but", "on backs (", "and 3 more)", "turn such faces round"});
+}
+
+TEST_F(BadRegistration, one_turned_face_of_a_model_that_places_the_scan_is_told) {
+  proxy_ =
+      corners() +
+      "g floor\nf 1 2 4 3\ng ceiling\nf 6 8 7 5\ng south\nf 1 5 6 2\ng north\nf 3 4 8 7\ng west\nf 1 3 7 5\n"
+      "g east\nf 2 6 8 4\n";
+  expect_failure(register_from(landmarks({0, 7, 1, 6, 2}, {0, 7, 1, 6, 2})), 0,
+                 {"model: 1 of 6 faces are seen by scans from behind (ceiling)"});
+  EXPECT_EQ(pose()["status"], "accepted");
+  EXPECT_EQ(summary()["faces_seen_from_behind"], nlohmann::json::array({"ceiling"}));
 }
 
 TEST_F(BadRegistration, what_the_model_leaves_open_is_said) {

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "io/cameras/colmap.hpp"
+#include "io/cameras/write_colmap.hpp"
 #include "io/models/obj.hpp"
 #include "io/output.hpp"
 #include "io/picture.hpp"
@@ -131,6 +133,60 @@ TEST(Export, coordinates_get_the_shift_and_the_crs_back) {
               std::string::npos);
   const Scan scan = io::read_scan(scratch / "out/export/scans.e57", 0);
   EXPECT_GT(scan.world_from_scan->translation.x(), 529000);
+}
+
+// Survey's coordinates everywhere, as programs for maps export them.
+TEST(Export, a_scene_in_the_coordinates_of_the_map_comes_out_in_them_as_a_local_one_does) {
+  const Scratch scratch;
+  const Vec3 shift(530000, 180000, 12.5);
+  const auto write = [&](const fs::path& folder, bool on_map) {
+    fs::copy(room(), folder, fs::copy_options::recursive);
+    std::string scene = io::read_text(room() / "scene.toml");
+    scene.insert(scene.find("[scene]\n") + 8, "shift = [530000.0, 180000.0, 12.5]\n");
+    for (const std::string key : {" model = [", "eye = [", "target = ["})
+      for (std::size_t at = 0; on_map && (at = scene.find(key, at)) != std::string::npos; at += key.size()) {
+        Vec3 point;
+        char comma = 0;
+        std::istringstream(scene.substr(at + key.size())) >> point.x() >> comma >> point.y() >> comma >>
+            point.z();
+        point += shift;
+        scene.replace(at, scene.find(']', at) + 1 - at,
+                      fmt::format("{}{}, {}, {}]", key, point.x(), point.y(), point.z()));
+      }
+    io::write_text(folder / "scene.toml", scene);
+    if (!on_map) return;
+    PolygonModel model = io::read_obj(folder / "proxy.obj");
+    for (Vec3& vertex : model.vertices) vertex += shift;
+    io::write_obj(folder / "proxy.obj", model);
+    auto cameras = io::read_colmap(folder / "cameras").photographs;
+    for (Photograph& camera : cameras)
+      camera.cam_from_world.translation -= camera.cam_from_world.rotation * shift;
+    io::write_colmap(folder / "cameras", cameras, {});
+  };
+  for (const bool on_map : {false, true}) {
+    const std::string name = on_map ? "map" : "local";
+    write(scratch / name, on_map);
+    const auto outcome = run("hybrid run " + (scratch / name / "scene.toml").string() +
+                             " --only register,render,export --quiet --out " +
+                             (scratch / ("out-" + name)).string() + " --set export.formats=ply");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err.find("agreement"), std::string::npos) << outcome.err;
+  }
+  const Scan local = io::read_scan(scratch / "out-local/export/points.ply", 0),
+             map = io::read_scan(scratch / "out-map/export/points.ply", 0);
+  EXPECT_GT(map.point(0).x(), 529000);
+  ASSERT_EQ(map.points.size(), local.points.size());
+  for (std::size_t i = 0; i < map.points.size(); i += 97)
+    EXPECT_LT((map.point(i) - local.point(i)).norm(), 1e-4);
+  const auto red = [&](const std::string& name) {
+    std::vector<double> shares;
+    const auto summary = json_of(scratch / name / "summary.json");
+    for (const auto& view : summary["views"]) shares.push_back(view.value("red_share", 0.0));
+    return shares;
+  };
+  const auto ours = red("out-local"), theirs = red("out-map");
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (std::size_t i = 0; i < ours.size(); ++i) EXPECT_NEAR(ours[i], theirs[i], 0.002);
 }
 
 TEST(Export, says_what_cannot_be_exported_and_exports_the_rest) {

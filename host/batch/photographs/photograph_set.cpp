@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "core/log.hpp"
 #include "core/suggest.hpp"
+#include "io/scene/map_shift.hpp"
 #include "io/text/text_cursor.hpp"
 
 namespace hybrid::batch {
@@ -138,10 +139,13 @@ PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool s
   set.cameras = cameras.photographs;
   set.files = photograph_files(section, set.cameras, salvage);
   read_pixels(salvage, decoded_bytes, set);
-  if (section.world_from_photographs)
+  if (section.world_from_photographs) {
+    const Pose world_from_photographs = pose_from_row_major(*section.world_from_photographs);
     for (Photograph& photograph : set.cameras)
-      photograph.cam_from_world =
-          camera_in_world(photograph.cam_from_world, pose_from_row_major(*section.world_from_photographs));
+      photograph.cam_from_world = camera_in_world(photograph.cam_from_world, world_from_photographs);
+  } else if (section.landmarks.empty()) {
+    io::take_off_shift(section.shift, set.cameras);
+  }
   return set;
 }
 
@@ -181,6 +185,7 @@ void place_photographs(const io::SceneFile::Photographs& section, const std::vec
     photographs.cameras[i].cam_from_world = placed.cam_from_world;
     photographs.placed_with.push_back(placed.with);
   }
+  if (!photographs.anchors.empty()) io::take_off_shift(section.shift, photographs.cameras);
 }
 
 std::size_t photograph_index(const std::vector<Photograph>& cameras, const std::string& name) {

@@ -15,6 +15,7 @@
 #include "io/output.hpp"
 #include "io/picture.hpp"
 #include "stages/registration/automatic_checks.hpp"
+#include "stages/registration/face_sides.hpp"
 #include "stages/registration/landmark_check.hpp"
 #include "stages/registration/pose_evidence.hpp"
 
@@ -204,8 +205,14 @@ bool may_solve_faces(const StageOptions& options) {
 // Below this share of the planar area within centimetres of a face ICP has found nothing to hold on to.
 constexpr double kLeastOverlap = 0.001;
 
-void check_overlap(const PolygonModel& model, const ScanRegistration& result) {
+void check_overlap(const stages::ProxyModel& proxy, const StageOptions& options,
+                   const ScanRegistration& result) {
   if (result.icp.overlap >= kLeastOverlap) return;
+  const auto turned = stages::diagnose_turned_faces(result.evidence, proxy, result.start, options.alignment);
+  if (!turned.empty())
+    fail_input("registration: no plane of the scan lies on a face of the model that looks its way: {}",
+               turned);
+  const PolygonModel& model = proxy.polygons();
   Eigen::AlignedBox3d box;
   for (const Vec3& vertex : model.vertices) box.extend(vertex);
   fail_input(
@@ -251,8 +258,10 @@ void judge(device::Queue& queue, const stages::ProxyModel& model, const StageOpt
   result.planar_area = evidence.shares;
   if (evidence.contradiction.empty()) evidence.contradiction = led_away(result, options);
   if (evidence.contradiction.empty()) return;
-  const auto diagnosis = stages::diagnose_pose(queue, result.evidence, model, result.world_from_scan().scale,
-                                               evidence.shares.supported, options.alignment);
+  auto diagnosis = stages::diagnose_turned_faces(result.evidence, model, result.start, options.alignment);
+  if (diagnosis.empty())
+    diagnosis = stages::diagnose_pose(queue, result.evidence, model, result.world_from_scan().scale,
+                                      evidence.shares.supported, options.alignment);
   result.refusal = refused_in_words(result, evidence.contradiction, diagnosis);
   result.abstained = true;
 }
@@ -354,7 +363,7 @@ ScanRegistration find_pose(device::Queue& queue, const io::SceneScan& entry, con
   const bool near = result.icp.overlap >= kLeastOverlap;
   if (near) judge(queue, model, options, result);
   if ((!near || result.abstained) && !placed_by_file_picks(queue, model, options, product, result))
-    check_overlap(model.polygons(), result);
+    check_overlap(model, options, result);
   if (result.abstained) return result;
   if (!result.icp.converged)
     warn(product,

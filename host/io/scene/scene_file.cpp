@@ -9,6 +9,7 @@
 #include "geometry/camera.hpp"
 #include "io/read_scan.hpp"
 #include "io/scene/implied_scene.hpp"
+#include "io/scene/map_shift.hpp"
 #include "io/scene/scene_path.hpp"
 #include "io/scene/scene_table.hpp"
 
@@ -281,6 +282,9 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
     scene.views.insert(scene.views.end(), frames.begin(), frames.end());
   }
   check_pairs(scene.views, names, scene);
+  if (scene.model) scene.model->shift = scene.shift;
+  if (scene.photographs) scene.photographs->shift = scene.shift;
+  take_off_shift(scene);
   if (scene.scans.empty() && !scene.model)
     fail_at(file, 1, "expected at least one [[scan]] or a [model], found neither");
   return scene;

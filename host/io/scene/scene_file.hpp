@@ -87,7 +87,7 @@ struct SceneFile {
   bool implied = false;
   bool levelled = false;
   std::string crs;
-  Vec3 shift = Vec3::Zero();
+  Vec3 shift = Vec3::Zero();  // what the file says in coordinates of the map is without it already
   std::optional<std::filesystem::path>
       truth;  // truth.json of a synthetic scene: scores only, never read by a stage
 
@@ -95,6 +95,7 @@ struct SceneFile {
   struct Model {
     std::filesystem::path file;
     std::string unit = "m", up = "z";
+    Vec3 shift = Vec3::Zero();  // the scene's, for a model of the map (map_shift.hpp)
   };
   std::optional<Model> model;
   struct Photographs {
@@ -104,6 +105,7 @@ struct SceneFile {
         e57_files;  // whose images are the photographs; `cameras` has the first
     std::optional<std::array<double, 16>> world_from_photographs;
     std::vector<ScenePhotographPick> landmarks;  // or by these
+    Vec3 shift = Vec3::Zero();                   // the scene's, for cameras of the map (map_shift.hpp)
   };
   std::optional<Photographs> photographs;
   SceneOptions planes, registration, edit, render, exporting;

@@ -41,23 +41,61 @@ void check_finite(const std::vector<LandmarkPair>& pairs) {
                  in_metres(pairs[i].point_in_model));
 }
 
+std::size_t nearest_vertex(const std::vector<Vec3>& vertices, const Vec3& pick) {
+  std::size_t nearest = 0;
+  for (std::size_t v = 1; v < vertices.size(); ++v)
+    if ((vertices[v] - pick).squaredNorm() < (vertices[nearest] - pick).squaredNorm()) nearest = v;
+  return nearest;
+}
+
+// Of a model that was read in another unit, or with another axis up, than it has: the picks, which are metres
+// with z up, all lie on vertices then. "" or "; ..." with what to say in the scene file.
+std::string hint_of_unit(const PolygonModel& model, const std::vector<LandmarkPair>& pairs,
+                         double tolerance_m) {
+  struct Unit {
+    double metres;
+    const char* name;
+    const char* remedy;
+  };
+  constexpr Unit kUnits[] = {
+      {1, "", ""},
+      {0.001, "is in millimetres", "say unit = \"mm\" in [model]"},
+      {0.01, "is in centimetres", "scale it by 0.01"},
+      {0.0254, "is in inches", "scale it by 0.0254"},
+      {0.3048, "is in feet", "scale it by 0.3048"},
+      {1000, "is in metres, and was read as millimetres", "say unit = \"m\" in [model]"}};
+  for (const bool y_up : {false, true})
+    for (const Unit& unit : kUnits) {
+      if (!y_up && unit.metres == 1) continue;
+      std::vector<Vec3> vertices;
+      for (const Vec3& v : model.vertices)
+        vertices.push_back(unit.metres * (y_up ? Vec3(v.x(), -v.z(), v.y()) : v));
+      if (!std::all_of(pairs.begin(), pairs.end(), [&](const LandmarkPair& pair) {
+            const Vec3& pick = pair.point_in_model;
+            return !pair.snap || (vertices[nearest_vertex(vertices, pick)] - pick).norm() <= tolerance_m;
+          }))
+        continue;
+      const bool scaled = unit.metres != 1;
+      return fmt::format("; all picks lie on vertices if the model {}{}{}: {}{}{}", unit.name,
+                         scaled && y_up ? " and " : "", y_up ? "has y up" : "", unit.remedy,
+                         scaled && y_up ? ", and " : "", y_up ? "say up = \"y\" in [model]" : "");
+    }
+  return "";
+}
+
 Vec3 snapped(const PolygonModel& model, const std::vector<LandmarkPair>& pairs, std::size_t i,
              double tolerance_m) {
   const Vec3& pick = pairs[i].point_in_model;
   if (!pairs[i].snap) return pick;
   if (model.vertices.empty()) fail_input("{}: the model has no vertices to snap to", name_of(pairs, i));
-  std::size_t nearest = 0;
-  for (std::size_t v = 1; v < model.vertices.size(); ++v)
-    if ((model.vertices[v] - pick).squaredNorm() < (model.vertices[nearest] - pick).squaredNorm())
-      nearest = v;
+  const std::size_t nearest = nearest_vertex(model.vertices, pick);
   const double distance = (model.vertices[nearest] - pick).norm();
   if (!(distance <= tolerance_m))
     fail_input(
         "{}: expected a model vertex within {} m of {}, found the nearest (vertex {} at {}) {:.3f} m away; "
-        "pick "
-        "that vertex, or say snap = false for a control point that is no vertex",
+        "pick that vertex, or say snap = false for a control point that is no vertex{}",
         name_of(pairs, i), tolerance_m, in_metres(pick), nearest, in_metres(model.vertices[nearest]),
-        distance);
+        distance, hint_of_unit(model, pairs, tolerance_m));
   return model.vertices[nearest];
 }
 

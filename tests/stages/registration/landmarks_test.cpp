@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "core/error.hpp"
@@ -156,6 +157,38 @@ TEST(Landmarks, snaps_rough_picks_to_vertices) {
   const auto shifted = fit_landmarks(box_corners(), pairs);
   EXPECT_NEAR((shifted.world_from_scan.translation - truth.translation - Vec3(0.03, -0.04, 0.02)).norm(), 0,
               1e-9);
+}
+
+TEST(Landmarks, tells_the_unit_and_the_axis_that_make_all_picks_corners) {
+  const auto words = [](const std::function<Vec3(const Vec3&)>& exported) {
+    PolygonModel model = box_corners();
+    std::vector<LandmarkPair> pairs;
+    for (const int corner : {0, 3, 5, 6}) {
+      const Vec3 pick = model.vertices[static_cast<std::size_t>(corner)] + Vec3(0.01, 0, 0);
+      pairs.push_back({"", pick, pick});
+    }
+    for (Vec3& vertex : model.vertices) vertex = exported(vertex);
+    try {
+      fit_landmarks(model, pairs);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto expect = [&](const std::function<Vec3(const Vec3&)>& exported, const std::string& part) {
+    const std::string text = words(exported);
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  const auto y_up = [](const Vec3& v) { return Vec3(v.x(), v.z(), -v.y()); };
+  expect([](const Vec3& v) { return Vec3(1000 * v); }, "if the model is in millimetres: say unit = \"mm\"");
+  expect([](const Vec3& v) { return Vec3(v / 0.0254); }, "if the model is in inches: scale it by 0.0254");
+  expect([](const Vec3& v) { return Vec3(v / 1000); }, "in metres, and was read as millimetres");
+  expect(y_up, "if the model has y up: say up = \"y\"");
+  expect([&](const Vec3& v) { return Vec3(1000 * y_up(v)); },
+         "is in millimetres and has y up: say unit = \"mm\" in [model], and say up = \"y\"");
+  const std::string elsewhere = words([](const Vec3& v) { return Vec3(v + Vec3(50, 0, 0)); });
+  EXPECT_NE(elsewhere.find("expected a model vertex"), std::string::npos);
+  EXPECT_EQ(elsewhere.find("all picks"), std::string::npos) << elsewhere;
 }
 
 TEST(Landmarks, names_the_pick_that_does_not_fit) {
