@@ -283,6 +283,24 @@ void warn_of_disagreement(const stages::Renderer& renderer, const PhotographSet&
         odd.size(), photographs.cameras.size(), some_of(odd), worst, kLeastAgreement, remedy);
 }
 
+void warn_of_red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs) {
+  std::vector<std::string> red;
+  for (const io::SceneView& view : views) {
+    const auto is_left_out = [&](const Photograph& photograph) {
+      return std::find(view.leave_out.begin(), view.leave_out.end(), photograph.name) != view.leave_out.end();
+    };
+    const std::string& name = view.path.empty() ? view.name : view.path;
+    if (view.texture && (red.empty() || red.back() != name) &&
+        std::all_of(photographs.cameras.begin(), photographs.cameras.end(), is_left_out))
+      red.push_back(name);
+  }
+  if (!red.empty())
+    log::warning(
+        "{} views are textured and have no photographs ({}): all they show is red; texture = false "
+        "shows surfaces plain",
+        red.size(), some_of(red));
+}
+
 Json sigma_figures(const stages::Renderer& renderer) {
   const auto& choice = renderer.sigma_choice();
   if (!choice) return {};

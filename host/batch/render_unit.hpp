@@ -44,6 +44,9 @@ nlohmann::ordered_json equalisation_figures(const stages::Renderer& renderer,
 // that cameras or surfaces must be wrong. Says nothing without `[render] equalise`.
 void warn_of_disagreement(const stages::Renderer& renderer, const PhotographSet& photographs);
 
+// Warns of textured views that no photograph is left for: all of them is red.
+void warn_of_red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs);
+
 // sigma_px = "auto": what was chosen and what was tried; null otherwise.
 nlohmann::ordered_json sigma_figures(const stages::Renderer& renderer);
 

@@ -350,6 +350,7 @@ class Run {
     sigma_ = sigma_figures(renderer);
     if (options_.render.equalise) equalisation_ = equalisation_figures(renderer, run_.photographs);
     warn_of_disagreement(renderer, run_.photographs);
+    warn_of_red_views(requested, run_.photographs);
     if (!run_.photographs.cameras.empty())
       unit("coverage", [&] { coverage_ = coverage_figures(renderer, scene, options_.coverage); });
     if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));

@@ -157,6 +157,15 @@ TEST(Edit, a_depth_edit_moves_the_samples_beside_the_grid_too) {
   EXPECT_EQ(summary_of(scratch / "out")["edit"]["scans"]["s"]["depth_edited_samples"], 21 * 21 + moved);
 }
 
+TEST(Edit, clips_that_leave_nothing_of_a_scan_are_told) {
+  const Scratch scratch;
+  const auto outcome =
+      run_edited(scratch, "[[edit.clip]]\nkeep = \"inside\"\nbox = [100, 100, 100, 101, 101, 101]\n",
+                 "--only planes,register,edit");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("scan s: clips drop all of its samples"), std::string::npos) << outcome.err;
+}
+
 TEST(Edit, a_clip_that_drops_nothing_is_named) {
   const Scratch scratch;
   const auto outcome = run_edited(scratch,

@@ -128,6 +128,18 @@ TEST_F(PhotographFrame, with_salvage_a_damaged_and_a_missing_photograph_are_left
   EXPECT_EQ(summary["equalisation"][0]["photograph"], cameras_[2].name);
 }
 
+TEST_F(PhotographFrame, a_textured_view_without_photographs_is_told) {
+  std::string scene = io::read_text(folder() / "scene.toml");
+  const auto begin = scene.find("[photographs]");
+  scene.erase(begin, scene.find("[[view]]") - begin);
+  io::write_text(folder() / "scene.toml", scene);
+  const Outcome outcome = render();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("1 views are textured and have no photographs (proxy-textured)"),
+            std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(PhotographFrame, the_folder_above_a_colmap_model_is_told) {
   fs::create_directories(folder() / "sparse");
   fs::rename(folder() / "cameras", folder() / "sparse/0");

@@ -265,6 +265,18 @@ TEST(scene_file, poses_and_landmarks) {
   });
 }
 
+TEST(scene_file, lists_of_texts_may_be_arrays_and_misspelt_edits_are_named) {
+  const TemporaryFolder folder;
+  const SceneFile scene = read_text_scene(folder, "[export]\nformats = [\"glb\", \"obj\"]\n" + kScan);
+  EXPECT_EQ(std::get<std::string>(scene.exporting.at("formats").value), "glb, obj");
+  expect_errors({
+      {"[export]\nformats = [\"glb\", 3]\n" + kScan, "2",
+       "expected a number, a string, true or false, found an array"},
+      {"[export]\nformats = []\n" + kScan, "2", "found an array"},
+      {"[[edit.hole]]\nface = 0\n" + kScan, "1", "unknown key \"hole\"; did you mean \"holes\"?"},
+  });
+}
+
 TEST(scene_file, landmarks_of_photographs) {
   const std::string section = "[photographs]\ncolmap = \"c\"\nimages = \"i\"\n";
   const TemporaryFolder folder;

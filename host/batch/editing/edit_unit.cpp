@@ -191,6 +191,15 @@ Json opening_json(const PolygonModel& model, const stages::Opening& opening) {
   return json;
 }
 
+void warn_of_empty_scan(const io::SceneFile& scene, const std::string& id) {
+  std::string lines;
+  for (const auto& clip : scene.edits.clips)
+    if (clip.scan.empty() || clip.scan == id)
+      lines += fmt::format("{}{}", lines.empty() ? "" : ", ", clip.line);
+  log::warning("{}:{}: scan {}: clips drop all of its samples; check their coordinates, keep and frame",
+               scene.path.string(), lines, id);
+}
+
 }  // namespace
 
 PolygonModel edit_model(const io::SceneFile& scene, const PolygonModel& model,
@@ -295,6 +304,7 @@ Json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration,
   give_back_contours(product.clipped, product);
   drop_clipped(product.clipped, product.decimation);
   product.decimation.measured -= std::count(product.extra_clipped.begin(), product.extra_clipped.end(), 1);
+  if (product.decimation.measured <= 0) warn_of_empty_scan(scene, product.id);
   return clips;
 }
 

@@ -31,7 +31,7 @@ void read_sections(const SceneTable& table, const SceneTable::Names& own, Profil
     if (section == "export" && options->keys().empty())  // which would be nothing to assign
       options->fail_table("expected what is to be exported, found no keys; write formats = \"all\"");
     for (const std::string& key : options->keys()) {
-      settings.assignments.push_back(section + "." + key + "=" + written(options->scalar(key)));
+      settings.assignments.push_back(section + "." + key + "=" + written(options->option(key)));
       settings.lines.push_back(options->line_of(key));
     }
   }

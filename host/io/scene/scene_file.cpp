@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "core/error.hpp"
+#include "core/suggest.hpp"
 #include "geometry/camera.hpp"
 #include "io/read_scan.hpp"
 #include "io/scene/implied_scene.hpp"
@@ -150,9 +151,12 @@ SceneOptions read_options(const SceneTable& root, std::string_view section) {
   const auto table = root.table(section, {});
   if (!table) return result;
   const auto& edits = scene_edit_keys();
-  for (const std::string& key : table->keys())
-    if (section != "edit" || std::find(edits.begin(), edits.end(), key) == edits.end())
-      result[key] = {table->line_of(key), table->scalar(key)};
+  for (const std::string& key : table->keys()) {
+    if (section == "edit" && std::find(edits.begin(), edits.end(), key) != edits.end()) continue;
+    if (section == "edit" && table->holds_tables(key))
+      table->fail_key(key, "{}", unknown_name("key", key, edits));
+    result[key] = {table->line_of(key), table->option(key)};
+  }
   return result;
 }
 

@@ -243,6 +243,21 @@ OptionValue SceneTable::scalar(std::string_view key) const {
   return scalar(key, *table_->get(key));
 }
 
+bool SceneTable::holds_tables(std::string_view key) const {
+  const toml::node& node = *table_->get(key);
+  return node.is_table() || node.is_array_of_tables();
+}
+
+OptionValue SceneTable::option(std::string_view key) const {
+  const toml::node& node = *table_->get(key);
+  const auto* array = node.as_array();
+  if (!array || array->empty() || !array->is_homogeneous<std::string>()) return scalar(key, node);
+  std::string joined;
+  for (const toml::node& element : *array)
+    joined += (joined.empty() ? "" : ", ") + element.as_string()->get();
+  return joined;
+}
+
 std::vector<OptionValue> SceneTable::scalars(std::string_view key) const {
   const toml::node& node = *table_->get(key);
   const auto* array = node.as_array();

@@ -48,6 +48,8 @@ class SceneTable {
   std::optional<std::array<int, 2>> index_pair(std::string_view key) const;
   std::optional<std::array<double, 16>> pose(std::string_view key) const;  // a similarity
   OptionValue scalar(std::string_view key) const;
+  OptionValue option(std::string_view key) const;  // a scalar, or the texts of an array, separated by ", "
+  bool holds_tables(std::string_view key) const;   // one, or an array of them
   std::vector<OptionValue> scalars(std::string_view key) const;  // an array of them
   std::vector<double> numbers(std::string_view key, std::size_t count) const;
   // [[x, y], ...]: at least `least` points of `dimension` numbers.
