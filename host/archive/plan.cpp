@@ -359,6 +359,10 @@ class Planner {
       manifest_.notes.push_back({name, "no scan that can be read: " + one.listing.problem});
       return std::nullopt;
     }
+    if (io::holds_photographs_alone(file)) {
+      manifest_.notes.push_back({name, "photographs and no scan: left out"});
+      return std::nullopt;
+    }
     one.listing.scans = {{0, 0}};
     return one;
   }

@@ -9,6 +9,7 @@
 
 #include "core/error.hpp"
 #include "io/read_scan.hpp"
+#include "io/scene/implied_scene.hpp"
 
 namespace hybrid::archive {
 namespace {
@@ -119,6 +120,8 @@ class Walk {
     if (!fs::is_regular_file(status)) return;
     if (is_scene(path))
       content_.scenes.push_back(path);
+    else if (!below_scene && io::is_scene_by_another_name(path))
+      note(path, "a scene file by another name: left out; call it scene.toml or *.scene.toml");
     else if (io::has_scan_extension(path))
       (below_scene ? content_.beside_scenes : content_.loose).push_back(path);
   }

@@ -257,7 +257,7 @@ Json equalisation_figures(const stages::Renderer& renderer, const PhotographSet&
   return rows;
 }
 
-void warn_of_disagreement(const stages::Renderer& renderer, const PhotographSet& photographs) {
+std::vector<std::string> disagreements(const stages::Renderer& renderer, const PhotographSet& photographs) {
   std::vector<std::string> blind, odd;
   double worst = 1;
   for (std::size_t i = 0; i < renderer.agreements().size(); ++i) {
@@ -272,18 +272,20 @@ void warn_of_disagreement(const stages::Renderer& renderer, const PhotographSet&
       most ? "the cameras' frame may be another than the model's: give [photographs] landmarks, or "
              "world_from_photographs (host/io/scene/README.md)"
            : "check these cameras, and whether model and scans have what they show";
+  std::vector<std::string> warnings;
   if (!blind.empty())
-    log::warning("{} of {} photographs see nothing of model and scans ({}); {}", blind.size(),
-                 photographs.cameras.size(), some_of(blind), remedy);
+    warnings.push_back(fmt::format("{} of {} photographs see nothing of model and scans ({}); {}",
+                                   blind.size(), photographs.cameras.size(), some_of(blind), remedy));
   if (!odd.empty())
-    log::warning(
-        "{} of {} photographs ({}) do not show what others show of the same surface (agreement down to "
-        "{:.2f}, "
-        "expected {} and more), which comes out in wrong colours; {}",
-        odd.size(), photographs.cameras.size(), some_of(odd), worst, kLeastAgreement, remedy);
+    warnings.push_back(
+        fmt::format("{} of {} photographs ({}) do not show what others show of the same surface (agreement "
+                    "down to {:.2f}, "
+                    "expected {} and more), which comes out in wrong colours; {}",
+                    odd.size(), photographs.cameras.size(), some_of(odd), worst, kLeastAgreement, remedy));
+  return warnings;
 }
 
-void warn_of_red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs) {
+std::string red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs) {
   std::vector<std::string> red;
   for (const io::SceneView& view : views) {
     const auto is_left_out = [&](const Photograph& photograph) {
@@ -294,11 +296,11 @@ void warn_of_red_views(const std::vector<io::SceneView>& views, const Photograph
         std::all_of(photographs.cameras.begin(), photographs.cameras.end(), is_left_out))
       red.push_back(name);
   }
-  if (!red.empty())
-    log::warning(
-        "{} views are textured and have no photographs ({}): all they show is red; texture = false "
-        "shows surfaces plain",
-        red.size(), some_of(red));
+  if (red.empty()) return "";
+  const bool one = red.size() == 1;
+  return fmt::format(
+      "{} textured {} no photographs and {} all red ({}); texture = false shows surfaces plain", red.size(),
+      one ? "view has" : "views have", one ? "is" : "are", some_of(red));
 }
 
 Json sigma_figures(const stages::Renderer& renderer) {

@@ -40,12 +40,12 @@ nlohmann::ordered_json render_view(stages::Renderer& renderer, const io::SceneVi
 nlohmann::ordered_json equalisation_figures(const stages::Renderer& renderer,
                                             const PhotographSet& photographs);
 
-// Warns of photographs that see nothing of the scene, or agree so little with the others on what they see
-// that cameras or surfaces must be wrong. Says nothing without `[render] equalise`.
-void warn_of_disagreement(const stages::Renderer& renderer, const PhotographSet& photographs);
+// Warnings of photographs that see nothing of the scene, or agree so little with the others on what they see
+// that cameras or surfaces must be wrong. None without `[render] equalise`.
+std::vector<std::string> disagreements(const stages::Renderer& renderer, const PhotographSet& photographs);
 
-// Warns of textured views that no photograph is left for: all of them is red.
-void warn_of_red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs);
+// A warning of textured views that no photograph is left for: all of them is red. "" = none.
+std::string red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs);
 
 // sigma_px = "auto": what was chosen and what was tried; null otherwise.
 nlohmann::ordered_json sigma_figures(const stages::Renderer& renderer);

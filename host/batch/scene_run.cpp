@@ -93,6 +93,7 @@ class Run {
       if (run_.model)
         place_by_landmarks(*run_.scene.photographs, *run_.model, options_.landmarks.snap_tolerance_m,
                            run_.photographs);
+      for (const auto& warning : run_.photographs.warnings) warn(warning);
       for (const auto& file : run_.photographs.files)
         if (!is_scan_file(file)) add_input(file);
     }
@@ -134,6 +135,13 @@ class Run {
   bool is_scan_file(const fs::path& file) const {
     return std::any_of(run_.scene.scans.begin(), run_.scene.scans.end(),
                        [&](const io::SceneScan& scan) { return scan.file == file; });
+  }
+
+  // Nobody watches the log: summary and page have it, too.
+  void warn(const std::string& warning) {
+    if (warning.empty()) return;
+    log::warning("{}", warning);
+    warnings_.push_back(warning);
   }
 
   // Runs the body of one unit: an input's or a step's error is recorded and the night goes on; a lost device,
@@ -208,7 +216,10 @@ class Run {
       joint_ = neighbours->figures();
     });
     neighbours.reset();
-    if (model) turned_faces_ = faces_seen_from_behind(*model, options_, run_.registrations);
+    if (model) {
+      turned_faces_ = faces_seen_from_behind(*model, options_, run_.registrations);
+      warn(turned_faces_.warning);
+    }
     for (std::size_t i = 0; i < run_.products.size(); ++i)
       unit("scan " + run_.products[i].id, [&] { finish(i, model ? &*model : nullptr); });
     editing_.finish_clips(run_.scene);
@@ -349,8 +360,8 @@ class Run {
     stages::Renderer renderer(queue_, scene, options_.render);
     sigma_ = sigma_figures(renderer);
     if (options_.render.equalise) equalisation_ = equalisation_figures(renderer, run_.photographs);
-    warn_of_disagreement(renderer, run_.photographs);
-    warn_of_red_views(requested, run_.photographs);
+    for (const auto& warning : disagreements(renderer, run_.photographs)) warn(warning);
+    warn(red_views(requested, run_.photographs));
     if (!run_.photographs.cameras.empty())
       unit("coverage", [&] { coverage_ = coverage_figures(renderer, scene, options_.coverage); });
     if (request_.leave_one_out) progress_.expect(static_cast<int>(run_.photographs.cameras.size()));
@@ -431,19 +442,12 @@ class Run {
     if (!equalisation_.is_null()) run_.summary["equalisation"] = equalisation_;
     if (!sigma_.is_null()) run_.summary["sigma"] = sigma_;
     if (const Json edits = editing_.figures(); !edits.is_null()) run_.summary["edit"] = edits;
-    Json placed = Json::array();  // photographs out of E57 files
-    for (std::size_t i = 0; i < run_.photographs.placed_with.size(); ++i)
-      placed.push_back(
-          {{"name", run_.photographs.cameras[i].name}, {"placed_with", run_.photographs.placed_with[i]}});
-    if (!placed.empty()) run_.summary["photographs"] = placed;
-    if (run_.scene.photographs)
-      if (const Json placed_by = landmark_figures(*run_.scene.photographs, run_.photographs);
-          !placed_by.is_null())
-        run_.summary["photograph_landmarks"] = placed_by;
+    if (run_.scene.photographs) describe_photographs(*run_.scene.photographs, run_.photographs, run_.summary);
     if (const Json scores = leave_one_out_figures(views_); !scores.is_null())
       run_.summary["leave_one_out"] = scores;
     if (!joint_.is_null()) run_.summary["joint"] = joint_;
-    if (!turned_faces_.empty()) run_.summary["faces_seen_from_behind"] = turned_faces_;
+    if (!turned_faces_.names.empty()) run_.summary["faces_seen_from_behind"] = turned_faces_.names;
+    if (!warnings_.empty()) run_.summary["warnings"] = warnings_;
     if (!run_.scene.crs.empty()) run_.summary["crs"] = run_.scene.crs;
   }
 
@@ -476,7 +480,8 @@ class Run {
   std::optional<io::SceneTruth> truth_;
   std::map<fs::path, std::string> hashes_;  // of the inputs
   Json inputs_ = Json::array(), views_ = Json::array(), export_, coverage_, equalisation_, sigma_, joint_;
-  std::vector<std::string> turned_faces_;  // of the model
+  TurnedFaces turned_faces_;
+  std::vector<std::string> warnings_;  // of the scene as a whole; those of scans are theirs
   SceneRun run_;
 };
 

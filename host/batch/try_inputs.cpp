@@ -103,6 +103,7 @@ bool try_photographs(const io::SceneFile::Photographs& section, const PolygonMod
     });
   good &= trial.part("photographs", [&] {
     place_by_landmarks(section, model, options.landmarks.snap_tolerance_m, set);
+    for (const std::string& warning : set.warnings) trial.line("  warning: " + warning);
     if (set.landmarks)
       trial.line(fmt::format("  {} landmarks of photographs: rms {:.1f} mm", section.landmarks.size(),
                              1000 * set.landmarks->rms_m));

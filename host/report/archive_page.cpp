@@ -62,6 +62,7 @@ Table scene_columns() {
       .number("registered", "", 0)
       .number("abstained", "", 0)
       .number("failures", "", 0)
+      .number("warnings", "", 0, "of the scene, and of its scans' registration")
       .number("samples", "million", 3)
       .number("superclusters", "", 0)
       .number("discarded", "%", 1, "mean of the scans")
@@ -75,6 +76,15 @@ Table scene_columns() {
       .number("PSNR", "dB", 2, "mean of photographs left out")
       .number("SSIM", "", 3, "mean of photographs left out");
   return table;
+}
+
+Json warnings_of(const Json& summary) {
+  if (!summary.contains("scans")) return nullptr;
+  std::size_t count = summary.contains("warnings") ? summary["warnings"].size() : 0;
+  for (const auto& scan : summary["scans"])
+    if (scan.contains("registration") && scan["registration"].contains("warnings"))
+      count += scan["registration"]["warnings"].size();
+  return count;
 }
 
 Table loose_columns() {
@@ -125,7 +135,7 @@ void ArchivePage::add_scene(const Json& row) {
   scenes_.add({named(row), state_cell(row),
                summary.contains("scans") ? Json(summary["scans"].size()) : Json(),
                with_status(summary, "accepted"), with_status(summary, "abstained"),
-               summary.contains("failures") ? Json(summary["failures"].size()) : Json(),
+               summary.contains("failures") ? Json(summary["failures"].size()) : Json(), warnings_of(summary),
                over_scans(summary, "/input_returns", 1e-6, Of::sum),
                over_scans(summary, "/superclusters", 1, Of::sum),
                over_scans(summary, "/decimation/discarded_share", 100, Of::mean),

@@ -44,6 +44,8 @@ std::string facts(const ScenePage& page) {
   if (abstained > 0) html += fact(fmt::format("{} abstained", abstained), "warn");
   html += fact(page.failures.empty() ? "no failures" : counted(page.failures.size(), "failure"),
                page.failures.empty() ? "good" : "bad");
+  if (page.summary.contains("warnings"))
+    html += fact(counted(page.summary["warnings"].size(), "warning"), "warn");
   const auto& views = page.summary["views"];
   if (const auto shown = std::count_if(views.begin(), views.end(), std::not_fn(is_leave_one_out)); shown > 0)
     html += fact(counted(static_cast<std::size_t>(shown), "view"));
@@ -52,6 +54,14 @@ std::string facts(const ScenePage& page) {
     html += fact(fmt::format("left-out photographs: PSNR {:.2f} dB, SSIM {:.3f}",
                              mean["psnr_db"].get<double>(), mean["ssim"].get<double>()));
   }
+  return html + "</ul>\n";
+}
+
+std::string warning_list(const Json& summary) {
+  if (!summary.contains("warnings")) return "";
+  std::string html = "<ul class=\"warn\">\n";
+  for (const auto& warning : summary["warnings"])
+    html += "<li>" + escape(warning.get<std::string>()) + "</li>\n";
   return html + "</ul>\n";
 }
 
@@ -329,11 +339,11 @@ void write_scene_page(const ScenePage& given) {
   std::error_code ignored;
   fs::remove_all(folder / "pictures", ignored);
   Previews previews(page.out);
-  std::string body = facts(page) + failure_section(page.failures) + abstained_sections(page, previews) +
-                     registration_section(page, previews) + edit_section(previews, page.summary) +
-                     view_section(page, previews) + leave_one_out_section(page, previews) +
-                     photograph_section(page.summary) + coverage_section(page.summary) +
-                     export_section(previews, page.summary);
+  std::string body = facts(page) + warning_list(page.summary) + failure_section(page.failures) +
+                     abstained_sections(page, previews) + registration_section(page, previews) +
+                     edit_section(previews, page.summary) + view_section(page, previews) +
+                     leave_one_out_section(page, previews) + photograph_section(page.summary) +
+                     coverage_section(page.summary) + export_section(previews, page.summary);
   body += scan_table(page);
   const auto& scans = page.summary["scans"];
   for (std::size_t i = 0; i < scans.size(); ++i) body += scan_section(previews, scans[i], i);

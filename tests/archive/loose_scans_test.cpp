@@ -103,6 +103,14 @@ TEST_F(LooseScans, of_a_folder_are_a_scene_unless_a_profile_says_otherwise) {
   EXPECT_NE(unknown.err.find("auto"), std::string::npos) << unknown.err;
 }
 
+TEST_F(LooseScans, beside_a_scene_file_by_another_name_are_planned_with_a_note) {
+  io::write_text(archive / "job/church.toml", "[[scan]]\nfile = \"west.ply\"\n");
+  planned();
+  EXPECT_NE(summary["notes"].dump().find("job/church.toml"), std::string::npos) << summary["notes"];
+  EXPECT_NE(summary["notes"].dump().find("a scene file by another name"), std::string::npos)
+      << summary["notes"];
+}
+
 TEST_F(LooseScans, of_a_folder_of_very_many_are_none) {
   fs::create_directories(archive / "many");
   for (int i = 10; i < 35; ++i) fs::copy_file(mini_scan(), archive / "many" / (std::to_string(i) + ".ply"));

@@ -119,6 +119,7 @@ TEST_F(BadRegistration, one_turned_face_of_a_model_that_places_the_scan_is_told)
   expect_failure(register_from(landmarks({0, 7, 1, 6, 2}, {0, 7, 1, 6, 2})), 0,
                  {"model: 1 of 6 faces are seen by scans from behind (ceiling)"});
   EXPECT_EQ(pose()["status"], "accepted");
+  EXPECT_EQ(summary()["warnings"].size(), 1u);
   EXPECT_EQ(summary()["faces_seen_from_behind"], nlohmann::json::array({"ceiling"}));
 }
 

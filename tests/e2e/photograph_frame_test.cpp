@@ -79,11 +79,14 @@ TEST_F(PhotographFrame, another_frame_is_told_and_landmarks_place_it) {
   EXPECT_NE(moved.err.find("give [photographs] landmarks, or world_from_photographs"), std::string::npos)
       << moved.err;
 
+  EXPECT_FALSE(json_of(out() / "summary.json")["warnings"].empty());
+
   add_to_photographs(landmarks());
   const Outcome placed = render();
   EXPECT_EQ(placed.exit_code, 0) << placed.err;
   EXPECT_EQ(placed.err.find("warning"), std::string::npos) << placed.err;
   const Json summary = json_of(out() / "summary.json");
+  EXPECT_FALSE(summary.contains("warnings")) << summary["warnings"];
   const Json& found = summary["photograph_landmarks"];
   const Pose pose = pose_from_row_major(found["world_from_photographs"].get<std::array<double, 16>>());
   // A pixel is 65 mm at the corners, a tenth of one what picks are rounded to.
@@ -135,7 +138,7 @@ TEST_F(PhotographFrame, a_textured_view_without_photographs_is_told) {
   io::write_text(folder() / "scene.toml", scene);
   const Outcome outcome = render();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("1 views are textured and have no photographs (proxy-textured)"),
+  EXPECT_NE(outcome.err.find("1 textured view has no photographs and is all red (proxy-textured)"),
             std::string::npos)
       << outcome.err;
 }

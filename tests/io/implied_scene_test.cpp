@@ -2,6 +2,7 @@
 #include "io/scene/implied_scene.hpp"
 
 #include "files.hpp"
+#include "io/e57/e57_writer.hpp"
 
 namespace hybrid::io::implied_scene_test {
 namespace {
@@ -57,6 +58,37 @@ TEST(ImpliedScene, gives_way_to_a_scene_file) {
   const auto scene = read_scene_file(folder.path() / "x");
   EXPECT_EQ(scene.name, "all");
   EXPECT_FALSE(scene.implied);
+}
+
+TEST(ImpliedScene, is_not_taken_where_a_scene_file_has_another_name) {
+  const testing::TemporaryFolder folder;
+  folder.write("x/a.ply", "");
+  folder.write("x/notes.toml", "[planes]\nsquare = 5\n[[scene]]\nmatch = \"a\"\n");  // a profile
+  folder.write("x/broken.toml", "[scan\n");
+  EXPECT_TRUE(read_scene_file(folder.path() / "x").implied);
+  folder.write("x/church.toml", "[[scan]]\nfile = \"a.ply\"\n");
+  EXPECT_TRUE(is_scene_by_another_name(folder.path() / "x/church.toml"));
+  EXPECT_NE(error_of(folder.path() / "x").find("found church.toml, a scene file by another name"),
+            std::string::npos)
+      << error_of(folder.path() / "x");
+  EXPECT_EQ(read_scene_file(folder.path() / "x/church.toml").name, "church");
+}
+
+TEST(ImpliedScene, leaves_out_e57_files_of_photographs_alone) {
+  const testing::TemporaryFolder folder;
+  folder.write("x/a.ply", "");
+  {
+    E57Writer writer(folder.path() / "x/photographs.e57");
+    E57Image image{.name = "a", .projection = E57Projection::pinhole, .width = 4, .height = 2};
+    image.guid = "{a}";
+    image.focal_length_m = 0.02;
+    image.pixel_width = image.pixel_height = 1e-4;
+    writer.add_image(image, "a picture", "");
+    writer.close();
+  }
+  EXPECT_TRUE(holds_photographs_alone(folder.path() / "x/photographs.e57"));
+  EXPECT_EQ(names_of(read_scene_file(folder.path() / "x")), Names{"a.ply"});
+  EXPECT_FALSE(holds_photographs_alone(folder.write("x/empty.e57", "")));
 }
 
 TEST(ImpliedScene, needs_scans) {

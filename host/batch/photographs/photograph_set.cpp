@@ -1,7 +1,6 @@
 #include "batch/photographs/photograph_set.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
 #include "core/log.hpp"
@@ -13,6 +12,7 @@ namespace hybrid::batch {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 // The rigid part of cam_from_world for a world that is a similarity away from the cameras' own: the camera's
 // centre moves with the world's scale, its image does not change.
@@ -72,7 +72,7 @@ void read_pixels(bool salvage, std::size_t decoded_bytes, PhotographSet& set) {
   std::vector<bool> lost(files.size());
   set.pixels->add(files, [&](std::size_t i, const Error& error) {
     if (!salvage) fail_input("{}; or use the other photographs with --salvage", error.what());
-    log::warning("photograph {} is left out: {}", set.cameras[i].name, error.what());
+    set.warnings.push_back(fmt::format("photograph {} is left out: {}", set.cameras[i].name, error.what()));
     lost[i] = true;
   });
   PhotographSet good;
@@ -83,6 +83,7 @@ void read_pixels(bool salvage, std::size_t decoded_bytes, PhotographSet& set) {
   }
   if (good.cameras.empty()) fail_input("none of the {} photographs can be read", files.size());
   good.pixels = std::move(set.pixels);
+  good.warnings = std::move(set.warnings);
   set = std::move(good);
 }
 
@@ -109,6 +110,26 @@ stages::PhotographPick pick_of(const io::ScenePhotographPick& picked, const Poly
                model.vertices.size());
   pick.point_in_model = model.vertices[vertex];
   return pick;
+}
+
+Json landmark_json(const io::SceneFile::Photographs& section, const stages::PhotographFit& fit) {
+  Json picks = Json::array();
+  for (std::size_t i = 0; i < section.landmarks.size(); ++i) {
+    const auto& picked = section.landmarks[i];
+    Json row = {{"landmark", i + 1}};
+    if (!picked.photograph.empty()) row["photograph"] = picked.photograph;
+    if (picked.pixel) {
+      row["pixel"] = *picked.pixel;
+      row["residual_px"] = fit.residual_px[i];
+    }
+    row["residual_m"] = fit.residual_m[i];
+    if (fit.left_out == i) row["left_out"] = true;
+    picks.push_back(std::move(row));
+  }
+  return {{"world_from_photographs", row_major(fit.world_from_photographs)},
+          {"scale", fit.world_from_photographs.scale},
+          {"rms_m", fit.rms_m},
+          {"picks", picks}};
 }
 
 }  // namespace
@@ -164,7 +185,7 @@ void place_by_landmarks(const io::SceneFile::Photographs& section, const Polygon
     return stages::fit_photographs(model, photographs.cameras, picks, snap_tolerance_m);
   });
   const std::string& warning = photographs.landmarks->warning;
-  if (!warning.empty()) log::warning("photographs: {}", warning);
+  if (!warning.empty()) photographs.warnings.push_back("photographs: " + warning);
   for (Photograph& photograph : photographs.cameras)
     photograph.cam_from_world =
         camera_in_world(photograph.cam_from_world, photographs.landmarks->world_from_photographs);
@@ -199,29 +220,12 @@ std::size_t photograph_index(const std::vector<Photograph>& cameras, const std::
              names.size(), nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
 }
 
-nlohmann::ordered_json landmark_figures(const io::SceneFile::Photographs& section,
-                                        const PhotographSet& photographs) {
-  using Json = nlohmann::ordered_json;
-  if (!photographs.landmarks) return {};
-  const auto& fit = *photographs.landmarks;
-  Json picks = Json::array();
-  for (std::size_t i = 0; i < section.landmarks.size(); ++i) {
-    const auto& picked = section.landmarks[i];
-    Json row = {{"landmark", i + 1}};
-    if (!picked.photograph.empty()) row["photograph"] = picked.photograph;
-    if (picked.pixel) {
-      row["pixel"] = *picked.pixel;
-      row["residual_px"] = fit.residual_px[i];
-    }
-    row["residual_m"] = fit.residual_m[i];
-    if (fit.left_out == i) row["left_out"] = true;
-    picks.push_back(std::move(row));
-  }
-  Json json = {{"world_from_photographs", row_major(fit.world_from_photographs)},
-               {"scale", fit.world_from_photographs.scale},
-               {"rms_m", fit.rms_m},
-               {"picks", picks}};
-  return json;
+void describe_photographs(const io::SceneFile::Photographs& section, const PhotographSet& photographs,
+                          Json& summary) {
+  for (std::size_t i = 0; i < photographs.placed_with.size(); ++i)
+    summary["photographs"].push_back(
+        {{"name", photographs.cameras[i].name}, {"placed_with", photographs.placed_with[i]}});
+  if (photographs.landmarks) summary["photograph_landmarks"] = landmark_json(section, *photographs.landmarks);
 }
 
 }  // namespace hybrid::batch

@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct PhotographSet {
   std::vector<E57Frame> frames;
   std::vector<std::string> placed_with;  // per camera, after place_photographs
   std::optional<stages::PhotographFit> landmarks;
+  std::vector<std::string> warnings;  // for the scene's
 };
 
 // Every photograph's file, all checked to be there, but in salvage, before any is decoded. Throws
@@ -32,7 +34,7 @@ std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photogr
                                                     bool salvage = false);
 
 // Cameras of files are in the world then, but for place_by_landmarks. In salvage a picture that is not there,
-// cannot be read, or has not its camera's size, is left out with a warning; one at least must be good.
+// cannot be read, or has not its camera's size, is left out, with a warning; one at least must be good.
 PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage = false,
                                std::size_t decoded_bytes = std::size_t{1} << 30);
 
@@ -50,8 +52,8 @@ void place_photographs(const io::SceneFile::Photographs& section, const std::vec
 // Throws ErrorKind::input when no camera has this name, with the nearest.
 std::size_t photograph_index(const std::vector<Photograph>& cameras, const std::string& name);
 
-// What landmarks placed, pick by pick, for summary.json; null without them.
-nlohmann::ordered_json landmark_figures(const io::SceneFile::Photographs& section,
-                                        const PhotographSet& photographs);
+// Adds to summary.json what places them: `photographs` of E57 files, `photograph_landmarks` pick by pick.
+void describe_photographs(const io::SceneFile::Photographs& section, const PhotographSet& photographs,
+                          nlohmann::ordered_json& summary);
 
 }  // namespace hybrid::batch

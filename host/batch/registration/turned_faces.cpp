@@ -1,6 +1,5 @@
 #include "batch/registration/turned_faces.hpp"
 
-#include "core/log.hpp"
 #include "stages/registration/face_sides.hpp"
 
 namespace hybrid::batch {
@@ -11,9 +10,8 @@ constexpr double kLeastShare = 0.3, kLeast_m2 = 0.5;
 
 }  // namespace
 
-std::vector<std::string> faces_seen_from_behind(
-    const stages::ProxyModel& model, const StageOptions& options,
-    const std::vector<std::optional<ScanRegistration>>& registrations) {
+TurnedFaces faces_seen_from_behind(const stages::ProxyModel& model, const StageOptions& options,
+                                   const std::vector<std::optional<ScanRegistration>>& registrations) {
   const PolygonModel& polygons = model.polygons();
   stages::FaceSides sides;
   double unit_m = 1;  // of a model without a known one: world metres of a scan's metre
@@ -29,13 +27,13 @@ std::vector<std::string> faces_seen_from_behind(
     least_m2.push_back(std::max(kLeastShare * face_area_m2(polygons, face) / (unit_m * unit_m), kLeast_m2));
   const auto turned = stages::turned_faces(sides, least_m2);
   if (turned.empty()) return {};
-  log::warning(
+  TurnedFaces found;
+  found.warning = fmt::format(
       "model: {} of {} faces are seen by scans from behind ({}), so no scan is registered to them: corners "
       "must go counter-clockwise as scans see them; turn such faces round in the model",
       turned.size(), polygons.faces.size(), stages::names_of_faces(polygons, turned));
-  std::vector<std::string> names;
-  for (const std::uint32_t face : turned) names.push_back(polygons.faces[face].name);
-  return names;
+  for (const std::uint32_t face : turned) found.names.push_back(polygons.faces[face].name);
+  return found;
 }
 
 }  // namespace hybrid::batch

@@ -1,11 +1,15 @@
 #include "io/scene/implied_scene.hpp"
 
+#include <toml++/toml.h>
+
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "io/e57/e57_source.hpp"
 #include "io/input_file.hpp"
 #include "io/output.hpp"
 #include "io/read_scan.hpp"
+#include "io/text/plain_text.hpp"
 #include "io/text/text_cursor.hpp"
 
 namespace hybrid::io {
@@ -46,6 +50,12 @@ SceneFile read_scene_in(const fs::path& folder) {
   if (scenes.size() > 1)
     fail_input("{}: expected one scene, found {} and {} more; name the one that is meant", folder.string(),
                scenes[0].filename().string(), scenes.size() - 1);
+  for (const fs::path& file : entries_of(folder))
+    if (is_scene_by_another_name(file))
+      fail_input(
+          "{}: expected a scene.toml or one *.scene.toml, found {}, a scene file by another name; name it, "
+          "or rename it",
+          folder.string(), file.filename().string());
   const auto scans = scans_in_folder(folder);
   if (scans.empty())
     fail_input("{}: expected a scene file, found a folder with neither a scene.toml nor scans ({}) in it",
@@ -76,12 +86,39 @@ bool belongs_to_range_image(const fs::path& file, const std::vector<fs::path>& b
   return file.filename() == "extra.ply" && std::any_of(beside.begin(), beside.end(), is_range_image);
 }
 
+bool holds_photographs_alone(const fs::path& file) {
+  if (lower_case(file.extension().string()) != ".e57") return false;
+  try {
+    const E57File opened(file, {.salvage = true});
+    return opened.contents().scans.empty() && !opened.contents().images.empty();
+  } catch (const Error&) {
+    return false;  // who reads it will tell
+  }
+}
+
+bool is_scene_by_another_name(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (file.extension() != ".toml" || name.starts_with(".") || name == "scene.toml" ||
+      name.ends_with(".scene.toml"))
+    return false;
+  try {
+    const toml::table document = toml::parse(read_plain_text(file), file.string());
+    const toml::node *scans = document.get("scan"), *model = document.get("model"),
+                     *scene = document.get("scene");
+    return (scans != nullptr && scans->is_array_of_tables()) || (model != nullptr && model->is_table()) ||
+           (scene != nullptr && scene->is_table());
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 std::vector<fs::path> scans_in_folder(const fs::path& folder) {
   const auto entries = entries_of(folder);
   std::vector<fs::path> scans;
   for (const fs::path& file : entries)
     if (has_scan_extension(file) && !file.filename().string().starts_with(".") &&
-        !belongs_to_range_image(file, entries) && (!is_range_image(file) || can_be_listed(file)))
+        !belongs_to_range_image(file, entries) && (!is_range_image(file) || can_be_listed(file)) &&
+        !holds_photographs_alone(file))
       scans.push_back(file);
   return scans;
 }
