@@ -95,12 +95,27 @@ bool try_photographs(const io::SceneFile::Photographs& section, const PolygonMod
   PhotographSet set;
   set.cameras = io::read_cameras(section.cameras, section.images).photographs;
   const auto files = photograph_files(section, set.cameras, salvage);
-  for (std::size_t i = 0; i < files.size(); ++i)
-    good &= trial.part("photographs", [&] {
-      const Camera& camera = set.cameras[i].camera;
-      io::check_photograph(files[i], camera.width, camera.height);
-      trial.line(fmt::format("  photograph {}: {} x {}", files[i].string(), camera.width, camera.height));
-    });
+  std::size_t left_out = 0;
+  const auto try_one = [&](std::size_t i) {
+    const Camera& camera = set.cameras[i].camera;
+    io::check_photograph(files[i], camera.width, camera.height);
+    trial.line(fmt::format("  photograph {}: {} x {}", files[i].string(), camera.width, camera.height));
+  };
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (!salvage) {
+      good &= trial.part("photographs", [&] { try_one(i); });
+      continue;
+    }
+    try {
+      try_one(i);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      trial.line(fmt::format("  photograph {} is left out: {}", set.cameras[i].name, error.what()));
+      ++left_out;
+    }
+  }
+  if (left_out > 0 && left_out == files.size())
+    good &= trial.part("photographs", [&] { fail_input("none of the {} can be read", left_out); });
   good &= trial.part("photographs", [&] {
     place_by_landmarks(section, model, options.landmarks.snap_tolerance_m, set);
     for (const std::string& warning : set.warnings) trial.line("  warning: " + warning);

@@ -122,6 +122,10 @@ TEST_F(PhotographFrame, with_salvage_a_damaged_and_a_missing_photograph_are_left
   EXPECT_EQ(missing.exit_code, 4);
   EXPECT_NE(missing.err.find("000.JPG is there"), std::string::npos) << missing.err;
 
+  const Outcome tried = render("--salvage --dry-run");
+  EXPECT_EQ(tried.exit_code, 0) << tried.err;
+  EXPECT_NE(tried.out.find("photograph 000.jpg is left out"), std::string::npos) << tried.out;
+
   const Outcome salvaged = render("--salvage");
   EXPECT_EQ(salvaged.exit_code, 0) << salvaged.err;
   for (const char* name : {"photograph 000.jpg is left out: ", "photograph 001.jpg is left out: "})
