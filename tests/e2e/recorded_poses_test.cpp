@@ -98,10 +98,10 @@ class RecordedSurvey {
     const auto at = scene_.find("[model]");
     scene_.erase(at, scene_.find("\n\n", at) - at);
   }
-  Outcome register_all() const {
+  Outcome register_all(const std::string& options = "") const {
     io::write_text(folder() / "scene.toml", scene_);
     return run("hybrid register " + (folder() / "scene.toml").string() + " --quiet --force --out " +
-               out().string());
+               out().string() + " " + options);
   }
   nlohmann::json pose(const std::string& id) const { return json_of(out() / "scans" / id / "pose.json"); }
   // Of every scan that has a pose, by the truth.
@@ -171,6 +171,12 @@ TEST(RecordedPoses, landmarks_of_one_scan_place_a_survey_that_was_registered_bef
   }
   EXPECT_EQ(survey.pose("chancel")["recorded"]["beside"], "nave");
   EXPECT_NE(outcome.out.find("from its file's pose beside scan nave"), std::string::npos) << outcome.out;
+
+  // That nothing else is asked is no reason to warn.
+  const auto by_files = survey.register_all("--set register.automatic=never");
+  EXPECT_EQ(by_files.exit_code, 0) << by_files.err;
+  EXPECT_EQ(by_files.err.find("no landmarks and no pose"), std::string::npos) << by_files.err;
+  EXPECT_EQ(survey.pose("front")["how"], "recorded");
 }
 
 // They may be picked where the file has the scan, as most programs show it.

@@ -145,10 +145,9 @@ void NeighbourPlaces::place(std::size_t scan, ScanRegistration one, Registration
 void NeighbourPlaces::accept(std::size_t scan, ScanRegistration one, const std::string& instead,
                              Registrations& registrations, Registrations& abstentions) {
   one.abstained = false;
-  if (!one.refusal.empty()) {
+  if (!one.refusal.empty() && !one.no_start)
     warn(products_[scan], fmt::format("{}; it is {} instead", one.refusal, instead), one);
-    one.refusal.clear();
-  }
+  one.refusal.clear();
   registrations[scan] = std::move(one);
   abstentions[scan].reset();
 }

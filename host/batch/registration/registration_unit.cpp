@@ -190,6 +190,7 @@ void find_start(device::Queue& queue, const io::SceneScan& entry, const stages::
         "no landmarks and no pose: give at least 3 landmarks (4 are better) or a pose in the scene file";
     if (!product.recorded_pose) fail_input("{}", none);
     result.refusal = none;  // unless its file's pose tells its place beside other scans
+    result.no_start = true;
     result.abstained = true;
     return;
   }

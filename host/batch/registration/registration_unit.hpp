@@ -83,6 +83,7 @@ struct ScanRegistration {
   bool fixed = false;
   bool abstained = false;             // there is no pose: the automatic alignment abstained, or `refusal`
   std::string refusal;                // why the landmarks, or the pose that ICP found, place nothing
+  bool no_start = false;              // `refusal` is that nothing gives it one but the pose in its file
   std::vector<std::string> warnings;  // what a person should look at: pose.json, summary.json, report
   Pose start;                         // from landmarks, the automatic alignment or the scene file
   std::optional<stages::LandmarkFit> landmarks;
