@@ -13,7 +13,8 @@ struct DepthCamera {
   double scale = 0.001;                   // metres of one unit of the image
 };
 
-// A 16-bit grey PNG of depths along the optical axis (0: no return) as a scan with one node per pixel. Its
+// A 16-bit grey PNG of depths along the optical axis (0, and 65535: no return) as a scan with one node per
+// pixel, with notes on saturated pixels and a principal point far from the middle. Its
 // frame is the scanner's: x forward, y left, z up, the origin at the camera's centre. Throws ErrorKind::input
 // naming the file: no PNG, damaged, not one channel of 16 bits, no depth at all.
 Scan read_depth_image(const std::filesystem::path& file, const DepthCamera& camera);

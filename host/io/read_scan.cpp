@@ -105,6 +105,8 @@ const ScanFormat& format_of(const std::filesystem::path& file) {
     if (extension == format.extension) return format;
   check_readable(file);
   const char* remedy = "convert it, or correct its extension";
+  if (extension == ".png")
+    remedy = "a depth image is the file of a [[scan]] with intrinsics, in a scene file";
   if (extension == ".toml")
     remedy = "of a scene file, hybrid run SCENE.toml --out DIR --dry-run tells what is in it";
   for (const auto& [known, what] : kRemedies)
