@@ -1,7 +1,5 @@
 #include "batch/render_unit.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <map>
 
@@ -9,6 +7,7 @@
 #include "core/log.hpp"
 #include "core/parallel_blocks.hpp"
 #include "core/parallel_tasks.hpp"
+#include "core/suggest.hpp"
 #include "geometry/colour.hpp"
 #include "io/exr/exr.hpp"
 #include "io/picture.hpp"
@@ -26,14 +25,6 @@ constexpr double kLeastAgreement = 0.5;
 
 bool is_doubtful(const stages::PhotographAgreement& agreement) {
   return agreement.points == 0 || (agreement.correlation && *agreement.correlation < kLeastAgreement);
-}
-
-std::string some_of(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 3;
-  const std::vector<std::string> first(
-      names.begin(), names.begin() + static_cast<std::ptrdiff_t>(std::min(kMost, names.size())));
-  return fmt::format("{}{}", fmt::join(first, ", "),
-                     names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "");
 }
 
 // What a view has of the scene, of the pixels that are the photograph's own (its alpha is not 0).

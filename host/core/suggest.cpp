@@ -54,4 +54,11 @@ std::string unknown_name(std::string_view what, std::string_view name,
   return fmt::format("unknown {} \"{}\"; {}Known: {}", what, name, question, fmt::join(known, ", "));
 }
 
+std::string some_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > kMost ? fmt::format("{} and {} more", text, names.size() - kMost) : text;
+}
+
 }  // namespace hybrid

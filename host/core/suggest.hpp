@@ -14,4 +14,7 @@ std::string_view nearest_name(std::string_view name, const std::vector<std::stri
 std::string unknown_name(std::string_view what, std::string_view name,
                          const std::vector<std::string_view>& known);
 
+// "a, b, c and 4 more": the first three.
+std::string some_of(const std::vector<std::string>& names);
+
 }  // namespace hybrid

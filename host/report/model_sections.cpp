@@ -173,7 +173,7 @@ std::string photograph_section(const Json& summary) {
         fmt::format(
             "<h3>Landmarks</h3>\n<p>The cameras' frame in the model's: scale {:.6g}, rms {:.1f} mm.</p>\n",
             landmarks["scale"].get<double>(), 1000 * landmarks["rms_m"].get<double>()) +
-        table.html();
+        folded("landmarks", landmarks["picks"].size(), table.html());
   }
   return html.empty() ? "" : "<h2 id=\"photographs\">Photographs</h2>\n" + html;
 }

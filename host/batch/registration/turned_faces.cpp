@@ -1,5 +1,6 @@
 #include "batch/registration/turned_faces.hpp"
 
+#include "core/suggest.hpp"
 #include "stages/registration/face_sides.hpp"
 
 namespace hybrid::batch {
@@ -27,12 +28,11 @@ TurnedFaces faces_seen_from_behind(const stages::ProxyModel& model, const StageO
     least_m2.push_back(std::max(kLeastShare * face_area_m2(polygons, face) / (unit_m * unit_m), kLeast_m2));
   const auto turned = stages::turned_faces(sides, least_m2);
   if (turned.empty()) return {};
-  TurnedFaces found;
+  TurnedFaces found{stages::names_of_faces(polygons, turned), {}};
   found.warning = fmt::format(
       "model: {} of {} faces are seen by scans from behind ({}), so no scan is registered to them: corners "
       "must go counter-clockwise as scans see them; turn such faces round in the model",
-      turned.size(), polygons.faces.size(), stages::names_of_faces(polygons, turned));
-  for (const std::uint32_t face : turned) found.names.push_back(polygons.faces[face].name);
+      turned.size(), polygons.faces.size(), some_of(found.names));
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/parallel_blocks.hpp"
+#include "core/suggest.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -68,12 +69,10 @@ std::vector<std::uint32_t> turned_faces(const FaceSides& sides, const std::vecto
   return turned;
 }
 
-std::string names_of_faces(const PolygonModel& model, const std::vector<std::uint32_t>& faces) {
-  constexpr std::size_t kMost = 3;
-  std::string names;
-  for (std::size_t i = 0; i < std::min(kMost, faces.size()); ++i)
-    names += (i ? ", " : "") + model.faces[faces[i]].name;
-  return names + (faces.size() > kMost ? fmt::format(" and {} more", faces.size() - kMost) : "");
+std::vector<std::string> names_of_faces(const PolygonModel& model, const std::vector<std::uint32_t>& faces) {
+  std::vector<std::string> names;
+  for (const std::uint32_t face : faces) names.push_back(model.faces[face].name);
+  return names;
 }
 
 std::string diagnose_turned_faces(const ScanEvidence& scan, const ProxyModel& model, const Pose& start,
@@ -88,7 +87,7 @@ std::string diagnose_turned_faces(const ScanEvidence& scan, const ProxyModel& mo
   return fmt::format(
       "under its start {:.0f} % of the planar area lie on faces, but {:.0f} % on backs ({}): corners must go "
       "counter-clockwise seen from where the scanner stands; turn such faces round in the model",
-      100 * (front + back), 100 * back, names_of_faces(model.polygons(), turned));
+      100 * (front + back), 100 * back, some_of(names_of_faces(model.polygons(), turned)));
 }
 
 }  // namespace hybrid::stages

@@ -22,8 +22,7 @@ FaceSides face_sides(const ScanEvidence& scan, const ProxyModel& model, const Po
 // Faces of which scans see `least_m2` from behind, and at most a quarter as much from the front; most first.
 std::vector<std::uint32_t> turned_faces(const FaceSides& sides, const std::vector<double>& least_m2);
 
-// "wall, door and 3 more": the first three by name.
-std::string names_of_faces(const PolygonModel& model, const std::vector<std::uint32_t>& faces);
+std::vector<std::string> names_of_faces(const PolygonModel& model, const std::vector<std::uint32_t>& faces);
 
 // Why a pose that is contradicted may be right all the same: with faces that are seen from behind turned
 // round, at least `least_support` of the planar area would lie on faces under it. Names them; "" when it is
