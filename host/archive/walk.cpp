@@ -39,11 +39,6 @@ std::string printable(std::string text) {
   return text;
 }
 
-bool is_scene(const fs::path& file) {
-  const std::string name = file.filename().string();
-  return name == "scene.toml" || name.ends_with(".scene.toml");
-}
-
 class Walk {
  public:
   explicit Walk(fs::path root) : root_(std::move(root)) {}
@@ -91,7 +86,7 @@ class Walk {
     };
     if (has("store.json") && has("manifest.json")) return note(path, "a store: left out");
     if (has("timing.json") && has("summary.json")) return note(path, "results of a run: left out");
-    below_scene = below_scene || std::any_of(entries.begin(), entries.end(), is_scene);
+    below_scene = below_scene || std::any_of(entries.begin(), entries.end(), io::has_scene_name);
     above_.push_back(id);
     for (const auto& entry : entries) visit(entry, below_scene);
     above_.pop_back();
@@ -108,7 +103,7 @@ class Walk {
     const auto status = fs::status(path, code);
     if (status.type() == fs::file_type::not_found || code) {
       if (code.value() == ELOOP) return problem(path, "a link to itself; remove the link");
-      if (is_scene(path) || io::has_scan_extension(path))
+      if (io::has_scene_name(path) || io::has_scan_extension(path))
         problem(path, "a link to nothing; restore what it points to, or remove it");
       return;
     }
@@ -118,7 +113,7 @@ class Walk {
       return;
     }
     if (!fs::is_regular_file(status)) return;
-    if (is_scene(path))
+    if (io::has_scene_name(path))
       content_.scenes.push_back(path);
     else if (!below_scene && io::is_scene_by_another_name(path))
       note(path, "a scene file by another name: left out; call it scene.toml or *.scene.toml");

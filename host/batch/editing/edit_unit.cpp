@@ -191,13 +191,13 @@ Json opening_json(const PolygonModel& model, const stages::Opening& opening) {
   return json;
 }
 
-void warn_of_empty_scan(const io::SceneFile& scene, const std::string& id) {
+std::string empty_scan(const io::SceneFile& scene, const std::string& id) {
   std::string lines;
   for (const auto& clip : scene.edits.clips)
     if (clip.scan.empty() || clip.scan == id)
       lines += fmt::format("{}{}", lines.empty() ? "" : ", ", clip.line);
-  log::warning("{}:{}: scan {}: clips drop all of its samples; check their coordinates, keep and frame",
-               scene.path.string(), lines, id);
+  return fmt::format("clips (line {}) drop all of its samples; check their coordinates, keep and frame",
+                     lines);
 }
 
 }  // namespace
@@ -304,7 +304,10 @@ Json clip_scan(const io::SceneFile& scene, const ScanRegistration& registration,
   give_back_contours(product.clipped, product);
   drop_clipped(product.clipped, product.decimation);
   product.decimation.measured -= std::count(product.extra_clipped.begin(), product.extra_clipped.end(), 1);
-  if (product.decimation.measured <= 0) warn_of_empty_scan(scene, product.id);
+  if (product.decimation.measured <= 0) {
+    product.notes.push_back(empty_scan(scene, product.id));
+    log::warning("scan {}: {}", product.id, product.notes.back());
+  }
   return clips;
 }
 

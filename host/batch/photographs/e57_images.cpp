@@ -29,15 +29,16 @@ E57Frame frame_of(const fs::path& file, const io::E57File& opened) {
 void read_file(const fs::path& file, bool salvage, E57PhotographSet& set) {
   const io::E57File opened(file, {.salvage = salvage});
   const io::E57Photographs found = io::e57_photographs(opened.contents());
-  for (const std::string& note : found.notes) log::warning("{}: {}", file.string(), note);
+  for (const std::string& note : found.notes) set.warnings.push_back(file.string() + ": " + note);
   for (const io::E57Photograph& one : found.photographs) {
     try {
       std::vector<std::string> damage;
       set.pixels.push_back(io::read_e57_photograph(opened, one, damage));
-      for (const std::string& note : damage) log::warning("{}: {}", io::place_of(opened, one.image), note);
+      for (const std::string& note : damage)
+        set.warnings.push_back(io::place_of(opened, one.image) + ": " + note);
     } catch (const Error& error) {
       if (!salvage || error.kind() != ErrorKind::input) throw;
-      log::warning("{}: left out", error.what());
+      set.warnings.push_back(fmt::format("{}: left out", error.what()));
       continue;
     }
     set.cameras.push_back(one.photograph);

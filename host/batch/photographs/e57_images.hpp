@@ -27,9 +27,10 @@ struct E57PhotographSet {
   std::vector<Image8> pixels;
   std::vector<E57Anchor> anchors;  // one per camera
   std::vector<E57Frame> frames;    // one per file
+  std::vector<std::string> warnings;
 };
 // The photographs of all files, in file order. A name that occurs twice gets the file's stem in front. In
-// salvage a picture that cannot be read is left out with a warning. Throws ErrorKind::input naming file,
+// salvage a picture that cannot be read is left out, with a warning. Throws ErrorKind::input naming file,
 // image and byte, and when there is no photograph at all.
 E57PhotographSet read_e57_photographs(const std::vector<std::filesystem::path>& files, bool salvage);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/error.hpp"
-#include "core/log.hpp"
 #include "core/suggest.hpp"
 #include "io/scene/map_shift.hpp"
 #include "io/text/text_cursor.hpp"
@@ -152,11 +151,13 @@ PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool s
     for (Image8& image : found.pixels) set.pixels->add(std::move(image));
     set.anchors = std::move(found.anchors);
     set.frames = std::move(found.frames);
+    set.warnings = std::move(found.warnings);
     set.files = section.e57_files;
     return set;
   }
   const io::CameraFile cameras = io::read_cameras(section.cameras, section.images);
-  for (const std::string& note : cameras.notes) log::warning("{}: {}", section.cameras.path.string(), note);
+  for (const std::string& note : cameras.notes)
+    set.warnings.push_back(section.cameras.path.string() + ": " + note);
   set.cameras = cameras.photographs;
   set.files = photograph_files(section, set.cameras, salvage);
   read_pixels(salvage, decoded_bytes, set);

@@ -44,7 +44,7 @@ SceneFile read_scene_in(const fs::path& folder) {
   std::vector<fs::path> scenes;
   for (const fs::path& file : entries_of(folder)) {
     if (file.filename() == "scene.toml") return read_scene_file(file);
-    if (file.filename().string().ends_with(".scene.toml")) scenes.push_back(file);
+    if (has_scene_name(file)) scenes.push_back(file);
   }
   if (scenes.size() == 1) return read_scene_file(scenes.front());
   if (scenes.size() > 1)
@@ -96,10 +96,13 @@ bool holds_photographs_alone(const fs::path& file) {
   }
 }
 
-bool is_scene_by_another_name(const fs::path& file) {
+bool has_scene_name(const fs::path& file) {
   const std::string name = file.filename().string();
-  if (file.extension() != ".toml" || name.starts_with(".") || name == "scene.toml" ||
-      name.ends_with(".scene.toml"))
+  return name == "scene.toml" || name.ends_with(".scene.toml");
+}
+
+bool is_scene_by_another_name(const fs::path& file) {
+  if (file.extension() != ".toml" || file.filename().string().starts_with(".") || has_scene_name(file))
     return false;
   try {
     const toml::table document = toml::parse(read_plain_text(file), file.string());

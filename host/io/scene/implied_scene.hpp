@@ -22,6 +22,9 @@ bool belongs_to_range_image(const std::filesystem::path& file,
 // An E57 file with images and no scans: a scene file's [photographs] may name it.
 bool holds_photographs_alone(const std::filesystem::path& file);
 
+// scene.toml, or *.scene.toml: what a folder or an archive may stand for.
+bool has_scene_name(const std::filesystem::path& file);
+
 // A TOML file with a [[scan]], [model] or [scene] that is called neither scene.toml nor *.scene.toml, and so
 // is none that a folder or an archive stands for.
 bool is_scene_by_another_name(const std::filesystem::path& file);

@@ -6,11 +6,11 @@
 
 #include "core/parallel_blocks.hpp"
 #include "core/suggest.hpp"
+#include "stages/registration/sight_lines.hpp"
 
 namespace hybrid::stages {
 namespace {
 
-constexpr double kMostTurnedDeg = 25;
 constexpr double kBackRatio = 4;  // a face is turned that is seen so many times as much from behind
 // Of one scan's planar area: on the back of a face that is named, and of all of them.
 constexpr double kLeastOfFace = 0.01, kLeastOfAll = 0.15;
@@ -31,7 +31,7 @@ FaceSides face_sides(const ScanEvidence& scan, const ProxyModel& model, const Po
                      double tolerance_m) {
   const std::size_t count = model.polygons().faces.size();
   const auto& shapes = model.shapes().faces;
-  const double least_cosine = std::cos(kMostTurnedDeg * std::numbers::pi / 180);
+  const double least_cosine = std::cos(SightOptions().normal_deg * std::numbers::pi / 180);
   const auto of_rays = [&](std::size_t begin, std::size_t end) {
     FaceSides own{std::vector<double>(count), std::vector<double>(count)};
     for (std::size_t i = begin; i < end; ++i) {
