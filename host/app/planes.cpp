@@ -24,6 +24,17 @@ void add_planes(CLI::App& program, int& exit_code) {
       "--scanner", *scanner,
       "X,Y,Z: where the scanner stood, metres in the files' coordinates, for files that cannot say "
       "(PTS, LAS, PLY, ...); else it is taken to stand at their origin");
+  auto axes = std::make_shared<std::string>("z-up");
+  command
+      ->add_option("--axes", *axes,
+                   "how the files' axes lie: z-up, camera (x right, y down, z forward) or opengl (x right, "
+                   "y up, z backward), for what depth cameras wrote")
+      ->check(CLI::IsMember(io::kScanAxesNames));
+  auto unit = std::make_shared<std::string>("m");
+  std::vector<std::string> units;
+  for (const io::ScanUnit& one : io::kScanUnits) units.emplace_back(one.name);
+  command->add_option("--unit", *unit, "of the files' lengths; --scanner is in metres")
+      ->check(CLI::IsMember(units));
   add_salvage_option(*command, request->salvage);
   add_common_options(*command, *common);
   add_memory_option(*command, *common);
@@ -33,6 +44,8 @@ void add_planes(CLI::App& program, int& exit_code) {
     for (const auto& assignment : common->assignments) request->options.set(assignment);
     if (command->count("--square")) request->options.set_square(parse_square(*square));
     if (command->count("--scanner") > 0) request->scanner = parse_place(*scanner, "--scanner");
+    request->unit_m = io::metres_of_unit(*unit);
+    request->axes = io::scan_axes_of(*axes);
     request->options.set_tile(common->tile);
     if (common->seed) request->options.set_seed(*common->seed);
     request->quiet = !shows_progress(*common);

@@ -286,6 +286,9 @@ class Planner {
       planes.entry = scene.implied ? 0 : entry;
       if (scan.scanner)
         planes.made_from["scanner"] = {scan.scanner->x(), scan.scanner->y(), scan.scanner->z()};
+      if (scan.axes != io::ScanAxes::z_up)
+        planes.made_from["axes"] = io::kScanAxesNames[static_cast<std::size_t>(scan.axes)];
+      if (scan.unit_m != 1) planes.made_from["unit_m"] = scan.unit_m;
       if (!scene.implied)  // the scene file says how to read the scan
         planes.inputs.push_back(unit.inputs.front());
       unit.needs.push_back(manifest_.units.size());

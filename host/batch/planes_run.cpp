@@ -22,6 +22,8 @@ Json process_one(device::Queue& queue, const PlanesRequest& request, const std::
   io::SceneScan one;
   one.file = file;
   one.scanner = request.scanner;
+  one.axes = request.axes;
+  one.unit_m = request.unit_m;
   auto [product, remains] = make_planes(queue, id, one, entry, request.options, progress);
   progress.step("write", "scan " + id);
   const auto folder = request.out / "scans" / id;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "batch/scan_unit.hpp"
+#include "io/scan_frame.hpp"
 
 namespace hybrid::batch {
 
@@ -12,6 +13,8 @@ struct PlanesRequest {
   std::vector<std::filesystem::path> files;
   std::filesystem::path out;
   StageOptions options;
+  double unit_m = 1;  // of the files' lengths
+  io::ScanAxes axes = io::ScanAxes::z_up;
   std::optional<Vec3> scanner;      // where it stood, in the files' coordinates (io::place_scanner)
   std::optional<std::size_t> only;  // this scan of each file alone, under the id that it has among all
   bool salvage = false;             // of damaged scans what is good (io::ReadOptions)

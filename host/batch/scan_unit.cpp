@@ -8,6 +8,7 @@
 #include "core/free_memory.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
+#include "core/median.hpp"
 #include "core/parallel.hpp"
 #include "core/parallel_tasks.hpp"
 #include "geometry/colour.hpp"
@@ -107,9 +108,57 @@ ScanProduct describe(const std::string& id, const Scan& scan, std::uint64_t samp
   return product;
 }
 
+// What a person should know of how the file's grid lies; "" of the usual layout.
+std::string layout_note(stages::GridLayout layout) {
+  using stages::GridLayout;
+  switch (layout) {
+    case GridLayout::as_filed:
+    case GridLayout::no_angles:
+      return "";
+    case GridLayout::transposed:
+      return "the file's rows are azimuths and its columns elevations: its grid is turned";
+    case GridLayout::dimensions_swapped:
+      return "the file gives the numbers of rows and columns the other way round: its grid is read as its "
+             "samples lie";
+    case GridLayout::other_order:
+      return "the file has its samples in the other order than its format says, by rows or by columns: its "
+             "grid is read as they lie";
+    case GridLayout::over_zenith:
+      return "the file's columns go over the zenith: what lies behind the scanner has columns of its own";
+  }
+  return "";
+}
+
+void note_layout(stages::GridLayout layout, ScanProduct& product) {
+  if (const std::string note = layout_note(layout); !note.empty()) product.notes.push_back(note);
+  if (layout != stages::GridLayout::no_angles) return;
+  product.notes.emplace_back(
+      "rows and columns of its grid are no angles seen from its origin, so that contours and areas of planes "
+      "are missing or wrong: say how a camera's axes lie (axes of [[scan]], or hybrid planes --axes), or "
+      "where "
+      "the scanner stood (scanner of [[scan]], or hybrid planes --scanner x,y,z)");
+  log::warning("scan {}: {}", product.id, product.notes.back());
+}
+
+// Lengths of which no scanner of architecture has so many, as a file's in millimetres or centimetres are.
+void doubt_unit(ScanProduct& product) {
+  constexpr double kFar_m = 500, kNear_m = 0.05;
+  const RangeImage& image = product.image;
+  const double middle = parallel_median(
+      image.count(), [&](std::size_t i) { return image.mask[i] == kMeasured ? image.range_m[i] : NAN; });
+  if (middle == 0 || (middle > kNear_m && middle < kFar_m)) return;
+  product.notes.push_back(
+      fmt::format("half of its returns are {} m: are the file's lengths in metres? Else say so: "
+                  "unit = \"mm\", \"cm\", \"ft\" or \"us-ft\" of [[scan]], or hybrid planes --unit",
+                  middle > kFar_m ? fmt::format("farther than {:.0f}", middle)
+                                  : fmt::format("nearer than {:.2g}", middle)));
+  log::warning("scan {}: {}", product.id, product.notes.back());
+}
+
 // What follows the range image.
 void find_planes(device::Queue& queue, const StageOptions& options, Progress& progress,
                  ScanProduct& product) {
+  doubt_unit(product);
   const std::string unit = "scan " + product.id;
   progress.step("square planes", unit);
   const auto squares = fit_squares(queue, product.image, options);
@@ -155,7 +204,9 @@ ProcessedScan process_scan(device::Queue& queue, const std::string& id, Scan sca
                            const StageOptions& options, Progress& progress, const EditImage& edit) {
   ProcessedScan processed{describe(id, scan, scan.points.size(), count_returns(scan)), {}};
   progress.step("resample", "scan " + id);
-  processed.product.image = stages::resample_scan(queue, scan, options.resample);
+  auto layout = stages::GridLayout::as_filed;
+  processed.product.image = stages::resample_scan(queue, scan, options.resample, &layout);
+  note_layout(layout, processed.product);
   if (edit) edit(processed.product.image, scan);
   processed.remains = keep_remains(std::move(scan), processed.product.image);
   find_planes(queue, options, progress, processed.product);
@@ -168,7 +219,8 @@ ProcessedScan process_scan(device::Queue& queue, const std::string& id, io::Grid
       describe(id, grid.scan, grid.samples, static_cast<std::int64_t>(grid.returns)),
       {.intensity = !grid.image.intensity.empty(), .colour = !grid.image.rgb.empty(), .crs = grid.scan.crs}};
   progress.step("resample", "scan " + id);
-  if (!grid.has_tables) stages::orient_grid(grid.image, grid.rows_reversed, grid.cols_reversed);
+  if (!grid.has_tables)
+    note_layout(stages::orient_grid(grid.image, grid.rows_reversed, grid.cols_reversed), processed.product);
   processed.product.image = std::move(grid.image);
   find_planes(queue, options, progress, processed.product);
   return processed;

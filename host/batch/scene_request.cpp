@@ -25,6 +25,10 @@ void choose_stages(const io::SceneFile& scene, const RunRequest& request, std::s
     for (const char* stage : {"edit", "render"}) stages.erase(stage);
 }
 
+Pose file_from_scan(const io::SceneScan& entry) {
+  return {1, io::file_from_scanner(entry.axes).rotation, entry.scanner.value_or(Vec3::Zero())};
+}
+
 }  // namespace
 
 io::SceneFile read_scene(const RunRequest& request, std::set<std::string>& stages, StageOptions& options) {
@@ -66,19 +70,10 @@ void check_edited_scans_early(const io::SceneFile& scene, bool salvage) {
 }
 
 io::SceneScan in_scan_frame(io::SceneScan entry, const Vec3& shift) {
-  if (entry.depth) {
-    const Pose camera_from_scan = io::camera_from_depth_scan();
-    for (io::SceneLandmark& landmark : entry.landmarks)
-      if (landmark.scan) landmark.scan = camera_from_scan.inverse() * *landmark.scan;
-    if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * camera_from_scan);
-  }
-  if (entry.scanner) {
-    for (io::SceneLandmark& landmark : entry.landmarks)
-      if (landmark.scan) *landmark.scan -= *entry.scanner;
-    if (entry.pose)
-      entry.pose = row_major(pose_from_row_major(*entry.pose) *
-                             Pose{1, Eigen::Quaterniond::Identity(), *entry.scanner});
-  }
+  const Pose file = file_from_scan(entry), scan_from_file = file.inverse();
+  for (io::SceneLandmark& landmark : entry.landmarks)
+    if (landmark.scan) landmark.scan = scan_from_file * *landmark.scan;
+  if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * file);
   if (entry.pose) {
     auto& matrix = *entry.pose;
     const Vec3 translation = io::off_map({matrix[3], matrix[7], matrix[11]}, shift);
@@ -88,10 +83,7 @@ io::SceneScan in_scan_frame(io::SceneScan entry, const Vec3& shift) {
 }
 
 Pose in_file_frame(const io::SceneScan& entry, const Pose& world_from_scan) {
-  Pose pose = world_from_scan;
-  if (entry.scanner) pose = pose * Pose{1, Eigen::Quaterniond::Identity(), -*entry.scanner};
-  if (entry.depth) pose = pose * io::camera_from_depth_scan().inverse();
-  return pose;
+  return world_from_scan * file_from_scan(entry).inverse();
 }
 
 std::string relative_name(const fs::path& file, const io::SceneFile& scene) {

@@ -4,7 +4,7 @@
 #include "core/log.hpp"
 #include "io/grid_scan.hpp"
 #include "io/read_scan.hpp"
-#include "io/scanner_position.hpp"
+#include "io/scan_frame.hpp"
 
 namespace hybrid::batch {
 
@@ -33,17 +33,30 @@ std::string given_name(const io::SceneScan& entry) {
 Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io::ScanEntry& scan_entry) {
   Scan scan =
       entry.depth ? io::read_depth_image(entry.file, *entry.depth) : io::read_scan(entry.file, scan_entry);
-  if (entry.scanner) with_context(entry.file.string(), [&] { io::place_scanner(scan, *entry.scanner); });
+  with_context(entry.file.string(), [&] {
+    io::scale_lengths(scan, entry.unit_m);
+    if (entry.scanner) io::place_scanner(scan, *entry.scanner);
+    if (!entry.depth) io::turn_axes(scan, entry.axes);
+  });
   if (const std::string doubt = io::doubt_of_scanner(scan); !doubt.empty())
     log::warning("scan {}: {}", id, doubt);
   return scan;
 }
 
+namespace {
+
+// In metres, its axes the scanner's, as far as the scene file says.
+bool is_in_scanner_frame(const io::SceneScan& entry) {
+  return !entry.scanner && entry.axes == io::ScanAxes::z_up && entry.unit_m == 1;
+}
+
+}  // namespace
+
 ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
                           const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress,
                           const EditImage& edit) {
   const auto named = [&](const auto& body) { return with_context(entry.file.string(), body); };
-  if (!edit && !entry.depth && !entry.scanner && options.resample.min_range_m == 0)
+  if (!edit && is_in_scanner_frame(entry) && options.resample.min_range_m == 0)
     if (auto grid = io::read_grid_scan(entry.file, scan_entry))
       return named([&] { return process_scan(queue, id, *std::move(grid), options, progress); });
   Scan scan = read_scene_scan(id, entry, scan_entry);

@@ -7,6 +7,7 @@ std::vector<std::string> BuiltStream::take(const std::string& file, bool zero_is
     builder_.emplace(file, head_.name, count_,
                      ScanBuilder::Options{.intensity = intensity_,
                                           .colour = colour_ ? ColourKind::byte : ColourKind::none,
+                                          .scaled_colours = colour_scale_.has_value(),
                                           .zero_is_no_return = zero_is_no_return,
                                           .salvage = salvage_,
                                           .exact = exact_,

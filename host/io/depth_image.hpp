@@ -19,7 +19,4 @@ struct DepthCamera {
 // naming the file: no PNG, damaged, not one channel of 16 bits, no depth at all.
 Scan read_depth_image(const std::filesystem::path& file, const DepthCamera& camera);
 
-// Between that frame and the camera's: x right, y down, z forward.
-Pose camera_from_depth_scan();
-
 }  // namespace hybrid::io

@@ -1,5 +1,7 @@
 #include "io/read_scan.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/error.hpp"
@@ -7,6 +9,7 @@
 #include "io/e57/e57_stream.hpp"
 #include "io/exr/exr_e57.hpp"
 #include "io/exr/exr_scan.hpp"
+#include "io/foreign_files.hpp"
 #include "io/las/las.hpp"
 #include "io/output.hpp"
 #include "io/pcd/pcd.hpp"
@@ -99,18 +102,26 @@ constexpr std::pair<const char*, const char*> kRemedies[] = {
      "a.las)"},
 };
 
+bool is_format(std::string_view extension) {
+  return std::any_of(std::begin(kScanFormats), std::end(kScanFormats),
+                     [&](const ScanFormat& format) { return extension == format.extension; });
+}
+
 const ScanFormat& format_of(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  for (const ScanFormat& format : kScanFormats)
-    if (extension == format.extension) return format;
+  for (const ScanFormat& format : kScanFormats) {
+    if (extension != format.extension) continue;
+    if (const auto meant = extension_by_content(file); !meant.empty() && meant != extension)
+      fail_input("{}: expected a {} file, found the first bytes of a {} file; {}", file.string(), extension,
+                 meant, is_format(meant) ? "correct its extension" : advice_on(meant));
+    return format;
+  }
   check_readable(file);
-  const char* remedy = "convert it, or correct its extension";
-  if (extension == ".png")
-    remedy = "a depth image is the file of a [[scan]] with intrinsics, in a scene file";
-  if (extension == ".toml")
-    remedy = "of a scene file, hybrid run SCENE.toml --out DIR --dry-run tells what is in it";
+  std::string remedy = advice_on(extension);
   for (const auto& [known, what] : kRemedies)
     if (extension == known) remedy = what;
+  if (const auto meant = extension_by_content(file); !meant.empty() && is_format(meant))
+    remedy = fmt::format("its first bytes are those of a {} file: name it so", meant);
   fail_input("{}: expected a scan as {}, found {}; {}", file.string(), scan_extensions(),
              extension.empty() ? "no extension" : extension, remedy);
 }
@@ -160,11 +171,8 @@ std::optional<GridScan> read_grid_scan(const std::filesystem::path& file, const 
 
 bool has_scan_extension(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  for (const ScanFormat& format : kScanFormats)
-    if (extension == format.extension) return true;
-  for (const auto& [known, what] : kRemedies)
-    if (extension == known) return true;
-  return false;
+  return is_format(extension) || std::any_of(std::begin(kRemedies), std::end(kRemedies),
+                                             [&](const auto& known) { return extension == known.first; });
 }
 
 std::string scan_extensions() {

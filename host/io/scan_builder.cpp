@@ -23,6 +23,10 @@ std::uint8_t to_byte(double value) {
   return static_cast<std::uint8_t>(value > 0 ? std::min(value + 0.5, 255.0) : 0.0);  // NaN: 0
 }
 
+bool is_byte(double value) {
+  return value >= 0 && value <= 255 && value == std::floor(value);
+}
+
 }  // namespace
 
 ColourKind colour_kind(ScalarType type) {
@@ -108,6 +112,7 @@ void ScanBuilder::start_part() {
 
 void ScanBuilder::Tally::add(const Tally& later) {
   not_finite += later.not_finite;
+  odd_colours += later.odd_colours;
   if (absurd == 0) {
     first_absurd = later.first_absurd;
     absurd_value = later.absurd_value;
@@ -156,9 +161,10 @@ void ScanBuilder::put(std::size_t at, const ScanSample& sample, Tally& tally) {
   if (options_.exact) scan_.exact[at] = {sample.x, sample.y, sample.z};
   if (options_.intensity) scan_.intensity[at] = static_cast<float>(sample.intensity);
   const auto& [red, green, blue] = sample.rgb;
-  if (options_.colour == ColourKind::byte)
+  if (options_.colour == ColourKind::byte) {
     scan_.rgb[at] = {to_byte(red), to_byte(green), to_byte(blue)};
-  else if (options_.colour > ColourKind::byte)
+    tally.odd_colours += !is_byte(red) || !is_byte(green) || !is_byte(blue);
+  } else if (options_.colour > ColourKind::byte)
     colours_[at] = {static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)};
 }
 
@@ -180,9 +186,10 @@ void ScanBuilder::choose_origin() {
 }
 
 void ScanBuilder::add_colour(double red, double green, double blue) {
-  if (options_.colour == ColourKind::byte)
+  if (options_.colour == ColourKind::byte) {
     scan_.rgb.push_back({to_byte(red), to_byte(green), to_byte(blue)});
-  else
+    tally_.odd_colours += !is_byte(red) || !is_byte(green) || !is_byte(blue);
+  } else
     colours_.push_back({static_cast<float>(red), static_cast<float>(green), static_cast<float>(blue)});
 }
 
@@ -211,8 +218,18 @@ void ScanBuilder::judge_absurd() {
                        before_ + scan_.points.size(), problem));
 }
 
+void ScanBuilder::note_colours() {
+  if (tally_.odd_colours == 0 || options_.scaled_colours) return;
+  add_note(
+      fmt::format("{} of {} points have a colour that is not three whole numbers from 0 to 255: rounded, and "
+                  "cut there; are its "
+                  "columns in another order?",
+                  tally_.odd_colours, before_ + scan_.points.size()));
+}
+
 Scan ScanBuilder::finish() {
   judge_absurd();
+  note_colours();
   if (!waiting_.empty()) choose_origin();
   if (!colours_.empty()) scale_colours();
   if (holds_the_same(scan_)) free_memory(scan_.exact);

@@ -39,6 +39,7 @@ class ScanBuilder {
   struct Options {
     bool intensity = false;
     ColourKind colour = ColourKind::none;
+    bool scaled_colours = false;     // of kind byte, from other kinds: fractions are not odd
     bool zero_is_no_return = false;  // "0 0 0" becomes NaN, without a note
     bool salvage = false;            // absurd coordinates become NaN, with a note, instead of an error
     bool exact = false;              // fills Scan::exact, unless the points hold the same
@@ -77,6 +78,7 @@ class ScanBuilder {
   // Samples that are no coordinates.
   struct Tally {
     std::uint64_t not_finite = 0, absurd = 0, first_absurd = 0;
+    std::uint64_t odd_colours = 0;  // of points whose colour should be bytes, and is not
     double absurd_value = 0;
     void add(const Tally& later);
   };
@@ -85,6 +87,7 @@ class ScanBuilder {
   // Whether they are finite and not absurd; counts those that are not.
   static bool are_coordinates(double x, double y, double z, std::uint64_t at, Tally& tally);
   void judge_absurd();
+  void note_colours();
   void choose_origin();
   void scale_colours();
   // For samples whose places are known, once the origin is.

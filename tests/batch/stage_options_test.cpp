@@ -141,10 +141,12 @@ TEST(StageOptions, the_example_of_the_page_about_scene_files_is_one) {
   ASSERT_NE(end, std::string::npos);
   const TemporaryFolder folder;
   const auto scene = io::read_scene_file(folder.write("scene.toml", text.substr(begin + 8, end - begin - 8)));
-  EXPECT_EQ(scene.scans.size(), 3u);
+  ASSERT_EQ(scene.scans.size(), 4u);
   EXPECT_EQ(scene.scans[0].landmarks.size(), 3u);
   EXPECT_TRUE(scene.scans[1].pose && scene.scans[1].fixed && scene.scans[1].scanner);
-  EXPECT_TRUE(scene.scans[2].depth);
+  EXPECT_EQ(scene.scans[2].unit_m, 0.001);
+  EXPECT_EQ(scene.scans[2].axes, io::ScanAxes::camera);
+  EXPECT_TRUE(scene.scans[3].depth);
   EXPECT_TRUE(scene.model && scene.photographs);
   EXPECT_GT(scene.views.size(), 100u);
   batch::read_stage_options(scene);

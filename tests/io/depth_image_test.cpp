@@ -10,6 +10,7 @@
 #include "geometry/image.hpp"
 #include "io/files.hpp"
 #include "io/picture.hpp"
+#include "io/scan_frame.hpp"
 #include "places.hpp"
 #include "stages/scan/organised_grid.hpp"
 
@@ -38,7 +39,7 @@ TEST(DepthImage, a_real_frame_has_a_node_per_pixel_where_the_camera_saw_it) {
   EXPECT_NEAR(p.x(), 1.982, 1e-6);
   EXPECT_NEAR(p.y(), 1.982 * (319.5 - 128) / 525, 1e-6);
   EXPECT_NEAR(p.z(), 1.982 * (239.5 - 240) / 525, 1e-6);
-  const Vec3 in_camera = camera_from_depth_scan() * p;
+  const Vec3 in_camera = file_from_scanner(ScanAxes::camera) * p;
   EXPECT_NEAR(in_camera.x() / in_camera.z() * 525 + 319.5, 128, 1e-4);
   EXPECT_NEAR(in_camera.y() / in_camera.z() * 525 + 239.5, 240, 1e-4);
   const RangeImage image = stages::arrange_grid(scan);

@@ -51,6 +51,26 @@ TEST(Pts, TheCountMayBeMissing) {
   EXPECT_EQ(scan.points.size(), 2u);
 }
 
+TEST(Pts, ColoursThatAreNoBytesAreNoted) {
+  const ScanFolder folder;
+  const Scan good = io::read_scan(folder.write("a.pts", "1 2 3 0 255 7\n4 5 6 1 2 3\n"), 0);
+  EXPECT_TRUE(good.notes.empty());
+  const Scan scan =
+      io::read_scan(folder.write("b.pts", "1 2 3 4 20 30 0.5\n1 2 3 4 30 20 1000\n4 5 6 4 1 2 3\n"), 0);
+  EXPECT_EQ(scan.rgb[1], (std::array<std::uint8_t, 3>{30, 20, 255}));
+  ASSERT_EQ(scan.notes.size(), 1u);
+  EXPECT_NE(scan.notes[0].find("2 of 3 points have a colour"), std::string::npos) << scan.notes[0];
+}
+
+// Commas separate where nothing else does.
+TEST(Pts, CommasSeparateNumbers) {
+  const ScanFolder folder;
+  for (const char* text : {"1,2,3\n4,5,6\n", "1, 2, 3\n4 , 5 , 6\n", "1,2, 3\n4,5,6\n"}) {
+    const Scan scan = io::read_scan(folder.write("a.pts", text), 0);
+    EXPECT_EQ(scan.points, (std::vector<std::array<float, 3>>{{1, 2, 3}, {4, 5, 6}})) << text;
+  }
+}
+
 TEST(Pts, WrongLinesAreNamed) {
   const ScanFolder folder;
   const struct {
@@ -67,6 +87,8 @@ TEST(Pts, WrongLinesAreNamed) {
       {"1 2\n", "line 1", "3, 4, 6 or 7"},
       {"1\n1 2 3 4 5 6 7 8\n", "line 2", "found 8"},
       {"hello\n", "line 1", "\"hello\""},
+      {"2\n0,25 1,5 -3,0\n1,0 2,0 3,0\n", "line 2", "decimal points, found \"0,25\""},
+      {"1\t2,5\t3\n", "line 1", "decimal points, found \"2,5\""},
   };
   for (const auto& row : bad) {
     SCOPED_TRACE(row.text);

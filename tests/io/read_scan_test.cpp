@@ -74,5 +74,37 @@ TEST(ReadScan, ADamagedScanLeavesThoseBeforeIt) {
   EXPECT_EQ(infos[1].structure, "x y z intensity");
 }
 
+TEST(ReadScan, FirstBytesTellWhatAFileIs) {
+  const ScanFolder folder;
+  const auto list = [](const std::filesystem::path& file) { return [=] { io::list_scans(file); }; };
+  const auto las = folder.write("a.ptx", "LASF and more");
+  expect_input_error(list(las),
+                     {las.string(), "expected a .ptx file", "of a .las file; correct its extension"});
+  const auto zip = folder.write("a.e57", std::string("PK\x03\x04zip"));
+  expect_input_error(list(zip), {"expected a .e57 file", "of a .zip file; it is packed: unpack it first"});
+  const auto nameless = folder.write("nameless", "ASTM-E57 and more");
+  expect_input_error(list(nameless), {"found no extension", "those of a .e57 file: name it so"});
+}
+
+TEST(ReadScan, OtherFormatsHaveAdvice) {
+  const ScanFolder folder;
+  const std::pair<const char*, const char*> advice[] = {{"a.fls", "export E57 from SCENE"},
+                                                        {"a.ZFS", "LaserControl"},
+                                                        {"a.rdbx", "RiSCAN"},
+                                                        {"a.xyz", "under the name of .pts"},
+                                                        {"a.txt", "name of .pts"},
+                                                        {"a.obj", "[model] in a scene file"},
+                                                        {"a.laz", "decompress it first"},
+                                                        {"a.png", "with intrinsics"},
+                                                        {"a.dwg", "export it as OBJ"},
+                                                        {"a.jpg", "[photographs]"},
+                                                        {"a.toml", "hybrid run SCENE"},
+                                                        {"a.what", "correct its extension"}};
+  for (const auto& [name, what] : advice) {
+    const auto file = folder.write(name, "something");
+    expect_input_error([&] { io::list_scans(file); }, {file.string(), "expected a scan as .e57", what});
+  }
+}
+
 }  // namespace
 }  // namespace hybrid::testing

@@ -343,6 +343,7 @@ TEST(scene_file, depth_images_have_a_camera) {
   ASSERT_TRUE(scene.scans[0].depth.has_value());
   EXPECT_EQ(scene.scans[0].depth->fy, 520);
   EXPECT_EQ(scene.scans[0].depth->scale, 0.0002);
+  EXPECT_EQ(scene.scans[0].axes, ScanAxes::camera);
   EXPECT_EQ(read_text_scene(folder, kDepth + "intrinsics = [525, 520, 319.5, 239.5]\n").scans[0].depth->scale,
             0.001);
   expect_errors({
@@ -353,8 +354,29 @@ TEST(scene_file, depth_images_have_a_camera) {
       {kDepth + "intrinsics = [525, 525, 1, 1]\ndepth_scale = 1000\n", "4", "above 0 and at most 1"},
       {kDepth + "intrinsics = [525, 525, 1, 1]\nindex = 0\n", "4", "a depth image is one scan"},
       {kDepth + "intrinsics = [525, 525, 1, 1]\nscanner = [0, 0, 0]\n", "4", "a depth image is one scan"},
+      {kDepth + "intrinsics = [525, 525, 1, 1]\naxes = \"camera\"\n", "4", "a depth image is one scan"},
       {kScan + "intrinsics = [525, 525, 1, 1]\n", "3", "belongs to depth images"},
   });
+}
+
+TEST(scene_file, unit_of_a_scan) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_text_scene(folder, kScan).scans[0].unit_m, 1);
+  EXPECT_EQ(read_text_scene(folder, kScan + "unit = \"mm\"\n").scans[0].unit_m, 0.001);
+  EXPECT_EQ(read_text_scene(folder, kScan + "unit = \"ft\"\n").scans[0].unit_m, 0.3048);
+  expect_errors({{kScan + "unit = \"inch\"\n", "3", "us-ft"}, {kScan + "unit = 0.001\n", "3", "unit"}});
+}
+
+TEST(scene_file, axes_of_a_scan) {
+  const TemporaryFolder folder;
+  const auto axes = [&](const std::string& keys) {
+    return read_text_scene(folder, kScan + keys).scans[0].axes;
+  };
+  EXPECT_EQ(axes(""), ScanAxes::z_up);
+  EXPECT_EQ(axes("axes = \"z-up\"\n"), ScanAxes::z_up);
+  EXPECT_EQ(axes("axes = \"camera\"\n"), ScanAxes::camera);
+  EXPECT_EQ(axes("axes = \"opengl\"\n"), ScanAxes::opengl);
+  expect_errors({{kScan + "axes = \"y-up\"\n", "3", "z-up"}});
 }
 
 TEST(scene_file, what_is_not_supported_yet_says_so) {

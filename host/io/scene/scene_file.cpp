@@ -70,7 +70,7 @@ SceneScan read_scan(const SceneTable& table) {
     if (table.has(key) && !result.depth)
       table.fail_key(key, "belongs to depth images (.png), found file = {}; remove it",
                      result.file.filename().string());
-  for (std::string_view key : {"index", "scanner"})
+  for (std::string_view key : {"index", "scanner", "axes", "unit"})
     if (table.has(key) && result.depth)
       table.fail_key(key, "a depth image is one scan, taken where its camera stood; remove the key");
   for (const SceneTable& landmark : table.tables("landmarks", {"scan", "pixel", "model", "vertex", "snap"}))
@@ -78,6 +78,9 @@ SceneScan read_scan(const SceneTable& table) {
   result.pose = table.pose("pose");
   result.fixed = table.flag("fixed", false);
   result.scanner = table.point("scanner");
+  result.unit_m = metres_of_unit(table.choice("unit", {"m", "cm", "mm", "ft", "us-ft"}, "m"));
+  result.axes = result.depth ? ScanAxes::camera
+                             : scan_axes_of(table.choice("axes", {"z-up", "camera", "opengl"}, "z-up"));
   if (result.fixed && !result.pose)
     table.fail_key("fixed", "expected a pose that is to be final, found none");
   if (result.pose && !result.landmarks.empty())
@@ -258,8 +261,9 @@ SceneFile read_scene(const fs::path& file, const toml::table& document) {
   scene.path = file;
   read_scene_table(root, scene);
   std::unordered_map<std::string, int> ids, names;
-  for (const SceneTable& table : root.tables("scan", {"id", "file", "index", "landmarks", "pose", "fixed",
-                                                      "scanner", "intrinsics", "depth_scale"})) {
+  for (const SceneTable& table :
+       root.tables("scan", {"id", "file", "index", "landmarks", "pose", "fixed", "scanner", "axes", "unit",
+                            "intrinsics", "depth_scale"})) {
     scene.scans.push_back(read_scan(table));
     check_unique(table, "id", scene.scans.back().id, ids);
   }

@@ -10,6 +10,7 @@
 #include "geometry/vectors.hpp"
 #include "io/cameras/read_cameras.hpp"
 #include "io/depth_image.hpp"
+#include "io/scan_frame.hpp"
 #include "io/scene/scene_edit.hpp"
 
 namespace hybrid::io {
@@ -49,6 +50,10 @@ struct SceneScan {
   // Where the scanner stood, in the file's coordinates, for files that cannot say. Then landmarks' `scan`
   // points and `pose` above refer to the file's coordinates, too.
   std::optional<Vec3> scanner;
+  double unit_m = 1;  // of the file's lengths; everything in the scene file is in metres
+  // How the file's axes lie; landmarks' `scan` points and `pose` are in the file's frame. Of a depth image:
+  // the camera's.
+  ScanAxes axes = ScanAxes::z_up;
   // A depth image (.png). Then landmarks' `scan` points and `pose` refer to its camera: x right, y down, z
   // forward.
   std::optional<DepthCamera> depth;

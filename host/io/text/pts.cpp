@@ -36,7 +36,9 @@ PointLine read_line(TextCursor& cursor) {
   cursor.skip_blank_lines();
   PointLine line{{cursor.offset(), cursor.line()}};
   line.end = cursor.at_end();
-  if (!line.end) line.numbers = cursor.read_numbers(line.values);
+  if (line.end) return line;
+  cursor.refuse_decimal_commas();
+  line.numbers = cursor.read_numbers(line.values);
   return line;
 }
 

@@ -39,6 +39,7 @@ void read_line(TextCursor& cursor, std::span<double> values, const char* meaning
   cursor.skip_blank_lines();
   const std::uint64_t line = cursor.line();
   if (cursor.at_end()) fail_cut_short(cursor, meaning);
+  cursor.refuse_decimal_commas();
   const std::size_t found = cursor.read_numbers(values);
   if (found != values.size())
     fail_input(
@@ -139,6 +140,7 @@ std::size_t count_columns(InputFile& input, const TextCursor& before, const PtxH
   cursor.skip_blank_lines();
   if (cursor.at_end()) fail_points_missing(cursor, header, 0);
   const std::uint64_t line = cursor.line();
+  cursor.refuse_decimal_commas();
   const std::size_t columns = cursor.read_numbers(values);
   if (columns != 4 && columns != 7)
     fail_input("{}: line {}: expected 4 or 7 numbers (x y z intensity [red green blue]), found {}",

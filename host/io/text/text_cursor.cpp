@@ -78,6 +78,25 @@ void TextCursor::skip_blank_lines() {
   }
 }
 
+void TextCursor::refuse_decimal_commas() {
+  need_line();
+  const std::string_view line(at_, static_cast<std::size_t>(std::find_if(at_, end_, is_line_end) - at_));
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t inside = line.npos;  // the first comma between two digits
+  bool by_blanks = false;
+  for (std::size_t k = 1; k + 1 < line.size(); ++k) {
+    const char before = line[k - 1], here = line[k], after = line[k + 1];
+    if (here == ',' && is_digit(before) && is_digit(after)) inside = std::min(inside, k);
+    by_blanks |= (here == ' ' || here == '\t') && is_digit(before) && !is_separator(after);
+  }
+  if (!by_blanks || inside == line.npos) return;
+  const std::size_t begin = line.find_last_of(" \t", inside) + 1;
+  fail_input(
+      "{}: line {}: expected numbers with decimal points, found {} with a comma among numbers that blanks "
+      "separate; export it with points, or replace the commas",
+      file(), line_, in_quotes(line.substr(begin, line.find_first_of(" \t", inside) - begin)));
+}
+
 TextCursor::Next TextCursor::next(double& value) {
   while (at_ != end_ && is_separator(*at_)) commas_seen_ |= *at_++ == ',';
   if (at_ == end_ || is_line_end(*at_)) {

@@ -45,6 +45,9 @@ class TextCursor {
   // The next line without its end; valid until the cursor moves on.
   std::string_view next_line();
   void skip_blank_lines();
+  // Throws ErrorKind::input when the next line separates its numbers by blanks and has commas inside them
+  // (0,25 1,5): these would be taken for separators, and one number for two.
+  void refuse_decimal_commas();
 
   // The numbers of the next line. Stores the first values.size() of them and returns how many there are.
   // Throws ErrorKind::input naming the line and what is no number.

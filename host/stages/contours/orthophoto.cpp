@@ -65,7 +65,8 @@ std::optional<Orthophoto> make_orthophoto(const RangeImage& image, const PlaneSe
   set_axes(plane.plane.normal, photo);
   const auto across = extent(plane, photo.right), along = extent(plane, photo.up);
   const double width = across[1] - across[0], height = along[1] - along[0];
-  if (!(width > 0) || !(height > 0) || !std::isfinite(width + height)) return std::nullopt;
+  if (!(width > 0) || !(height > 0) || !std::isfinite(width + height) || !(plane.area_m2 > 0))
+    return std::nullopt;
   constexpr int kBorder = 4;
   photo.pixel_m = std::max(std::sqrt(plane.area_m2 / static_cast<double>(plane.samples)),
                            std::max(width, height) / (most_pixels - 2 * kBorder - 1));

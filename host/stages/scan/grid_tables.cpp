@@ -71,9 +71,29 @@ std::vector<double> column_azimuths(const NodePoints& nodes) {
   return table;
 }
 
-// NaN entries by linear interpolation, beyond the ends with the mean step; then whether they go one
-// way, as nearly all must: -1 down, 1 up, 0 neither.
-int complete(std::vector<double>& table) {
+// Median angle between the rays of neighbours `row_step` rows and `col_step` columns apart.
+double typical_angle(const NodePoints& nodes, int row_step, int col_step) {
+  std::vector<double> found;
+  for (int col = 0; col + col_step < nodes.cols(); ++col)
+    for (int row = 0; row + row_step < nodes.rows(); ++row) {
+      Vec3 p, q;
+      if (!nodes.find(row, col, p) || !nodes.find(row + row_step, col + col_step, q)) continue;
+      const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
+      if (angle > 0) found.push_back(angle);
+    }
+  const double typical = median(found);
+  return std::isnan(typical) ? 0 : typical;
+}
+
+std::vector<double> even_table(int count, double step) {
+  std::vector<double> table;
+  for (int i = 0; i < count; ++i) table.push_back((i - 0.5 * (count - 1)) * step);
+  return table;
+}
+
+}  // namespace
+
+int complete_table(std::vector<double>& table) {
   std::vector<std::size_t> known;
   for (std::size_t i = 0; i < table.size(); ++i)
     if (!std::isnan(table[i])) known.push_back(i);
@@ -104,43 +124,22 @@ int complete(std::vector<double>& table) {
   return up > down ? 1 : -1;
 }
 
-// Median angle between the rays of neighbours `row_step` rows and `col_step` columns apart.
-double typical_angle(const NodePoints& nodes, int row_step, int col_step) {
-  std::vector<double> found;
-  for (int col = 0; col + col_step < nodes.cols(); ++col)
-    for (int row = 0; row + row_step < nodes.rows(); ++row) {
-      Vec3 p, q;
-      if (!nodes.find(row, col, p) || !nodes.find(row + row_step, col + col_step, q)) continue;
-      const double angle = std::atan2(p.cross(q).norm(), p.dot(q));
-      if (angle > 0) found.push_back(angle);
-    }
-  const double typical = median(found);
-  return std::isnan(typical) ? 0 : typical;
-}
-
-std::vector<double> even_table(int count, double step) {
-  std::vector<double> table;
-  for (int i = 0; i < count; ++i) table.push_back((i - 0.5 * (count - 1)) * step);
-  return table;
-}
-
-}  // namespace
-
-GridTables find_grid_tables(const NodePoints& nodes) {
+std::optional<GridTables> angle_tables(const NodePoints& nodes) {
   GridTables tables{.elevation_rad = row_elevations(nodes), .azimuth_rad = column_azimuths(nodes)};
-  const int rows_go = complete(tables.elevation_rad), cols_go = complete(tables.azimuth_rad);
+  const int rows_go = complete_table(tables.elevation_rad), cols_go = complete_table(tables.azimuth_rad);
   const double turn = tables.azimuth_rad.back() - tables.azimuth_rad.front();
-  tables.even = rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn;
-  if (tables.even) {
-    tables.elevation_rad = even_table(nodes.rows(), -typical_angle(nodes, 1, 0));
-    tables.azimuth_rad = even_table(nodes.cols(), typical_angle(nodes, 0, 1));
-    return tables;
-  }
+  if (rows_go == 0 || cols_go == 0 || std::abs(turn) > 1.1 * kTurn) return std::nullopt;
   tables.flip_rows = rows_go > 0;
   tables.flip_cols = cols_go < 0;
   if (tables.flip_rows) std::reverse(tables.elevation_rad.begin(), tables.elevation_rad.end());
   if (tables.flip_cols) std::reverse(tables.azimuth_rad.begin(), tables.azimuth_rad.end());
   return tables;
+}
+
+GridTables even_tables(const NodePoints& nodes) {
+  return {.elevation_rad = even_table(nodes.rows(), -typical_angle(nodes, 1, 0)),
+          .azimuth_rad = even_table(nodes.cols(), typical_angle(nodes, 0, 1)),
+          .even = true};
 }
 
 }  // namespace hybrid::stages

@@ -9,7 +9,7 @@
 #include "core/parallel_blocks.hpp"
 #include "geometry/placed_range_image.hpp"
 #include "stages/scan/columns.hpp"
-#include "stages/scan/grid_tables.hpp"
+#include "stages/scan/grid_layout.hpp"
 
 namespace hybrid::stages {
 namespace {
@@ -185,6 +185,36 @@ RangeImage place(const Scan& scan, GridSamples& grid, bool flip_rows, bool flip_
   return image;
 }
 
+// Puts the nodes of an image, which lies as its file's grid does, where the layout has them.
+void lay_out(const LaidOutGrid& grid, RangeImage& image) {
+  RangeImage laid = make_range_image(grid.rows, grid.cols);
+  if (!image.intensity.empty()) laid.intensity.assign(laid.count(), 0.0f);
+  if (!image.rgb.empty()) laid.rgb.assign(laid.count(), {0, 0, 0});
+  parallel_for(static_cast<std::size_t>(laid.rows), [&](std::size_t r) {
+    const int row = static_cast<int>(r);
+    for (int col = 0; col < laid.cols; ++col) {
+      const auto from = grid.from(grid.tables.flip_rows ? laid.rows - 1 - row : row,
+                                  grid.tables.flip_cols ? laid.cols - 1 - col : col);
+      if (from.row < 0) continue;
+      const std::size_t to = laid.index(row, col), i = image.index(from.row, from.col);
+      const auto copy = [&](const auto& values, auto& into) {
+        if (!values.empty()) into[to] = values[i];
+      };
+      copy(image.range_m, laid.range_m);
+      copy(image.x, laid.x);
+      copy(image.y, laid.y);
+      copy(image.z, laid.z);
+      copy(image.mask, laid.mask);
+      copy(image.source, laid.source);
+      copy(image.intensity, laid.intensity);
+      copy(image.rgb, laid.rgb);
+    }
+  });
+  laid.extra = std::move(image.extra);
+  laid.duplicates = std::move(image.duplicates);
+  image = std::move(laid);
+}
+
 [[noreturn]] void fail_no_return(const Scan& scan) {
   fail_without_returns(fmt::format("in a grid of {} x {}", scan.grid_rows, scan.grid_cols));
 }
@@ -215,7 +245,7 @@ RangeImage restore_grid(const Scan& scan) {
 
 }  // namespace
 
-RangeImage arrange_grid(const Scan& scan) {
+RangeImage arrange_grid(const Scan& scan, GridLayout* layout) {
   const std::size_t nodes =
       static_cast<std::size_t>(scan.grid_rows) * static_cast<std::size_t>(scan.grid_cols);
   if (scan.range_grid) return restore_grid(scan);
@@ -228,22 +258,30 @@ RangeImage arrange_grid(const Scan& scan) {
   while (first < scan.points.size() && !is_return(scan.point(first))) ++first;
   if (first == scan.points.size()) fail_no_return(scan);
 
-  GridSamples grid(scan);
-  GridTables tables = find_grid_tables(ScanNodes(scan, grid));
-  RangeImage image = place(scan, grid, tables.flip_rows, tables.flip_cols);
-  image.extra = grid.extra();
-  take_tables(std::move(tables), image);
+  GridSamples samples(scan);
+  LaidOutGrid grid =
+      lay_out_grid(ScanNodes(scan, samples), scan.node.empty() ? SampleOrder(scan.row_by_row) : std::nullopt);
+  const bool relaid = static_cast<bool>(grid.from);
+  RangeImage image = place(scan, samples, !relaid && grid.tables.flip_rows, !relaid && grid.tables.flip_cols);
+  image.extra = samples.extra();
+  if (relaid) lay_out(grid, image);
+  take_tables(std::move(grid.tables), image);
+  if (layout) *layout = grid.layout;
   return image;
 }
 
-void orient_grid(RangeImage& image, bool rows_reversed, bool cols_reversed) {
-  GridTables tables = find_grid_tables(ImageNodes(image, rows_reversed, cols_reversed));
-  const bool rows = tables.flip_rows != rows_reversed, cols = tables.flip_cols != cols_reversed;
+GridLayout orient_grid(RangeImage& image, bool rows_reversed, bool cols_reversed) {
+  LaidOutGrid grid = lay_out_grid(ImageNodes(image, rows_reversed, cols_reversed), std::nullopt);
+  const bool relaid = static_cast<bool>(grid.from);
+  const bool rows = (!relaid && grid.tables.flip_rows) != rows_reversed,
+             cols = (!relaid && grid.tables.flip_cols) != cols_reversed;
   if (rows || cols) {
     const auto turn = [&](auto&... values) { (flip(values, image.rows, image.cols, rows, cols), ...); };
     turn(image.range_m, image.x, image.y, image.z, image.mask, image.source, image.intensity, image.rgb);
   }
-  take_tables(std::move(tables), image);
+  if (relaid) lay_out(grid, image);
+  take_tables(std::move(grid.tables), image);
+  return grid.layout;
 }
 
 }  // namespace hybrid::stages

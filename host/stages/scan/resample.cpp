@@ -279,9 +279,10 @@ const std::vector<OptionRow<ResampleOptions>>& resample_option_table() {
   return table;
 }
 
-RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleOptions& options) {
+RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleOptions& options,
+                         GridLayout* layout) {
   if (scan.organised() || scan.range_grid) {
-    RangeImage image = arrange_grid(scan);
+    RangeImage image = arrange_grid(scan, layout);
     set_aside_near(options.min_range_m, image);
     return image;
   }

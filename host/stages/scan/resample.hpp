@@ -3,6 +3,7 @@
 #include "device/queue.hpp"
 #include "geometry/range_image.hpp"
 #include "geometry/scan.hpp"
+#include "stages/scan/grid_layout.hpp"
 
 namespace hybrid::stages {
 
@@ -23,8 +24,9 @@ const std::vector<OptionRow<ResampleOptions>>& resample_option_table();
 // by elevation; a node takes the nearest measured sample within half a step, else a linear interpolation in
 // range between adjacent samples of the same column where no depth jump lies between them. Kernel: resample.
 // Every return of the scan is either the `source` of one node, in `extra` or in `duplicates`. Organised scans
-// keep their grid (organised_grid.hpp). Throws ErrorKind::input when the scan has no return or no column
-// structure can be found.
-RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleOptions& options = {});
+// keep their grid (organised_grid.hpp; `layout` tells how it lies). Throws ErrorKind::input when the scan has
+// no return or no column structure can be found.
+RangeImage resample_scan(device::Queue& queue, const Scan& scan, const ResampleOptions& options = {},
+                         GridLayout* layout = nullptr);
 
 }  // namespace hybrid::stages

@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
+
+#include "geometry/angles.hpp"
+#include "io/scan_frame.hpp"
 
 namespace hybrid::testing::organised_grid_test {
 namespace {
@@ -80,6 +84,151 @@ TEST(OrganisedGrid, MissingSamplesAreEmptyAndFurtherReturnsExtra) {
   };
   EXPECT_EQ(image.mask[turned(gone)], kEmpty);
   EXPECT_EQ(image.intensity[turned(node)], 500);
+}
+
+using stages::GridLayout;
+
+// The samples of `dense` in another order: the k-th of them is that of node (row, col) = place(k).
+template <typename PlaceOf>
+Scan reordered(const Scan& dense, const PlaceOf& place) {
+  Scan scan = dense;
+  for (int k = 0; k < kRows * kCols; ++k) {
+    const auto [row, col] = place(k);
+    const std::size_t from = dense.grid_index(row, col), to = static_cast<std::size_t>(k);
+    scan.points[to] = dense.points[from];
+    scan.intensity[to] = dense.intensity[from];
+  }
+  return scan;
+}
+
+void expect_grid_of(const RangeImage& expected, const RangeImage& image) {
+  ASSERT_EQ(image.rows, expected.rows);
+  ASSERT_EQ(image.cols, expected.cols);
+  EXPECT_EQ(image.range_m, expected.range_m);
+  EXPECT_EQ(image.intensity, expected.intensity);
+  EXPECT_EQ(image.elevation_rad, expected.elevation_rad);
+  EXPECT_EQ(image.azimuth_rad, expected.azimuth_rad);
+  EXPECT_EQ(std::count(image.mask.begin(), image.mask.end(), kMeasured), kRows * kCols);
+}
+
+// Headers that say rows for columns, and samples along the rows in a format that goes down the columns.
+TEST(OrganisedGrid, IsTurnedAsItsSamplesLie) {
+  const Scan dense = dense_scan();
+  GridLayout layout = GridLayout::no_angles;
+  const RangeImage expected = stages::arrange_grid(dense, &layout);
+  EXPECT_EQ(layout, GridLayout::as_filed);
+  const auto by_rows = [](int k) { return std::pair{k / kCols, k % kCols}; };
+  const auto by_columns = [](int k) { return std::pair{k % kRows, k / kRows}; };
+
+  Scan transposed = reordered(dense, by_rows);  // in the file's words down its columns
+  transposed.grid_rows = kCols;
+  transposed.grid_cols = kRows;
+  const RangeImage turned = stages::arrange_grid(transposed, &layout);
+  EXPECT_EQ(layout, GridLayout::transposed);
+  expect_grid_of(expected, turned);
+  for (std::size_t i = 0; i < turned.count(); ++i)
+    EXPECT_EQ(transposed.intensity[turned.source[i]], turned.intensity[i]);
+
+  Scan swapped = reordered(dense, by_columns);
+  swapped.grid_rows = kCols;
+  swapped.grid_cols = kRows;
+  expect_grid_of(expected, stages::arrange_grid(swapped, &layout));
+  EXPECT_EQ(layout, GridLayout::dimensions_swapped);
+  swapped = reordered(dense, by_rows);
+  swapped.grid_rows = kCols;
+  swapped.grid_cols = kRows;
+  swapped.row_by_row = true;
+  expect_grid_of(expected, stages::arrange_grid(swapped, &layout));
+  EXPECT_EQ(layout, GridLayout::dimensions_swapped);
+
+  const Scan rows = reordered(dense, by_rows);
+  expect_grid_of(expected, stages::arrange_grid(rows, &layout));
+  EXPECT_EQ(layout, GridLayout::other_order);
+  Scan columns = reordered(dense, by_columns);
+  columns.row_by_row = true;
+  expect_grid_of(expected, stages::arrange_grid(columns, &layout));
+  EXPECT_EQ(layout, GridLayout::other_order);
+}
+
+// A file that says each sample's node can be turned, but has no order to read otherwise.
+TEST(OrganisedGrid, WithNodesIsTurnedToo) {
+  const Scan dense = dense_scan();
+  Scan mixed = shuffled(dense);
+  for (std::uint32_t& node : mixed.node) node = node % kCols * kRows + node / kCols;
+  std::swap(mixed.grid_rows, mixed.grid_cols);
+  GridLayout layout = GridLayout::no_angles;
+  expect_grid_of(stages::arrange_grid(dense), stages::arrange_grid(mixed, &layout));
+  EXPECT_EQ(layout, GridLayout::transposed);
+
+  // As an image of the file's grid, its rows the other way round.
+  RangeImage image = make_range_image(kCols, kRows);
+  image.intensity.assign(image.count(), 0);
+  for (std::size_t i = 0; i < mixed.points.size(); ++i) {
+    const int row = static_cast<int>(mixed.node[i]) / kRows, col = static_cast<int>(mixed.node[i]) % kRows;
+    const std::size_t at = image.index(kCols - 1 - row, col);
+    image.x[at] = mixed.points[i][0];
+    image.y[at] = mixed.points[i][1];
+    image.z[at] = mixed.points[i][2];
+    image.range_m[at] = static_cast<float>(mixed.point(i).norm());
+    image.mask[at] = kMeasured;
+    image.source[at] = static_cast<std::uint32_t>(i);
+    image.intensity[at] = mixed.intensity[i];
+  }
+  EXPECT_EQ(stages::orient_grid(image, true, false), GridLayout::transposed);
+  expect_grid_of(stages::arrange_grid(dense), image);
+}
+
+// A mirror that sweeps a full circle while the head turns half of one.
+TEST(OrganisedGrid, ColumnsOverTheZenithAreCutThere) {
+  constexpr int kBefore = 10, kBehind = 7, kColumns = 12;  // of 15 degrees, the lowest 1 row before it ends
+  Scan scan;
+  scan.grid_rows = kBefore + kBehind;
+  scan.grid_cols = kColumns;
+  for (int col = 0; col < kColumns; ++col)
+    for (int row = 0; row < scan.grid_rows; ++row) {
+      const double sweep = (row - kBefore + 0.5) * 10 * kDegree + kTurn / 4,
+                   azimuth = (col + 0.2) * 15 * kDegree;
+      const double range = 3 + 0.01 * row;
+      scan.points.push_back({static_cast<float>(range * std::cos(sweep) * std::cos(azimuth)),
+                             static_cast<float>(range * std::cos(sweep) * std::sin(azimuth)),
+                             static_cast<float>(range * std::sin(sweep))});
+    }
+  GridLayout layout = GridLayout::no_angles;
+  const RangeImage image = stages::arrange_grid(scan, &layout);
+  EXPECT_EQ(layout, GridLayout::over_zenith);
+  ASSERT_EQ(image.rows, kBefore);
+  ASSERT_EQ(image.cols, 2 * kColumns);
+  EXPECT_TRUE(image.wraps);
+  EXPECT_EQ(std::count(image.mask.begin(), image.mask.end(), kMeasured), (kBefore + kBehind) * kColumns);
+  for (int row = 0; row < image.rows; ++row)
+    for (int col = 0; col < image.cols; ++col) {
+      const std::size_t i = image.index(row, col);
+      if (image.mask[i] == kEmpty) continue;
+      const Vec3 p = image.point(i);
+      EXPECT_NEAR(std::atan2(p.z(), p.head<2>().norm()), image.elevation_rad[static_cast<std::size_t>(row)],
+                  1e-6);
+      EXPECT_NEAR(
+          std::remainder(std::atan2(p.y(), p.x()) - image.azimuth_rad[static_cast<std::size_t>(col)], kTurn),
+          0, 1e-6);
+    }
+}
+
+TEST(OrganisedGrid, OfACameraLookingAlongZIsNoGridOfAngles) {
+  Scan scan;
+  scan.grid_rows = kRows;
+  scan.grid_cols = kCols;
+  scan.row_by_row = true;
+  for (int row = 0; row < kRows; ++row)
+    for (int col = 0; col < kCols; ++col)
+      scan.points.push_back({static_cast<float>(0.1 * (col - 6.5)), static_cast<float>(0.1 * (row - 4)), 1});
+  GridLayout layout = GridLayout::as_filed;
+  EXPECT_EQ(stages::arrange_grid(scan, &layout).rows, kRows);
+  EXPECT_EQ(layout, GridLayout::no_angles);
+  io::turn_axes(scan, io::ScanAxes::camera);
+  const RangeImage image = stages::arrange_grid(scan, &layout);
+  EXPECT_EQ(layout, GridLayout::as_filed);
+  EXPECT_EQ(image.source[image.index(0, kCols - 1)], 0u);  // columns go with the azimuth: to the left
+  EXPECT_EQ(image.source[image.index(kRows - 1, 0)], static_cast<std::uint32_t>(kRows * kCols - 1));
 }
 
 }  // namespace

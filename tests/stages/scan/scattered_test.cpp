@@ -9,7 +9,7 @@
 #include "cases/trial_room.hpp"
 #include "core/error.hpp"
 #include "device.hpp"
-#include "io/scanner_position.hpp"
+#include "io/scan_frame.hpp"
 #include "stages/scan/columns.hpp"
 #include "stages/scan/resample.hpp"
 #include "stages/scan/sweeps.hpp"

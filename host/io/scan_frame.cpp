@@ -1,6 +1,7 @@
-#include "io/scanner_position.hpp"
+#include "io/scan_frame.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 
 #include "core/error.hpp"
@@ -44,6 +45,56 @@ void place_scanner(Scan& scan, const Vec3& scanner) {
       4096);
   scan.origin = Vec3::Zero();
   scan.world_from_scan = Pose{1, Eigen::Quaterniond::Identity(), scanner};
+}
+
+double metres_of_unit(std::string_view name) {
+  for (const ScanUnit& unit : kScanUnits)
+    if (unit.name == name) return unit.metres;
+  fail_input("unit: expected m, cm, mm, ft or us-ft, found {}", name);
+}
+
+void scale_lengths(Scan& scan, double metres) {
+  if (metres == 1) return;
+  if (scan.range_grid) fail_input("unit: a range image is in metres; remove the key");
+  parallel_for(
+      scan.points.size(),
+      [&](std::size_t i) {
+        for (float& length : scan.points[i]) length = static_cast<float>(length * metres);
+      },
+      4096);
+  scan.origin *= metres;
+  if (scan.world_from_scan) scan.world_from_scan->translation *= metres;
+}
+
+ScanAxes scan_axes_of(std::string_view name) {
+  const auto at = std::find(kScanAxesNames.begin(), kScanAxesNames.end(), name);
+  if (at == kScanAxesNames.end())
+    fail_input("axes: expected one of {}, found {}", fmt::join(kScanAxesNames, ", "), name);
+  return static_cast<ScanAxes>(at - kScanAxesNames.begin());
+}
+
+Pose file_from_scanner(ScanAxes axes) {
+  Mat3 rotation = Mat3::Identity();
+  if (axes == ScanAxes::camera) rotation << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  if (axes == ScanAxes::opengl) rotation << 0, -1, 0, 0, 0, 1, -1, 0, 0;
+  return {1, Eigen::Quaterniond(rotation), Vec3::Zero()};
+}
+
+void turn_axes(Scan& scan, ScanAxes axes) {
+  if (axes == ScanAxes::z_up) return;
+  if (scan.range_grid) fail_input("axes: a range image is in the scanner's frame; remove the key");
+  const Pose file_from_scan = file_from_scanner(axes);
+  const Mat3 turn = file_from_scan.rotation.toRotationMatrix().transpose().array().round();
+  const Eigen::Matrix3f turn_point = turn.cast<float>();
+  parallel_for(
+      scan.points.size(),
+      [&](std::size_t i) {
+        Eigen::Map<Eigen::Vector3f> point(scan.points[i].data());
+        point = (turn_point * point).eval();
+      },
+      4096);
+  scan.origin = turn * scan.origin;
+  if (scan.world_from_scan) scan.world_from_scan = *scan.world_from_scan * file_from_scan;
 }
 
 std::string doubt_of_scanner(const Scan& scan) {
