@@ -22,13 +22,19 @@ void place_scanner(Scan& scan, const Vec3& scanner) {
     fail_input("scanner: expected finite numbers, found {}, {}, {}", scanner.x(), scanner.y(), scanner.z());
   if (scan.range_grid)
     fail_input("scanner: a range image has the scanner at its origin; remove the position");
+  constexpr double kSamePlace_m = 1e-3;
   if (scan.world_from_scan && !is_identity(*scan.world_from_scan)) {
     const Vec3& t = scan.world_from_scan->translation;
-    fail_input(
-        "scanner: the file has the scanner's pose (at {}, {}, {}) and its points in the scanner's frame; "
-        "remove "
-        "the position",
-        t.x(), t.y(), t.z());
+    if ((t - scanner).norm() > kSamePlace_m)
+      fail_input(
+          "scanner: the file has the scanner's pose (at {}, {}, {}), and its points are taken to be in the "
+          "scanner's "
+          "frame; remove the position or, if the points are in the frame that the pose leads to, give that "
+          "one",
+          t.x(), t.y(), t.z());
+    scan.notes.emplace_back(
+        "its points are in the frame that the scanner's position is given in: the file's pose is "
+        "used for nothing else");
   }
   scan.scanner_is_known = true;
   const Vec3 shift = scan.origin - scanner;

@@ -11,7 +11,8 @@ namespace hybrid::io {
 // where the scanner stood, its axes as they were: `scanner`, metres, in the file's coordinates (Scan::origin
 // included). world_from_scan then leads back to the file's coordinates. Points at the file's own origin were
 // no-returns and stay so. Sets Scan::scanner_is_known. Throws ErrorKind::input when the file says itself
-// where the scanner stood: a range image, or a pose that is not the identity.
+// where the scanner stood: a range image, or a pose that is not the identity and stands elsewhere. Where it
+// stands there the points are not in the scanner's frame, as some programs write PCD.
 void place_scanner(Scan& scan, const Vec3& scanner);
 
 // Metres of a length unit of a scan's file; all else is in metres.

@@ -45,6 +45,11 @@ TEST(ScanFrame, contradicts_no_file_that_knows_better) {
   Scan posed;
   posed.world_from_scan = Pose{1, Eigen::Quaterniond::Identity(), Vec3(0, 0, 1)};
   EXPECT_THROW(io::place_scanner(posed, {1, 2, 3}), Error);
+  posed.points = {{1, 0, 3}};  // in the frame that the pose leads to
+  io::place_scanner(posed, {0, 0, 1});
+  EXPECT_EQ(posed.points[0], (std::array<float, 3>{1, 0, 2}));
+  EXPECT_EQ(posed.world_from_scan->translation, Vec3(0, 0, 1));
+  EXPECT_EQ(posed.notes.size(), 1u);
   Scan image;
   image.range_grid.emplace();
   EXPECT_THROW(io::place_scanner(image, {1, 2, 3}), Error);
