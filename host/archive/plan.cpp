@@ -61,7 +61,7 @@ class Planner {
   Planner(const PlanRequest& request, InputCache& cache) : request_(request), cache_(cache) {}
 
   Manifest go() {
-    if (request_.profile) read_profile();
+    if (request_.profile) profile_ = read_profile(*request_.profile);
     manifest_.archive = fs::absolute(request_.archive).lexically_normal();
     manifest_.build = request_.build;
     auto content = walk_archive(manifest_.archive);
@@ -80,22 +80,6 @@ class Planner {
   }
 
  private:
-  void read_profile() {
-    profile_ = io::read_profile_file(*request_.profile);
-    check_options(profile_.all);
-    for (const auto& one : profile_.overrides) check_options(one.settings);
-  }
-
-  void check_options(const io::ProfileSettings& settings) const {
-    batch::StageOptions options;
-    for (std::size_t i = 0; i < settings.assignments.size(); ++i) {
-      const std::string& assignment = settings.assignments[i];
-      with_context(fmt::format("{}:{}: [{}]", request_.profile->string(), settings.lines[i],
-                               assignment.substr(0, assignment.find('.'))),
-                   [&] { options.apply(assignment); });
-    }
-  }
-
   io::ProfileSettings settings_of(const std::string& name) {
     names_.insert(name);
     return profile_.settings_of(name);
@@ -442,7 +426,24 @@ class Planner {
   std::map<std::string, std::vector<std::string>> scene_names_;  // [scene] name -> scenes
 };
 
+void check_options(const fs::path& file, const io::ProfileSettings& settings) {
+  batch::StageOptions options;
+  for (std::size_t i = 0; i < settings.assignments.size(); ++i) {
+    const std::string& assignment = settings.assignments[i];
+    with_context(fmt::format("{}:{}: [{}]", file.string(), settings.lines[i],
+                             assignment.substr(0, assignment.find('.'))),
+                 [&] { options.apply(assignment); });
+  }
+}
+
 }  // namespace
+
+io::ProfileFile read_profile(const fs::path& file) {
+  io::ProfileFile profile = io::read_profile_file(file);
+  check_options(file, profile.all);
+  for (const auto& one : profile.overrides) check_options(file, one.settings);
+  return profile;
+}
 
 Manifest make_plan(const PlanRequest& request, InputCache& cache) {
   return Planner(request, cache).go();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "archive/manifest.hpp"
+#include "io/scene/profile_file.hpp"
 
 namespace hybrid::archive {
 
@@ -12,6 +13,9 @@ struct PlanRequest {
   std::optional<std::filesystem::path> profile;  // io::ProfileFile
   BuildIdentity build;
 };
+
+// A profile whose options exist and have values that they can have. Throws ErrorKind::input naming its line.
+io::ProfileFile read_profile(const std::filesystem::path& file);
 
 // Walks the archive and makes the units of all its scenes and loose scans. What cannot be used is a problem
 // of the manifest, the rest is planned; a scene that cannot be read is a unit, whose run tells why, again and

@@ -9,6 +9,7 @@
 #include "archive/figures.hpp"
 #include "archive/night.hpp"
 #include "archive/outcome.hpp"
+#include "archive/plan.hpp"
 #include "core/error.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
@@ -29,10 +30,11 @@ struct ProfileResult {
   SceneFigures scenes;
 };
 
-void check_names(const std::vector<fs::path>& profiles) {
+// Before the first night, which may take hours.
+void check_profiles(const std::vector<fs::path>& profiles) {
   std::set<std::string> names;
   for (const auto& profile : profiles) {
-    io::check_readable(profile);
+    read_profile(profile);
     if (!names.insert(profile.stem().string()).second)
       fail(ErrorKind::usage, "--profiles: expected files of different names, found {} twice",
            profile.stem().string());
@@ -177,7 +179,7 @@ Json scene_rows(const std::vector<ProfileResult>& profiles) {
 }  // namespace
 
 Json run_bench(const BenchRequest& request) {
-  check_names(request.profiles);
+  check_profiles(request.profiles);
   io::create_output_folder(request.out);
   std::vector<ProfileResult> results;
   for (const auto& profile : request.profiles) {

@@ -182,6 +182,13 @@ TEST_F(Nightly, profiles_are_compared) {
                 "," + (scratch / "dual.toml").string() + " --out " + (scratch / "twice").string())
                 .exit_code,
             2);
+  io::write_text(scratch / "bad.toml", "[planes]\nsqare = 5\n");  // told before the first one's night
+  const auto bad =
+      run("hybrid batch bench " + archive.string() + " --profiles " + (scratch / "dual.toml").string() + "," +
+          (scratch / "bad.toml").string() + " --out " + (scratch / "bad").string());
+  EXPECT_EQ(bad.exit_code, 4);
+  EXPECT_NE(bad.err.find("bad.toml:2: [planes]: unknown key \"sqare\""), std::string::npos) << bad.err;
+  EXPECT_FALSE(fs::exists(scratch / "bad/dual"));
 }
 
 TEST(Figures, are_named_by_what_they_are_of) {

@@ -90,6 +90,9 @@ TEST(ArchivePlan, says_what_is_wrong_with_its_arguments) {
   io::write_text(scratch / "p.toml", "[run]\nsalvge = true\n");
   expect(plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string()), 4,
          "p.toml:2");
+  io::write_text(scratch / "p.toml", "[[scan]]\nfile = \"a.ply\"\n");
+  expect(plan(scratch / "archive", scratch / "store", "--profile " + (scratch / "p.toml").string()), 4,
+         "p.toml:1: unknown key \"scan\"; Known: run, scene, planes");
   EXPECT_FALSE(fs::exists(scratch / "store"));
   expect(run_store(scratch / "archive"), 4, "expected a store, found no store.json");
   io::write_text(scratch / "new/store.json", "{\"format\": \"hybrid store 1\"}");

@@ -48,13 +48,18 @@ void merge(const ProfileSettings& over, ProfileSettings& settings) {
 
 ProfileFile read_profile(const std::filesystem::path& file, const toml::table& document) {
   static const SceneTable::Names kOwn = {"run", "scene"};
+  static const SceneTable::Names kSections = {"planes", "register", "edit", "render", "export"};
   static const SceneTable::Names kSettings = {"salvage", "leave_one_out", "seed", "group"};
   static const SceneTable::Names kScene = {"match", "salvage", "leave_one_out", "seed", "group"};
-  const SceneTable root(file, "", document, {});
+  const auto with_sections = [](SceneTable::Names names) {
+    names.insert(names.end(), kSections.begin(), kSections.end());
+    return names;
+  };
+  const SceneTable root(file, "", document, with_sections(kOwn));
   ProfileFile profile;
   if (const auto run = root.table("run", kSettings)) read_settings(*run, profile.all);
   read_sections(root, kOwn, profile.all);
-  for (const SceneTable& table : root.tables("scene", {})) {
+  for (const SceneTable& table : root.tables("scene", with_sections(kScene))) {
     ProfileFile::Override one;
     one.line = table.line();
     one.match = table.required_text("match");

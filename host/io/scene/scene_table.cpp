@@ -41,7 +41,7 @@ SceneTable::SceneTable(const fs::path& file, std::string place, const toml::tabl
   if (known.empty()) return;
   for (const auto& [key, value] : table)
     if (std::find(known.begin(), known.end(), key.str()) == known.end())
-      fail_at(file_, static_cast<int>(key.source().begin.line), "{}: {}", place_,
+      fail_at(file_, static_cast<int>(key.source().begin.line), "{}{}", before(),
               unknown_name("key", key.str(), known));
 }
 
@@ -234,7 +234,7 @@ std::optional<std::array<double, 16>> SceneTable::pose(std::string_view key) con
   const auto values = numbers(key, 16);
   std::array<double, 16> matrix{};
   std::copy(values.begin(), values.end(), matrix.begin());
-  with_context(fmt::format("{}:{}: {}: {}", file_.string(), line_of(key), place_, key),
+  with_context(fmt::format("{}:{}: {}{}", file_.string(), line_of(key), before(), key),
                [&] { pose_from_row_major(matrix); });
   return matrix;
 }

@@ -62,11 +62,11 @@ class SceneTable {
   int line_of(std::string_view key) const;
   template <typename... Args>
   [[noreturn]] void fail_key(std::string_view key, fmt::format_string<Args...> format, Args&&... args) const {
-    fail_at(file_, line_of(key), "{}: {}: {}", place_, key, fmt::format(format, std::forward<Args>(args)...));
+    fail_at(file_, line_of(key), "{}{}: {}", before(), key, fmt::format(format, std::forward<Args>(args)...));
   }
   template <typename... Args>
   [[noreturn]] void fail_table(fmt::format_string<Args...> format, Args&&... args) const {
-    fail_at(file_, line(), "{}: {}", place_, fmt::format(format, std::forward<Args>(args)...));
+    fail_at(file_, line(), "{}{}", before(), fmt::format(format, std::forward<Args>(args)...));
   }
 
  private:
@@ -74,6 +74,7 @@ class SceneTable {
   std::filesystem::path resolved(std::string_view key, const std::string& written) const;
   OptionValue scalar(std::string_view key, const toml::node& node) const;
   int whole(std::string_view key, const toml::node& node) const;
+  std::string before() const { return place_.empty() ? "" : place_ + ": "; }  // what is said of it
 
   std::filesystem::path file_;
   std::string place_;
