@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "batch/photographs/photograph_files.hpp"
 #include "batch/render_unit.hpp"
 #include "core/error.hpp"
 #include "io/exr/exr_e57.hpp"
@@ -92,7 +93,7 @@ Files scene_inputs(const io::SceneFile& scene) {
       try_to([&] {
         const auto cameras =
             io::read_cameras(scene.photographs->cameras, scene.photographs->images).photographs;
-        for (const auto& camera : cameras) files.push_back(scene.photographs->images / camera.name);
+        append(batch::find_photographs(*scene.photographs, cameras).all, files);
       });
   }
   if (scene.truth) try_to([&] { append_truth(*scene.truth, files); });

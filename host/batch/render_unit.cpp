@@ -259,9 +259,10 @@ std::vector<std::string> disagreements(const stages::Renderer& renderer, const P
     worst = std::min(worst, *agreement.correlation);
   }
   const bool most = 2 * (blind.size() + odd.size()) > photographs.cameras.size();
-  const char* remedy =
+  const std::string remedy =
       most ? "the cameras' frame may be another than the model's: give [photographs] landmarks, or "
-             "world_from_photographs (host/io/scene/README.md)"
+             "world_from_photographs (host/io/scene/README.md)" +
+                 photographs.frame_hint
            : "check these cameras, and whether model and scans have what they show";
   std::vector<std::string> warnings;
   if (!blind.empty())

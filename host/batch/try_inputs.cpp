@@ -4,6 +4,7 @@
 
 #include "batch/editing/scene_editing.hpp"
 #include "batch/output_folder.hpp"
+#include "batch/photographs/photograph_files.hpp"
 #include "batch/photographs/photograph_set.hpp"
 #include "batch/scene_model.hpp"
 #include "batch/scene_request.hpp"
@@ -94,7 +95,7 @@ bool try_photographs(const io::SceneFile::Photographs& section, const PolygonMod
   if (!section.e57_files.empty()) return good;
   PhotographSet set;
   set.cameras = io::read_cameras(section.cameras, section.images).photographs;
-  const auto files = photograph_files(section, set.cameras, salvage);
+  const auto files = photograph_files(section, set.cameras, salvage).all;
   std::size_t left_out = 0;
   const auto try_one = [&](std::size_t i) {
     const Camera& camera = set.cameras[i].camera;

@@ -73,6 +73,39 @@ TEST(nerfstudio, fisheye) {
   }
 }
 
+// Straight ahead is the middle of the picture, a quarter turn to the right three quarters along, the zenith
+// on top.
+TEST(nerfstudio, panoramas) {
+  const TemporaryFolder folder;
+  const CameraFile file = read(folder, document("\"w\":400,\"h\":200,\"fl_x\":7,\"cx\":3,\"camera_model\":"
+                                                "\"EQUIRECTANGULAR\"",
+                                                frame("a.jpg")));
+  const Photograph& photograph = file.photographs.at(0);
+  EXPECT_EQ(photograph.camera.lens, Lens::spherical);
+  EXPECT_TRUE(photograph.camera.wraps());
+  const auto project = [&](const Vec3& point) {
+    return *photograph.camera.project(photograph.cam_from_world * point);
+  };
+  EXPECT_NEAR((project({11, 2, 3}) - Vec2(200, 100)).norm(), 0, 1e-9);
+  EXPECT_NEAR((project({1, -8, 3}) - Vec2(300, 100)).norm(), 0, 1e-9);
+  EXPECT_NEAR(project({1.001, 2, 9}).y(), 0, 0.1);
+}
+
+TEST(nerfstudio, what_was_applied_can_be_undone) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read(folder, document(kKeys, frame("a.jpg"))).frame_hint, "");
+  const auto hint = [&](const std::string& matrix) {
+    return read(folder, document(kKeys + ",\"applied_transform\":" + matrix, frame("a.jpg"))).frame_hint;
+  };
+  EXPECT_NE(
+      hint("[[1,0,0,0],[0,0,1,2],[0,-1,0,-3]]").find("[1, 0, 0, 0, 0, 0, -1, -3, 0, 1, 0, -2, 0, 0, 0, 1]"),
+      std::string::npos)
+      << hint("[[1,0,0,0],[0,0,1,2],[0,-1,0,-3]]");
+  EXPECT_EQ(hint("[[1,0,0,0],[0,1,0,0],[0,0,1,0]]"), "");  // nothing was
+  for (const char* odd : {"7", "[1,2,3]", "[[1,0,0],[0,1,0],[0,0,1]]", "[[9,0,0,0],[0,1,0,0],[0,0,1,0]]"})
+    EXPECT_EQ(hint(odd), "") << odd;
+}
+
 // Blender's sets: an angle instead of a focal length, no size, no ending.
 TEST(nerfstudio, angle_and_size_of_the_picture) {
   const TemporaryFolder folder;
@@ -118,8 +151,9 @@ TEST(nerfstudio, errors_name_file_and_entry) {
       {document(kKeys, frame("a.jpg", ",\"w\":64.5")), first, "w: expected a whole number"},
       {document(kKeys, frame("a.jpg", ",\"h\":-1")), first, "h: expected 1 to"},
       {document(kKeys + ",\"k4\":0.1", frame("a.jpg")), first, "k4: expected 0 with camera_model OPENCV"},
-      {document(kKeys + ",\"camera_model\":\"EQUIRECTANGULAR\"", frame("a.jpg")), first,
-       "found EQUIRECTANGULAR"},
+      {document(kKeys + ",\"camera_model\":\"VR180_L\"", frame("a.jpg")), first, "found VR180_L"},
+      {document(kKeys + ",\"camera_model\":\"EQUIRECTANGULAR\",\"k1\":0.1", frame("a.jpg")), first,
+       "k1: expected 0 with camera_model EQUIRECTANGULAR"},
       {document(kKeys, frame("a.jpg") + "," + frame("./a.jpg")), "transforms.json",
        "photograph a.jpg occurs twice"},
   };

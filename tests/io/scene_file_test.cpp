@@ -331,6 +331,12 @@ TEST(scene_file, every_format_of_cameras) {
     EXPECT_EQ(read.cameras.path, folder.path() / "a/cameras.json");
     EXPECT_EQ(read.images, folder.path() / "b");
   }
+  // The folder of a format of one file.
+  std::filesystem::create_directory(folder.path() / "a");
+  EXPECT_EQ(photographs("bundler = \"a\"\nimages = \"b\"").cameras.path, folder.path() / "a/bundle.out");
+  EXPECT_EQ(photographs("nerfstudio = \"a\"").cameras.path, folder.path() / "a/transforms.json");
+  EXPECT_EQ(photographs("nerfstudio = \"a\"").images, folder.path() / "a");
+  EXPECT_EQ(photographs("colmap = \"a\"\nimages = \"b\"").cameras.path, folder.path() / "a");
   // Nerfstudio's names start at its own file.
   EXPECT_EQ(photographs("nerfstudio = \"a/transforms.json\"").images, folder.path() / "a");
 }

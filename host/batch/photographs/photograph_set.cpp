@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "batch/photographs/photograph_files.hpp"
 #include "core/error.hpp"
 #include "core/suggest.hpp"
 #include "io/scene/map_shift.hpp"
-#include "io/text/text_cursor.hpp"
 
 namespace hybrid::batch {
 namespace {
@@ -19,43 +19,6 @@ Pose camera_in_world(const Pose& cam_from_photographs, const Pose& world_from_ph
   Pose world_from_cam = world_from_photographs * cam_from_photographs.inverse();
   world_from_cam.scale = 1;
   return world_from_cam.inverse();
-}
-
-// " (images/day1/IMG_1.jpg is there)", of a file of the same name in other letters or another folder below.
-std::string like_of(const fs::path& folder, const fs::path& missing) {
-  constexpr int kMostLooked = 100'000;
-  const std::string name = io::lower_case(missing.filename().string());
-  std::vector<fs::path> found;
-  std::error_code code;
-  int looked = 0;
-  for (fs::recursive_directory_iterator entry(folder, code), end;
-       !code && entry != end && ++looked < kMostLooked; entry.increment(code))
-    if (io::lower_case(entry->path().filename().string()) == name) found.push_back(entry->path());
-  if (found.empty()) return "";
-  return fmt::format(" ({} is there)", std::min_element(found.begin(), found.end())->string());
-}
-
-struct MissingFiles {
-  std::vector<fs::path> all, missing;
-};
-
-MissingFiles look_for(const io::SceneFile::Photographs& section, const std::vector<Photograph>& cameras) {
-  MissingFiles files;
-  std::error_code code;
-  for (const Photograph& photograph : cameras) {
-    files.all.push_back(section.images / photograph.name);
-    if (!fs::exists(files.all.back(), code)) files.missing.push_back(files.all.back());
-  }
-  return files;
-}
-
-[[noreturn]] void fail_missing(const io::SceneFile::Photographs& section, const MissingFiles& files) {
-  fail_input(
-      "{}: no such file{}, and {} of {} photographs in all are missing; put them there, set [photographs] "
-      "images to "
-      "the folder that the names of {} start from, take their cameras out, or use the others with --salvage",
-      files.missing.front().string(), like_of(section.images, files.missing.front()), files.missing.size(),
-      files.all.size(), section.cameras.path.string());
 }
 
 // In salvage the photographs that cannot be read leave the set.
@@ -133,14 +96,6 @@ Json landmark_json(const io::SceneFile::Photographs& section, const stages::Phot
 
 }  // namespace
 
-std::vector<fs::path> photograph_files(const io::SceneFile::Photographs& section,
-                                       const std::vector<Photograph>& cameras, bool salvage) {
-  if (!section.e57_files.empty()) return section.e57_files;
-  MissingFiles files = look_for(section, cameras);
-  if (!salvage && !files.missing.empty()) fail_missing(section, files);
-  return std::move(files.all);
-}
-
 PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool salvage,
                                std::size_t decoded_bytes) {
   PhotographSet set;
@@ -159,13 +114,16 @@ PhotographSet read_photographs(const io::SceneFile::Photographs& section, bool s
   for (const std::string& note : cameras.notes)
     set.warnings.push_back(section.cameras.path.string() + ": " + note);
   set.cameras = cameras.photographs;
-  set.files = photograph_files(section, set.cameras, salvage);
+  PhotographFiles files = photograph_files(section, set.cameras, salvage);
+  if (!files.note.empty()) set.warnings.push_back(files.note);
+  set.files = std::move(files.all);
   read_pixels(salvage, decoded_bytes, set);
   if (section.world_from_photographs) {
     const Pose world_from_photographs = pose_from_row_major(*section.world_from_photographs);
     for (Photograph& photograph : set.cameras)
       photograph.cam_from_world = camera_in_world(photograph.cam_from_world, world_from_photographs);
   } else if (section.landmarks.empty()) {
+    set.frame_hint = cameras.frame_hint;
     io::take_off_shift(section.shift, set.cameras);
   }
   return set;

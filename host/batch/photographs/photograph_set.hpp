@@ -24,14 +24,9 @@ struct PhotographSet {
   std::vector<E57Frame> frames;
   std::vector<std::string> placed_with;  // per camera, after place_photographs
   std::optional<stages::PhotographFit> landmarks;
+  std::string frame_hint;             // io::CameraFile's, where the scene file says nothing of the frame
   std::vector<std::string> warnings;  // for the scene's
 };
-
-// Every photograph's file, all checked to be there, but in salvage, before any is decoded. Throws
-// ErrorKind::input naming the first that is missing, how many are, and where the like of it is.
-std::vector<std::filesystem::path> photograph_files(const io::SceneFile::Photographs& section,
-                                                    const std::vector<Photograph>& cameras,
-                                                    bool salvage = false);
 
 // Cameras of files are in the world then, but for place_by_landmarks. In salvage a picture that is not there,
 // cannot be read, or has not its camera's size, is left out, with a warning; one at least must be good.

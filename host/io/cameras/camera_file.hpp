@@ -21,6 +21,8 @@ struct CameraFile {
   std::vector<CalibratedCamera> cameras;  // in file order, used by a photograph or not
   std::vector<Photograph> photographs;
   std::vector<std::string> notes;  // what was left out, and why
+  // What takes these cameras into another frame that the file tells of, or "": where they do not fit.
+  std::string frame_hint;
 };
 
 // The checks that all formats share. `place` names file and line, or file and entry, in front of the message.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.hpp"
+#include "geometry/angles.hpp"
 #include "io/picture.hpp"
 #include "io/text/plain_text.hpp"
 
@@ -60,6 +61,7 @@ const std::vector<Model>& models() {
       {"SIMPLE_PINHOLE", {}},
       {"SIMPLE_RADIAL", {{"k1", &C::k1}}},
       {"RADIAL", {{"k1", &C::k1}, {"k2", &C::k2}}},
+      {"EQUIRECTANGULAR", {}, Lens::spherical},
       {"OPENCV_FISHEYE", {{"k1", &C::k1}, {"k2", &C::k2}, {"k3", &C::k3}, {"k4", &C::k4}}, Lens::fisheye},
   };
   return kModels;
@@ -72,8 +74,8 @@ const Model& model_of(const Frame& frame) {
   for (const Model& model : models())
     if (model.name == name) return model;
   fail_input(
-      "{}: camera_model: expected OPENCV, PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL or OPENCV_FISHEYE, "
-      "found {}; undistort the photographs",
+      "{}: camera_model: expected OPENCV, PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV_FISHEYE or "
+      "EQUIRECTANGULAR, found {}; undistort the photographs",
       frame.place(), excerpt(name));
 }
 
@@ -130,6 +132,43 @@ Camera read_intrinsics(const Frame& frame, const fs::path& picture) {
   camera.cy = frame.number("cy").value_or(0.5 * camera.height);
   check_focal_length(frame.place(), camera);
   return camera;
+}
+
+// A full panorama: what the file says of focal length and middle is not its.
+Camera read_panorama(const Frame& frame, const fs::path& picture) {
+  Camera camera;
+  read_size(frame, picture, camera);
+  camera.lens = Lens::spherical;
+  camera.fx = camera.width / kTurn;
+  camera.fy = 2 * camera.height / kTurn;
+  camera.cx = 0.5 * camera.width;
+  camera.cy = 0.5 * camera.height;
+  return camera;
+}
+
+// What takes the cameras back into the frame that they had before the file was written, as text.
+std::string hint_of_frame(const nlohmann::json& json) {
+  const auto applied = json.find("applied_transform");
+  if (applied == json.end()) return "";
+  Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t col = 0; col < 4; ++col) {
+      const bool is_there = applied->is_array() && applied->size() >= 3 && (*applied)[row].is_array() &&
+                            (*applied)[row].size() == 4 && (*applied)[row][col].is_number();
+      if (!is_there) return "";
+      transform(static_cast<int>(row), static_cast<int>(col)) = (*applied)[row][col].get<double>();
+    }
+  const Mat3 turn = transform.topLeftCorner<3, 3>();
+  if (!(turn.transpose() * turn).isIdentity(kRotationTolerance) || turn.determinant() < 0 ||
+      transform.isIdentity())
+    return "";
+  const Eigen::Matrix4d back = transform.inverse();
+  std::string numbers;
+  for (int i = 0; i < 16; ++i) numbers += fmt::format("{}{:g}", i == 0 ? "" : ", ", back(i / 4, i % 4) + 0.0);
+  return fmt::format(
+      "; transforms.json has an applied_transform: a model in the frame from before it (COLMAP's) takes "
+      "world_from_photographs = [{}]",
+      numbers);
 }
 
 // cam_from_world from world_from_camera in OpenGL's axes, 4 x 4 or 3 x 4.
@@ -195,6 +234,7 @@ CameraFile read_nerfstudio(const fs::path& file, const fs::path& images) {
   if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
     fail_at(file, 1, "expected an object with a list of frames, found none");
   CameraFile result;
+  result.frame_hint = hint_of_frame(json);
   for (std::size_t i = 0; i < frames->size(); ++i) {
     const std::string place = fmt::format("{}: frames[{}]", file.string(), i);
     if (!(*frames)[i].is_object())
@@ -203,7 +243,9 @@ CameraFile read_nerfstudio(const fs::path& file, const fs::path& images) {
     Photograph photograph;
     photograph.name = photograph_name(frame);
     const Model& model = model_of(frame);
-    photograph.camera = read_intrinsics(frame, images.empty() ? fs::path() : images / photograph.name);
+    const fs::path picture = images.empty() ? fs::path() : images / photograph.name;
+    photograph.camera =
+        model.lens == Lens::spherical ? read_panorama(frame, picture) : read_intrinsics(frame, picture);
     read_distortion(frame, model, photograph.camera);
     photograph.cam_from_world = read_pose(frame, (*frames)[i]);
     result.cameras.push_back({photograph.name, std::string(model.name), photograph.camera});

@@ -111,6 +111,14 @@ ScenePhotographPick read_photograph_pick(const SceneTable& table) {
   return result;
 }
 
+// Formats of one file may be given by its folder.
+fs::path camera_path(CameraFormat format, const fs::path& given) {
+  const char* name = format == CameraFormat::nerfstudio ? "transforms.json" : "bundle.out";
+  std::error_code code;
+  const bool one_file = format == CameraFormat::nerfstudio || format == CameraFormat::bundler;
+  return one_file && fs::is_directory(given, code) ? given / name : given;
+}
+
 SceneFile::Photographs read_photographs(const SceneTable& table) {
   constexpr std::array kFormats{CameraFormat::colmap, CameraFormat::strecha, CameraFormat::bundler,
                                 CameraFormat::nerfstudio, CameraFormat::e57};
@@ -136,7 +144,7 @@ SceneFile::Photographs read_photographs(const SceneTable& table) {
     result.cameras.path = result.e57_files.front();
     return result;
   }
-  result.cameras.path = table.required_path(given.front());
+  result.cameras.path = camera_path(result.cameras.format, table.required_path(given.front()));
   for (const SceneTable& pick :
        table.tables("landmarks", {"photograph", "pixel", "point", "model", "vertex", "snap"}))
     result.landmarks.push_back(read_photograph_pick(pick));
