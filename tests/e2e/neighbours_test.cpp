@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "geometry/pose.hpp"
 #include "io/output.hpp"
@@ -61,6 +63,55 @@ TEST(Neighbours, landmarks_of_one_scan_place_the_other) {
   EXPECT_GT(pair["overlap"], 0.8);
   EXPECT_LT(pair["distance_m"], 0.001);
   EXPECT_NE(io::read_text(out / "report/index.html").find("Scan to scan"), std::string::npos);
+}
+
+// A model of unknown scale takes its scale from one scan's landmarks; the other scan lies beside that one as
+// large.
+TEST(Neighbours, of_a_model_of_unknown_scale_landmarks_of_one_scan_are_enough) {
+  constexpr double kScale = 0.37;
+  const Scratch scratch;
+  std::istringstream model(io::read_text(room() / "proxy.obj"));
+  std::string scaled;
+  for (std::string line; std::getline(model, line);) {
+    double x = 0, y = 0, z = 0;
+    if (std::sscanf(line.c_str(), "v %lf %lf %lf", &x, &y, &z) == 3)
+      line = fmt::format("v {} {} {}", kScale * x, kScale * y, kScale * z);
+    scaled += line + "\n";
+  }
+  io::write_text(scratch / "proxy.obj", scaled);
+  std::string text = scene_without_landmarks(false, true);
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  replace((room() / "proxy.obj").string(), (scratch / "proxy.obj").string());
+  replace("truth = ", "# ");
+  replace("unit = \"m\"", "unit = \"arbitrary\"");
+  text += "\n[register]\nscale = \"free\"\n";
+  const std::string before = "model = [";
+  for (auto at = text.find(before); at != std::string::npos; at = text.find(before, at + 1)) {
+    const auto begin = at + before.size(), end = text.find(']', begin);
+    double x = 0, y = 0, z = 0;
+    ASSERT_EQ(std::sscanf(text.substr(begin, end - begin).c_str(), "%lf, %lf, %lf", &x, &y, &z), 3);
+    text.replace(begin, end - begin, fmt::format("{}, {}, {}", kScale * x, kScale * y, kScale * z));
+  }
+  io::write_text(scratch / "scene.toml", text);
+  const auto out = scratch / "out";
+  const auto outcome =
+      run("hybrid register " + (scratch / "scene.toml").string() + " --quiet --out " + out.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto truth = json_of(room() / "truth.json");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string id = truth["scans"][i]["id"];
+    const auto pose = json_of(out / "scans" / id / "pose.json");
+    EXPECT_EQ(pose["how"], id == "east" ? "neighbour" : "landmarks");
+    EXPECT_NEAR(pose["scale"].get<double>(), kScale, 1e-5) << id;
+    for (const std::size_t k : {3, 7, 11})
+      EXPECT_NEAR(pose["world_from_scan"][k].get<double>() / kScale,
+                  truth["scans"][i]["world_from_scan"][k].get<double>(), 0.001)
+          << id;
+  }
 }
 
 TEST(Neighbours, scans_without_a_model_are_registered_to_the_first) {

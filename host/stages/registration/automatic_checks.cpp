@@ -79,7 +79,7 @@ std::string unsuitable(const ScanEvidence& scan, const ModelShapes& model, const
         model.all_faces, model.faces.size(), 100 * model.kept_area_m2 / model.area_m2, remedy(options));
   if (std::string words = lacking(model.planes, other_side(options), remedy(options)); !words.empty())
     return words;
-  if (options.free_scale)
+  if (options.free_scale && !options.of_scan)
     return "automatic alignment with a free scale is not offered: three planes fix a rigid pose only; give "
            "the model's unit and scale = \"fixed\", or 3 or more landmarks";
   const std::string words = odd_size(scan, model, 1, kSizeRatio);
