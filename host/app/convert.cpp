@@ -21,7 +21,7 @@ void add_convert(CLI::App& program, int& exit_code) {
       ->add_option(
           "files", *files,
           "IN... and OUT: scan files (" + io::scan_extensions() +
-              ") and the file to write (.e57, .exr, .ptx, .pts, .ply, .pcd or .las); of several files the "
+              ") and the file to write (.e57, .exr, .ptx, .pts, .xyz, .ply, .pcd or .las); of several files the "
               "scans go into one .e57 or .ptx")
       ->required()
       ->expected(2, kMostFiles);

@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "core/error.hpp"
 #include "core/json_text.hpp"
+#include "core/log.hpp"
 #include "io/cameras/read_cameras.hpp"
 #include "io/e57/e57_photographs.hpp"
 #include "io/models/model_info.hpp"
@@ -172,29 +174,56 @@ void print_text(const Json& value, const std::string& name, std::string& text) {
     print_text(inner, name.empty() ? key : name + " / " + key, text);
 }
 
+bool is_damaged(const Json& described) {
+  if (!described.contains("scans")) return false;
+  const auto& scans = described["scans"];
+  return std::any_of(scans.begin(), scans.end(), [](const auto& scan) { return scan.contains("damage"); });
+}
+
+// One that cannot be read does not stop the others.
+Json describe_all(const std::vector<fs::path>& files, bool salvage, int& exit_code) {
+  Json all = Json::array();
+  std::size_t refused = 0;
+  int code = 0;
+  for (const fs::path& file : files) {
+    try {
+      all.push_back(describe(file, salvage));
+      if (is_damaged(all.back())) exit_code = kSomeFailed;
+    } catch (const Error& error) {
+      if (files.size() == 1 || ends_the_run(error.kind())) throw;
+      log::error("{}", error.what());
+      all.push_back({{"file", file.string()}, {"error", error.what()}});
+      code = hybrid::exit_code(error.kind());
+      ++refused;
+    }
+  }
+  if (refused > 0) exit_code = refused == files.size() ? code : kSomeFailed;
+  return all;
+}
+
 }  // namespace
 
 void add_info(CLI::App& program, int& exit_code) {
   auto* command =
-      program.add_subcommand("info", "what is in a scan file, a model (.obj) or a file or folder of cameras");
+      program.add_subcommand("info", "what is in scan files, models (.obj) or files or folders of cameras");
   auto common = std::make_shared<CommonOptions>();
-  auto file = std::make_shared<fs::path>();
-  command->add_option("file", *file, "the file or folder")->required();
+  auto files = std::make_shared<std::vector<fs::path>>();
+  command->add_option("files", *files, "the files or folders; of several --json prints an array")->required();
   auto salvage = std::make_shared<bool>(false);
   add_salvage_option(*command, *salvage);
   add_common_options(*command, *common);
   command->callback([=, &exit_code] {
     apply(*common);
-    const Json json = describe(*file, *salvage);
-    if (json.contains("scans"))
-      for (const auto& scan : json["scans"])
-        if (scan.contains("damage")) exit_code = kSomeFailed;
+    const Json all = describe_all(*files, *salvage, exit_code);
     if (common->json) {
-      std::cout << json_text(json) << "\n";
+      std::cout << json_text(all.size() == 1 ? all[0] : all) << "\n";
       return;
     }
     std::string text;
-    print_text(json, "", text);
+    for (const Json& json : all) {
+      if (!text.empty()) text += "\n";
+      print_text(json, "", text);
+    }
     std::cout << text;
   });
 }

@@ -277,6 +277,16 @@ std::vector<std::string> disagreements(const stages::Renderer& renderer, const P
   return warnings;
 }
 
+std::string empty_views(const Json& views) {
+  std::vector<std::string> empty;
+  for (const Json& view : views)
+    if (view["surface_share"] == 0) empty.push_back(view["name"]);
+  if (empty.empty()) return "";
+  return fmt::format(
+      "{} of {} views show nothing of model and scans ({}): check where they look from, and to", empty.size(),
+      views.size(), some_of(empty));
+}
+
 std::string red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs) {
   std::vector<std::string> red;
   for (const io::SceneView& view : views) {

@@ -47,6 +47,9 @@ std::vector<std::string> disagreements(const stages::Renderer& renderer, const P
 // A warning of textured views that no photograph is left for: all of them is red. "" = none.
 std::string red_views(const std::vector<io::SceneView>& views, const PhotographSet& photographs);
 
+// A warning of rendered views (render_view) in which nothing is seen. "" = none.
+std::string empty_views(const nlohmann::ordered_json& views);
+
 // sigma_px = "auto": what was chosen and what was tried; null otherwise.
 nlohmann::ordered_json sigma_figures(const stages::Renderer& renderer);
 

@@ -8,7 +8,6 @@
 #include "core/free_memory.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
-#include "core/median.hpp"
 #include "core/parallel.hpp"
 #include "core/parallel_tasks.hpp"
 #include "geometry/colour.hpp"
@@ -144,8 +143,14 @@ void note_layout(stages::GridLayout layout, ScanProduct& product) {
 void doubt_unit(ScanProduct& product) {
   constexpr double kFar_m = 500, kNear_m = 0.05;
   const RangeImage& image = product.image;
-  const double middle = parallel_median(
-      image.count(), [&](std::size_t i) { return image.mask[i] == kMeasured ? image.range_m[i] : NAN; });
+  constexpr std::size_t kLookedAt = 1 << 16;
+  std::vector<float> ranges;
+  for (std::size_t i = 0; i < image.count(); i += image.count() / kLookedAt + 1)
+    if (image.mask[i] == kMeasured) ranges.push_back(image.range_m[i]);
+  if (ranges.empty()) return;
+  const auto at = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), at, ranges.end());
+  const double middle = static_cast<double>(*at);
   if (middle == 0 || (middle > kNear_m && middle < kFar_m)) return;
   product.notes.push_back(
       fmt::format("half of its returns are {} m: are the file's lengths in metres? Else say so: "

@@ -70,10 +70,12 @@ void check_edited_scans_early(const io::SceneFile& scene, bool salvage) {
 }
 
 io::SceneScan in_scan_frame(io::SceneScan entry, const Vec3& shift) {
-  const Pose file = file_from_scan(entry), scan_from_file = file.inverse();
-  for (io::SceneLandmark& landmark : entry.landmarks)
-    if (landmark.scan) landmark.scan = scan_from_file * *landmark.scan;
-  if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * file);
+  if (entry.scanner || entry.axes != io::ScanAxes::z_up) {
+    const Pose file = file_from_scan(entry), scan_from_file = file.inverse();
+    for (io::SceneLandmark& landmark : entry.landmarks)
+      if (landmark.scan) landmark.scan = scan_from_file * *landmark.scan;
+    if (entry.pose) entry.pose = row_major(pose_from_row_major(*entry.pose) * file);
+  }
   if (entry.pose) {
     auto& matrix = *entry.pose;
     const Vec3 translation = io::off_map({matrix[3], matrix[7], matrix[11]}, shift);

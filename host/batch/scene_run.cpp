@@ -370,6 +370,7 @@ class Run {
         progress_.step("render", "view " + view.name);
         views_.push_back(render_view(renderer, view, run_.photographs, request_.out));
       });
+    warn(empty_views(views_));
     if (colours_scans()) colour_scans(renderer);
   }
 

@@ -7,6 +7,14 @@
 #include "io/scan_frame.hpp"
 
 namespace hybrid::batch {
+namespace {
+
+// In metres, its axes the scanner's, as far as the scene file says.
+bool is_in_scanner_frame(const io::SceneScan& entry) {
+  return !entry.scanner && entry.axes == io::ScanAxes::z_up && entry.unit_m == 1;
+}
+
+}  // namespace
 
 std::vector<io::ScanEntry> list_scene_scans(const io::SceneScan& entry, bool salvage) {
   if (entry.depth) return std::vector<io::ScanEntry>(1);
@@ -42,15 +50,6 @@ Scan read_scene_scan(const std::string& id, const io::SceneScan& entry, const io
     log::warning("scan {}: {}", id, doubt);
   return scan;
 }
-
-namespace {
-
-// In metres, its axes the scanner's, as far as the scene file says.
-bool is_in_scanner_frame(const io::SceneScan& entry) {
-  return !entry.scanner && entry.axes == io::ScanAxes::z_up && entry.unit_m == 1;
-}
-
-}  // namespace
 
 ProcessedScan make_planes(device::Queue& queue, const std::string& id, const io::SceneScan& entry,
                           const io::ScanEntry& scan_entry, const StageOptions& options, Progress& progress,

@@ -42,9 +42,6 @@ constexpr Foreign kForeign[] = {
     {" .cl3 .clr .rcp .rcs ",
      "it is a program's own format: export E57 from the program that wrote it (ReCap, ScanMaster)"},
     {" .bin ", "if it is CloudCompare's own format, save it as E57 or PLY there"},
-    {" .xyz .txt .asc .csv .xyzi .xyzrgb .neu ",
-     "a text with a line of numbers for each point, x y z [intensity] [red green blue], is read under the "
-     "name of .pts"},
     {" .png ", "a depth image is the file of a [[scan]] with intrinsics, in a scene file"},
     {" .toml ", "of a scene file, hybrid run SCENE.toml --out DIR --dry-run tells what is in it"},
     {" .obj ", "a model is the file of [model] in a scene file"},

@@ -19,6 +19,7 @@
 #include "io/text/pts.hpp"
 #include "io/text/ptx.hpp"
 #include "io/text/text_cursor.hpp"
+#include "io/text/xyz.hpp"
 
 namespace hybrid::io {
 namespace {
@@ -30,6 +31,7 @@ struct ScanFormat {
   Scan (*read)(const std::filesystem::path& file, const ScanEntry& entry);
   // Null also where this one cannot be streamed.
   std::unique_ptr<ScanStream> (*stream)(const std::filesystem::path& file, const ScanEntry& entry) = nullptr;
+  bool tells = true;  // a file of this extension is a scan: who walks folders takes it
 };
 
 std::vector<ScanEntry> list_exr(const std::filesystem::path& file, const ReadOptions& options) {
@@ -93,6 +95,10 @@ constexpr ScanFormat kScanFormats[] = {
     {".las", list_las, read_las, stream_las},
     {".exr", list_exr, read_exr, stream_exr},
     {".hsf", list_sample_file, read_one<read_sample_file>, stream_sample_file},
+    {".xyz", list_xyz, read_xyz, stream_xyz},
+    {".asc", list_xyz, read_xyz, stream_xyz, false},
+    {".csv", list_xyz, read_xyz, stream_xyz, false},
+    {".txt", list_xyz, read_xyz, stream_xyz, false},
 };
 
 // Formats that are known and not read, and what to do.
@@ -171,8 +177,11 @@ std::optional<GridScan> read_grid_scan(const std::filesystem::path& file, const 
 
 bool has_scan_extension(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  return is_format(extension) || std::any_of(std::begin(kRemedies), std::end(kRemedies),
-                                             [&](const auto& known) { return extension == known.first; });
+  return std::any_of(
+             std::begin(kScanFormats), std::end(kScanFormats),
+             [&](const ScanFormat& format) { return format.tells && extension == format.extension; }) ||
+         std::any_of(std::begin(kRemedies), std::end(kRemedies),
+                     [&](const auto& known) { return extension == known.first; });
 }
 
 std::string scan_extensions() {

@@ -46,6 +46,7 @@ const std::vector<ScanWriter>& scan_writers() {
        .intensity_limits = kPtsIntensity,
        .whole_intensity = true,
        .write = write_pts},
+      {.extension = ".xyz", .name = "XYZ", .write = write_xyz},
       {.extension = ".ply", .name = "PLY", .write = write_ply_scan},
       {.extension = ".pcd",
        .name = "PCD",

@@ -11,6 +11,8 @@ inline constexpr std::array<float, 2> kPtxIntensity{0, 1}, kPtsIntensity{-2048, 
 void write_ptx(const std::filesystem::path& file, const ScanSource& next);
 // Text, returns only: x y z [intensity] [r g b] after their count.
 void write_pts(const std::filesystem::path& file, const ScanSource& next);
+// Text, returns only: x y z [intensity] [r g b] after their names, as CloudCompare has them.
+void write_xyz(const std::filesystem::path& file, const ScanSource& next);
 // Binary little endian, returns only; doubles where the scan has an origin or exact coordinates.
 void write_ply_scan(const std::filesystem::path& file, const ScanSource& next);
 // Binary; row by row, the pose as VIEWPOINT; doubles as in PLY.

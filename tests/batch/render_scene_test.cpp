@@ -58,4 +58,16 @@ TEST(RenderScene, curtains_hang_where_registered_scans_stand_in_the_world_and_on
   EXPECT_TRUE(with(0.5).empty());
 }
 
+TEST(RenderScene, views_of_nothing_are_named) {
+  const auto views = [](double a, double b) {
+    return nlohmann::ordered_json{{{"name", "a"}, {"surface_share", a}},
+                                  {{"name", "round/0001"}, {"surface_share", b}}};
+  };
+  EXPECT_EQ(batch::empty_views(nlohmann::ordered_json::array()), "");
+  EXPECT_EQ(batch::empty_views(views(0.01, 1)), "");
+  const std::string words = batch::empty_views(views(0.5, 0));
+  EXPECT_NE(words.find("1 of 2 views show nothing of model and scans (round/0001)"), std::string::npos)
+      << words;
+}
+
 }  // namespace hybrid::testing

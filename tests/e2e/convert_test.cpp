@@ -144,7 +144,7 @@ TEST_F(Convert, WhatIsWrongIsNamedAndNothingIsWritten) {
   expect_refused("convert a.ptx missing/b.ptx", 2, {"missing/b.ptx", "make it first"});
   expect_refused("convert a.ptx a.ptx", 2, {"a.ptx: is the input itself"});
   expect_refused("convert a.ptx ./a.ptx --force", 2, {"is the input itself"});
-  expect_refused("convert a.ptx b.xyz", 2, {"b.xyz", ".ptx, .pts, .ply, .pcd, .las", "found .xyz"});
+  expect_refused("convert a.ptx b.abc", 2, {"b.abc", ".ptx, .pts, .xyz, .ply, .pcd, .las", "found .abc"});
   expect_refused("convert a.ptx b", 2, {"found no extension"});
   expect_refused("convert a.ptx there.ply --index 0", 2, {"there.ply: is there already", "--force"});
   expect_refused("convert a.ptx there.pcd", 2, {"there-1.pcd: is there already"});
@@ -177,4 +177,29 @@ TEST_F(Convert, DryRunWritesNothing) {
 }
 
 }  // namespace
+TEST(Info, OfSeveralFilesOneThatIsBadDoesNotStopTheOthers) {
+  const Scratch scratch;
+  io::write_text(scratch / "a.xyz", "1 2 3\n4 5 6\n");
+  io::write_text(scratch / "b.xyz", "hello\n");
+  io::write_text(scratch / "c.pts", "2\n1 2 3\n4 5 6\n");
+  const auto info = [&](const std::string& words) {
+    std::string command = "hybrid info --json";
+    for (const char name : words)
+      command += " " + (scratch / (std::string(1, name) + (name == 'c' ? ".pts" : ".xyz"))).string();
+    return run(command);
+  };
+  const Outcome all = info("abc");
+  EXPECT_EQ(all.exit_code, 3);
+  EXPECT_NE(all.err.find("b.xyz: line 1: expected numbers"), std::string::npos) << all.err;
+  const auto json = nlohmann::json::parse(all.out);
+  ASSERT_EQ(json.size(), 3u);
+  EXPECT_EQ(json[0]["scans"][0]["points"], 2);
+  EXPECT_NE(json[1]["error"].get<std::string>().find("line 1"), std::string::npos);
+  EXPECT_EQ(json[2]["scans"][0]["points"], 2);
+  EXPECT_EQ(info("ac").exit_code, 0);
+  EXPECT_EQ(info("bb").exit_code, 4);
+  EXPECT_EQ(info("b").exit_code, 4);
+  EXPECT_EQ(nlohmann::json::parse(info("a").out)["scans"][0]["points"], 2);
+}
+
 }  // namespace hybrid::e2e

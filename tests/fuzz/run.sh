@@ -28,7 +28,7 @@ fuzz=$dir/build/bin/hybrid_fuzz
 export ASAN_OPTIONS=allocator_may_return_null=0:detect_leaks=0:quarantine_size_mb=1:malloc_context_size=0:max_malloc_fill_size=0:max_allocation_size_mb=64:clear_shadow_mmap_threshold=$((1 << 30))
 export UBSAN_OPTIONS=print_stacktrace=1
 
-scans="samples ptx pts ply_ascii ply_binary pcd_ascii pcd_binary pcd_compressed las foreign_exr range_exr records_exr e57 e57_xml e57_bits"
+scans="samples ptx pts xyz ply_ascii ply_binary pcd_ascii pcd_binary pcd_compressed las foreign_exr range_exr records_exr e57 e57_xml e57_bits"
 grouped() { sed -E ':a; s/^([0-9]+)([0-9]{3})/\1,\2/; ta' <<<"$1"; }  # 1234567 -> 1,234,567
 # Executions of a target in all campaigns: counted in a file of its own, so that targets can run side by side.
 count_of() { if [ -s "$dir/executions/$1" ]; then cat "$dir/executions/$1"; else echo 0; fi; }

@@ -90,6 +90,16 @@ Seeds pts(const fs::path&) {
           "1\n1 2 3 4 5 6\n2\n0 0 0\n1 1 1e7\n"};
 }
 
+Seeds xyz(const fs::path&) {
+  return {"1 2 3\n4 5 6\n",
+          "//X Y Z R G B Intensity\n2\n1 2 3 4 5 6 0.5\n4 5 600000.125 7 8 255 1\n",
+          "# by\n\"x\";\"y\";\"z\";\"red\";\"green\";\"blue\"\n1;2;3;0;0.5;1\n-1e3;2.25;0;1;1;1\n",
+          "1,2,3,0.5,300,20,30\r\n4,5,6,0.25,1,2,65535\r\n",
+          "b g r z y x t\n1 2 300 3 2 1 9\n0 0 0 nan inf 1e99 0\n",
+          "0\n",
+          "1 2 3 10 20 30 0.25\n1 2 3 10 20 30 4\n"};
+}
+
 Seeds ply_ascii(const fs::path&) {
   return {sample_file("ply", "ascii"),
           "ply\nformat ascii 1.0\ncomment \xc3\xa4\nelement face 1\nproperty list uchar int vertex_indices\n"
@@ -331,6 +341,7 @@ void read_sealed(const fs::path& file, std::string_view bytes) {
 std::vector<FuzzTarget> scan_fuzz_targets() {
   return {{"ptx", "scan.ptx", 400, ptx, read_both_ways},
           {"pts", "scan.pts", 200, pts, read_both_ways},
+          {"xyz", "scan.xyz", 200, xyz, read_both_ways},
           {"ply_ascii", "scan.ply", 512, ply_ascii, read_both_ways},
           {"ply_binary", "scan.ply", 512, ply_binary, read_both_ways},
           {"pcd_ascii", "scan.pcd", 512, pcd_ascii, read_both_ways},

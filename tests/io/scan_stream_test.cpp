@@ -75,6 +75,14 @@ TEST(ScanStream, TextWithEverythingOddIsTheSameInBlocks) {
   expect_same(folder.write("one.pts", "1.5 2 3 0.25\n"));
 }
 
+TEST(ScanStream, TextsOfNamedColumnsAreTheSameInBlocks) {
+  const TemporaryFolder folder;
+  constexpr std::size_t kCount = ScanStream::kBlock + 9000;
+  expect_same(folder.write("a.xyz", text_points(kCount, 7, 8)));
+  expect_same(folder.write("b.csv", "b g r i x y z\n" + text_points(kCount, 7, 9)));
+  expect_same(folder.write("c.txt", "x y z r g b\n1 2 3 0 0.5 1\n4 5 6 0.25 1 0\n"));
+}
+
 TEST(ScanStream, LasIsTheSameInBlocks) {
   const TemporaryFolder folder;
   for (const int minor : {2, 4}) expect_same(folder.write("a.las", testing::las_sample(minor)));

@@ -140,6 +140,22 @@ TEST(WriteScan, PtsKeepsReturnsAndWholeIntensities) {
     }
 }
 
+TEST(WriteScan, XyzKeepsReturnsIntensitiesAndColours) {
+  const ScanFolder folder;
+  const Scan scan = full_scan(100, 30);
+  const Scan read = through(folder, "a.xyz", scan);
+  expect_same_returns(scan, read, 0);
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < scan.points.size(); ++i)
+    if (!std::isnan(scan.points[i][0])) {
+      ASSERT_EQ(scan.intensity[i], read.intensity[at]);
+      ASSERT_EQ(scan.rgb[i], read.rgb[at++]);
+    }
+  EXPECT_EQ(at, read.points.size());
+  EXPECT_TRUE(read.notes.empty()) << read.notes[0];
+  EXPECT_TRUE(bytes_of(folder.path("a.xyz")).starts_with("//X Y Z Intensity R G B\n"));
+}
+
 TEST(WriteScan, LasKeepsReturnsToTheHundredthOfAMillimetre) {
   const ScanFolder folder;
   Scan scan = full_scan(100, 30);
@@ -163,7 +179,7 @@ TEST(WriteScan, GeoreferencedCoordinatesKeepTheirDigits) {
       "3\n637012.24 849028.31 431.66 5\n636896.333 849087.7005 446.39 6\n636784.74 849106.66 426.7101 7\n");
   const Scan scan = io::read_scan(pts, 0);
   ASSERT_FALSE(scan.origin.isZero());
-  for (const char* name : {"a.ptx", "a.pts", "a.ply", "a.pcd"}) {
+  for (const char* name : {"a.ptx", "a.pts", "a.ply", "a.pcd", "a.xyz"}) {
     SCOPED_TRACE(name);
     const Scan read = through(folder, name, scan);
     EXPECT_EQ(read.origin, scan.origin);
@@ -339,15 +355,15 @@ TEST(WriteScan, AGridWithMissingNodesIsFilledWithNoReturns) {
 }
 
 TEST(WriteScan, OtherExtensionsAreNamedWithThoseThereAre) {
-  EXPECT_TRUE(holds(error_of(ErrorKind::usage, [] { io::writer_for("a.xyz"); }),
-                    ".ptx, .pts, .ply, .pcd, .las, .e57, .exr, found .xyz"));
+  EXPECT_TRUE(holds(error_of(ErrorKind::usage, [] { io::writer_for("a.abc"); }),
+                    ".ptx, .pts, .xyz, .ply, .pcd, .las, .e57, .exr, found .abc"));
 }
 
 TEST(WriteScan, NoReturnsAtAll) {
   const ScanFolder folder;
   Scan scan;
   scan.points.assign(6, {kNaN, kNaN, kNaN});
-  for (const char* name : {"a.pts", "a.ply", "a.las"})
+  for (const char* name : {"a.pts", "a.ply", "a.las", "a.xyz"})
     EXPECT_TRUE(through(folder, name, scan).points.empty()) << name;
   for (const char* name : {"a.ptx", "a.pcd"})
     EXPECT_EQ(through(folder, name, scan).points.size(), 6u) << name;

@@ -64,10 +64,12 @@ PhotographFiles find_photographs(const io::SceneFile::Photographs& section,
   if (files.missing.empty() || !std::all_of(elsewhere.begin(), elsewhere.end(), is_found) ||
       !are_different(elsewhere))
     return files;
-  const auto first = std::mismatch(files.all.begin(), files.all.end(), elsewhere.begin());
+  const auto first = static_cast<std::size_t>(
+      std::mismatch(files.all.begin(), files.all.end(), elsewhere.begin()).first - files.all.begin());
   files.note =
       fmt::format("{} of {} photographs are not where their names lead; taken by the end of these: {} for {}",
-                  files.missing.size(), files.all.size(), first.second->string(), first.first->string());
+                  files.missing.size(), files.all.size(),
+                  elsewhere[first].lexically_relative(section.images).generic_string(), cameras[first].name);
   files.all = std::move(elsewhere);
   files.missing.clear();
   return files;

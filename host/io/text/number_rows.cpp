@@ -79,6 +79,10 @@ struct NumberRows::Piece {
   void parse(std::size_t columns);
 };
 
+bool separates(char c) {
+  return c == ' ' || c == '\t' || c == ',' || c == ';';
+}
+
 // Stops at the limit or at the first line that is not a row of `columns` numbers.
 void NumberRows::Piece::parse(std::size_t columns) {
   // A number takes a digit and a separator.
@@ -93,12 +97,12 @@ void NumberRows::Piece::parse(std::size_t columns) {
     std::size_t found = 0;
     bool comma = false;
     for (;;) {
-      while (next != end && (*next == ' ' || *next == '\t' || *next == ',')) comma |= *next++ == ',';
+      for (; next != end && separates(*next); ++next) comma |= *next == ',' || *next == ';';
       if (next == end || ends_line(*next)) break;
       if (found == columns) return;
       next = parse_number(next, end, to[found]);
       if (next == nullptr) return;
-      if (next != end && *next != ' ' && *next != '\t' && *next != ',' && !ends_line(*next)) return;
+      if (next != end && !separates(*next) && !ends_line(*next)) return;
       ++found;
     }
     if (found != columns && (found > 0 || comma)) return;

@@ -19,7 +19,8 @@ namespace {
 constexpr std::uint64_t kShortestXyz = 6;  // "0 0 0\n"
 constexpr std::size_t kMostColumns = 7;
 constexpr float kLeastIntensity = -2048, kGreatestIntensity = 2047;
-constexpr const char* kCommas = "values are separated by commas, which PTS does not provide for";
+constexpr const char* kCommas =
+    "values are separated by commas or semicolons, which PTS does not provide for";
 constexpr double kMostCounted = 9e15;  // whole numbers are exact below
 constexpr const char* kColumns[] = {
     "", "", "", "x y z", "x y z intensity", "", "x y z red green blue", "x y z intensity red green blue"};

@@ -13,8 +13,13 @@ bool is_line_end(char c) {
   return c == '\n' || c == '\r';
 }
 
+// Where blanks would do.
+bool is_comma(char c) {
+  return c == ',' || c == ';';
+}
+
 bool is_separator(char c) {
-  return c == ' ' || c == '\t' || c == ',';
+  return c == ' ' || c == '\t' || is_comma(c);
 }
 
 }  // namespace
@@ -87,18 +92,18 @@ void TextCursor::refuse_decimal_commas() {
   for (std::size_t k = 1; k + 1 < line.size(); ++k) {
     const char before = line[k - 1], here = line[k], after = line[k + 1];
     if (here == ',' && is_digit(before) && is_digit(after)) inside = std::min(inside, k);
-    by_blanks |= (here == ' ' || here == '\t') && is_digit(before) && !is_separator(after);
+    by_blanks |= (here == ' ' || here == '\t' || here == ';') && is_digit(before) && !is_separator(after);
   }
   if (!by_blanks || inside == line.npos) return;
-  const std::size_t begin = line.find_last_of(" \t", inside) + 1;
+  const std::size_t begin = line.find_last_of(" \t;", inside) + 1;
   fail_input(
-      "{}: line {}: expected numbers with decimal points, found {} with a comma among numbers that blanks "
-      "separate; export it with points, or replace the commas",
-      file(), line_, in_quotes(line.substr(begin, line.find_first_of(" \t", inside) - begin)));
+      "{}: line {}: expected numbers with decimal points, found {} with a comma among numbers that blanks or "
+      "semicolons separate; export it with points, or replace the commas",
+      file(), line_, in_quotes(line.substr(begin, line.find_first_of(" \t;", inside) - begin)));
 }
 
 TextCursor::Next TextCursor::next(double& value) {
-  while (at_ != end_ && is_separator(*at_)) commas_seen_ |= *at_++ == ',';
+  while (at_ != end_ && is_separator(*at_)) commas_seen_ |= is_comma(*at_++);
   if (at_ == end_ || is_line_end(*at_)) {
     end_line();
     return Next::line_end;
