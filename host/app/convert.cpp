@@ -18,11 +18,11 @@ void add_convert(CLI::App& program, int& exit_code) {
   auto request = std::make_shared<batch::ConvertRequest>();
   auto files = std::make_shared<std::vector<std::filesystem::path>>();
   command
-      ->add_option(
-          "files", *files,
-          "IN... and OUT: scan files (" + io::scan_extensions() +
-              ") and the file to write (.e57, .exr, .ptx, .pts, .xyz, .ply, .pcd or .las); of several files the "
-              "scans go into one .e57 or .ptx")
+      ->add_option("files", *files,
+                   "IN... and OUT: scan files (" + io::scan_extensions() +
+                       ") and the file to write (.e57, .exr, .ptx, .pts, .xyz, .ply, .pcd or .las); of "
+                       "several files the "
+                       "scans go into one .e57 or .ptx")
       ->required()
       ->expected(2, kMostFiles);
   command->add_option("--index", request->index, "this scan of the file alone, from 0");
