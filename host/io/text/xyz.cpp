@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostXyzColumns = 64;
 constexpr int kMostHeaderLines = 100;
-constexpr int kLookedAt = 1000;  // rows that tell what columns without names are
+constexpr int kRowsLookedAt = 1000;  // rows that tell what columns without names are
 
 using Column = std::optional<std::size_t>;
 
@@ -107,7 +107,7 @@ struct FirstRows {
 FirstRows first_rows(TextCursor& cursor, std::size_t columns) {
   FirstRows first;
   std::vector<double> values(columns);
-  for (int i = 0; i < kLookedAt; ++i) {
+  for (int i = 0; i < kRowsLookedAt; ++i) {
     cursor.skip_blank_lines();
     if (cursor.at_end() || cursor.try_numbers(values) != columns) break;
     first.rows.push_back(values);

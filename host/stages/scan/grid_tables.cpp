@@ -85,7 +85,9 @@ double typical_angle(const NodePoints& nodes, int row_step, int col_step) {
   return std::isnan(typical) ? 0 : typical;
 }
 
+// A scrambled grid's neighbours may be a right angle apart: the table stays within a turn.
 std::vector<double> even_table(int count, double step) {
+  step = std::clamp(step, -kTurn / count, kTurn / count);
   std::vector<double> table;
   for (int i = 0; i < count; ++i) table.push_back((i - 0.5 * (count - 1)) * step);
   return table;

@@ -213,6 +213,21 @@ TEST(OrganisedGrid, ColumnsOverTheZenithAreCutThere) {
     }
 }
 
+// Neighbours that lie in any directions make no table of many turns, which no range image may have.
+TEST(OrganisedGrid, OfScrambledSamplesStaysWithinATurn) {
+  Scan scan = dense_scan();
+  scan.grid_rows = 2 * kRows;
+  scan.grid_cols = kCols / 2;
+  for (std::size_t i = 0; i < scan.points.size(); i += 2)
+    for (float& length : scan.points[i]) length = -length;
+  std::shuffle(scan.points.begin(), scan.points.end(), std::mt19937(7));
+  GridLayout layout = GridLayout::as_filed;
+  const RangeImage image = stages::arrange_grid(scan, &layout);
+  EXPECT_EQ(layout, GridLayout::no_angles);
+  EXPECT_LE(image.azimuth_rad.back() - image.azimuth_rad.front(), kTurn);
+  EXPECT_LE(image.elevation_rad.front() - image.elevation_rad.back(), kTurn);
+}
+
 TEST(OrganisedGrid, OfACameraLookingAlongZIsNoGridOfAngles) {
   Scan scan;
   scan.grid_rows = kRows;
