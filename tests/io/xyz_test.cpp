@@ -76,6 +76,9 @@ TEST(Xyz, NamesOfColumns) {
   EXPECT_EQ(scan.points, kTwo);
   EXPECT_EQ(scan.intensity, (std::vector<float>{-4, -5}));
   EXPECT_TRUE(scan.notes.empty());
+  scan = read(folder, "x y z red\n1 2 3 10\n4 5 6 20\n");  // no colour is that
+  EXPECT_TRUE(scan.rgb.empty());
+  EXPECT_EQ(scan.notes, std::vector<std::string>{"columns not used: red"});
   // Other ranges of colours.
   EXPECT_EQ(read(folder, "x y z r g b\n1 2 3 0 0.5 1\n4 5 6 0.25 0 0\n").rgb,
             (Colours{{0, 128, 255}, {64, 0, 0}}));

@@ -19,6 +19,8 @@ constexpr std::size_t kMostXyzColumns = 64;
 constexpr int kMostHeaderLines = 100;
 constexpr int kRowsLookedAt = 1000;  // rows that tell what columns without names are
 
+constexpr std::array<std::string_view, 3> kColourNames = {"red", "green", "blue"};
+
 using Column = std::optional<std::size_t>;
 
 // What a file's columns are, and where its points begin.
@@ -87,6 +89,9 @@ bool take_names(std::string_view line, XyzHeader& header) {
     ++named.columns;
   }
   if (!named.xyz[0] || !named.xyz[1] || !named.xyz[2] || named.columns > kMostXyzColumns) return false;
+  if (!named.has_colour())
+    for (std::size_t k = 0; k < 3; ++k)
+      if (named.rgb[k]) named.unused.emplace_back(kColourNames[k]);
   header = std::move(named);
   return true;
 }
