@@ -36,6 +36,43 @@ std::string scene_without_landmarks(bool of_the_first_too, bool model) {
   return text;
 }
 
+// The scene and its proxy with every length of the model times `scale`, which is not told.
+void write_scaled_scene(const Scratch& scratch, std::string text, const fs::path& proxy, double scale) {
+  std::istringstream model(io::read_text(proxy));
+  std::string scaled;
+  for (std::string line; std::getline(model, line);) {
+    double x = 0, y = 0, z = 0;
+    if (std::sscanf(line.c_str(), "v %lf %lf %lf", &x, &y, &z) == 3)
+      line = fmt::format("v {} {} {}", scale * x, scale * y, scale * z);
+    scaled += line + "\n";
+  }
+  io::write_text(scratch / "proxy.obj", scaled);
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  replace(proxy.string(), (scratch / "proxy.obj").string());
+  replace("truth = ", "# ");
+  replace("unit = \"m\"", "unit = \"arbitrary\"");
+  text += "\n[register]\nscale = \"free\"\n";
+  const std::string before = "model = [";
+  for (auto at = text.find(before); at != std::string::npos; at = text.find(before, at + 1)) {
+    const auto begin = at + before.size(), end = text.find(']', begin);
+    double x = 0, y = 0, z = 0;
+    ASSERT_EQ(std::sscanf(text.substr(begin, end - begin).c_str(), "%lf, %lf, %lf", &x, &y, &z), 3);
+    text.replace(begin, end - begin, fmt::format("{}, {}, {}", scale * x, scale * y, scale * z));
+  }
+  io::write_text(scratch / "scene.toml", text);
+}
+
+void expect_scaled_pose(const nlohmann::json& pose, const nlohmann::json& truth, double scale) {
+  SCOPED_TRACE(pose["scan"]);
+  EXPECT_NEAR(pose["scale"].get<double>() / scale, 1, 2e-5);
+  for (const std::size_t k : {3, 7, 11})
+    EXPECT_NEAR(pose["world_from_scan"][k].get<double>() / scale, truth[k].get<double>(), 0.001);
+}
+
 }  // namespace
 
 // The room is symmetric, so that neither scan is aligned to the proxy without clicks; its furniture is not.
@@ -70,47 +107,16 @@ TEST(Neighbours, landmarks_of_one_scan_place_the_other) {
 TEST(Neighbours, of_a_model_of_unknown_scale_landmarks_of_one_scan_are_enough) {
   constexpr double kScale = 0.37;
   const Scratch scratch;
-  std::istringstream model(io::read_text(room() / "proxy.obj"));
-  std::string scaled;
-  for (std::string line; std::getline(model, line);) {
-    double x = 0, y = 0, z = 0;
-    if (std::sscanf(line.c_str(), "v %lf %lf %lf", &x, &y, &z) == 3)
-      line = fmt::format("v {} {} {}", kScale * x, kScale * y, kScale * z);
-    scaled += line + "\n";
-  }
-  io::write_text(scratch / "proxy.obj", scaled);
-  std::string text = scene_without_landmarks(false, true);
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    const auto at = text.find(from);
-    ASSERT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-  };
-  replace((room() / "proxy.obj").string(), (scratch / "proxy.obj").string());
-  replace("truth = ", "# ");
-  replace("unit = \"m\"", "unit = \"arbitrary\"");
-  text += "\n[register]\nscale = \"free\"\n";
-  const std::string before = "model = [";
-  for (auto at = text.find(before); at != std::string::npos; at = text.find(before, at + 1)) {
-    const auto begin = at + before.size(), end = text.find(']', begin);
-    double x = 0, y = 0, z = 0;
-    ASSERT_EQ(std::sscanf(text.substr(begin, end - begin).c_str(), "%lf, %lf, %lf", &x, &y, &z), 3);
-    text.replace(begin, end - begin, fmt::format("{}, {}, {}", kScale * x, kScale * y, kScale * z));
-  }
-  io::write_text(scratch / "scene.toml", text);
+  write_scaled_scene(scratch, scene_without_landmarks(false, true), room() / "proxy.obj", kScale);
   const auto out = scratch / "out";
   const auto outcome =
       run("hybrid register " + (scratch / "scene.toml").string() + " --quiet --out " + out.string());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const auto truth = json_of(room() / "truth.json");
-  for (std::size_t i = 0; i < 2; ++i) {
-    const std::string id = truth["scans"][i]["id"];
+  for (const auto& scan : json_of(room() / "truth.json")["scans"]) {
+    const std::string id = scan["id"];
     const auto pose = json_of(out / "scans" / id / "pose.json");
     EXPECT_EQ(pose["how"], id == "east" ? "neighbour" : "landmarks");
-    EXPECT_NEAR(pose["scale"].get<double>(), kScale, 1e-5) << id;
-    for (const std::size_t k : {3, 7, 11})
-      EXPECT_NEAR(pose["world_from_scan"][k].get<double>() / kScale,
-                  truth["scans"][i]["world_from_scan"][k].get<double>(), 0.001)
-          << id;
+    expect_scaled_pose(pose, scan["world_from_scan"], kScale);
   }
 }
 
@@ -400,6 +406,30 @@ TEST(Neighbours, poses_in_scan_files_are_starts) {
   EXPECT_EQ(pose["on_scans"]["start"], "recorded");
   const auto got = pose_from_row_major(pose["world_from_scan"].get<std::array<double, 16>>());
   EXPECT_LT(difference(got, start).distance_m, 2e-4);
+}
+
+// A church's front and the ground before it fit a model of any scale; the nave shows it.
+TEST(Neighbours, a_scan_that_does_not_show_the_models_scale_takes_that_of_the_others) {
+  constexpr double kScale = 0.37;
+  const Scratch scratch;
+  const fs::path church = scratch / "church";
+  make_scene(church, "church", 300, "--megapixels 0.1");
+  std::string text = io::read_text(church / "scene.toml");
+  text.resize(text.find("[photographs]"));
+  for (const std::string file : {"scans/", "proxy.obj"})
+    for (auto at = text.find('"' + file); at != std::string::npos; at = text.find('"' + file, at + 1))
+      text.insert(at + 1, church.string() + "/");
+  write_scaled_scene(scratch, text, church / "proxy.obj", kScale);
+  const auto out = scratch / "out";
+  const auto outcome =
+      run("hybrid register " + (scratch / "scene.toml").string() + " --quiet --out " + out.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* id : {"front", "nave", "chancel"}) {
+    SCOPED_TRACE(id);
+    const auto pose = json_of(out / "scans" / id / "pose.json");
+    EXPECT_EQ(pose.value("scale_of_others", false), id == std::string("front"));
+    EXPECT_NEAR(pose["scale"].get<double>() / kScale, 1, 2e-5);  // by its landmarks the front's is 4e-4 off
+  }
 }
 
 }  // namespace hybrid::e2e

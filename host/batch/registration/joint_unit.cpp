@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "batch/registration/shared_scale.hpp"
 #include "core/log.hpp"
 #include "stages/registration/joint_priors.hpp"
 #include "stages/registration/scan_model.hpp"
@@ -150,6 +151,8 @@ Pose NeighbourRegistration::recorded_or_none(std::size_t scan) const {
 }
 
 void NeighbourRegistration::carry(Registrations& registrations, Registrations& abstentions) {
+  if (options_.icp.free_scale && model_ != nullptr)
+    share_scale(queue_, *model_, options_, products_, registrations);
   if (options_.joint && model_ != nullptr) hold_slides(registrations);  // others may be laid on them
   if (model_ == nullptr) place_from_starts(registrations, abstentions);
   if (model_ != nullptr) places_.lay_recorded(registrations, abstentions);

@@ -124,6 +124,7 @@ Json pose_json(const ScanProduct& product, const ScanRegistration& registration)
                {"how", registration.how},
                {"status", "accepted"},
                {"start_world_from_scan", row_major(registration.start)}};
+  if (registration.scale_of_others) json["scale_of_others"] = true;
   if (!registration.carried_by.empty()) json["aligned_to"] = registration.carried_by;
   if (registration.recorded) json["recorded"] = recorded_json(*registration.recorded);
   if (registration.neighbour) {

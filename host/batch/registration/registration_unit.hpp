@@ -113,6 +113,7 @@ struct ScanRegistration {
   std::optional<OnScans> on_scans;    // without a model, where another scan has a pose
   nlohmann::ordered_json written;     // files of the registered scan (registered_scans.hpp), or null
   std::optional<OnSlide> slide;       // where other scans have a pose
+  bool scale_of_others = false;       // share_scale()
   bool held_by_model = true;          // by what it sees of the model; else by its neighbours alone
   const Pose& world_from_scan() const { return icp.world_from_scan; }
   // Its place along one direction is as its start has it: neither the model nor other scans say.
