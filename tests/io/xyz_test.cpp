@@ -21,7 +21,7 @@ Scan read(const ScanFolder& folder, const std::string& text, const std::string& 
 TEST(Xyz, SeparatorsAndEndings) {
   const ScanFolder folder;
   for (const char* text : {"1 2 3\n4 5 6\n", "1\t2\t3\r\n4\t5\t6", "1,2,3\n\n4,5,6\n", "1;2;3\n4; 5; 6\n",
-                           "# by someone\n// and more\n1 2 3\n4 5 6\n", "2\n1 2 3\n4 5 6\n"}) {
+                           "# by someone\n// 1,5 m 2 apart\n1 2 3\n4 5 6\n", "2\n1 2 3\n4 5 6\n"}) {
     EXPECT_EQ(read(folder, text).points, kTwo) << text;
     EXPECT_EQ(read(folder, text, "a.csv").points, kTwo) << text;
   }
@@ -108,8 +108,11 @@ TEST(Xyz, WrongLinesAreNamed) {
       {"x y z\n2\n", "line 3", "expected points, found the end"},
       {"1 2 3\n4 5\n", "line 2", "expected 3 numbers as on line 1, found 2"},
       {"1 2 3\n4 x 6\n", "line 2", "\"x\""},
-      {"3\n1 2 3\n4 5 6\n", "", "expected 3 points as the file says before them, found 2"},
+      {"3\n1 2 3\n4 5 6\n", "line 1", "expected 3 points as it says, found 2"},
+      {"x y z\n1\n1 2 3\n4 5 6\n", "line 2", "expected 1 points as it says, found 2"},
+      {"0\n1 2 3\n", "line 1", "expected 0 points as it says, found 1"},
       {"0,5 1,5 2,5\n", "line 1", "decimal points, found \"0,5\""},
+      {"x y z\n0,5 1,5 2,5\n", "line 2", "decimal points, found \"0,5\""},
       {"0,5;1,5;2,5\n", "line 1", "decimal points, found \"0,5\""},
   };
   for (const auto& row : bad) {

@@ -31,7 +31,8 @@ struct XyzHeader {
   ColourKind colour = ColourKind::none;
   std::uint64_t names_line = 0;  // 0: no names
   std::vector<std::string> unused;
-  std::optional<std::uint64_t> count;  // of points, where the file says
+  std::optional<std::uint64_t> count;  // of points, where the file says, on count_line
+  std::uint64_t count_line = 0;
   TextPlace start;
 
   bool has_colour() const { return rgb[0] && rgb[1] && rgb[2]; }
@@ -156,18 +157,19 @@ XyzHeader read_header(InputFile& input, TextCursor& cursor) {
     cursor.skip_blank_lines();
     if (cursor.at_end()) break;
     header.start = {cursor.offset(), cursor.line()};
-    cursor.refuse_decimal_commas();
     numbers = cursor.try_numbers(values);
     if (numbers == 1u && !header.count && values[0] >= 0 && values[0] == std::floor(values[0]) &&
         values[0] < std::numeric_limits<std::uint32_t>::max()) {
       header.count = static_cast<std::uint64_t>(values[0]);
+      header.count_line = header.start.line;
       numbers.reset();
     } else if (!numbers) {
       const std::string line(cursor.next_line());
-      const auto count = header.count;
+      const auto [count, count_line] = std::pair(header.count, header.count_line);
       if (take_names(line, header)) {
         header.names_line = cursor.line() - 1;
         header.count = count;
+        header.count_line = count_line;
       } else if (!is_comment(line) || lines > kMostHeaderLines) {
         fail_input(
             "{}: line {}: expected numbers, or the names of columns with x, y and z among them, found {}; "
@@ -180,11 +182,13 @@ XyzHeader read_header(InputFile& input, TextCursor& cursor) {
   if (!numbers) {
     const bool named = header.names_line > 0;
     if (!named) header.columns = 3, header.xyz = {0, 1, 2};
-    if (named && !header.count) header.count = 0;
-    if (header.count == 0u) return header;
+    header.start = {cursor.offset(), cursor.line()};
+    if (header.count.value_or(named ? 0 : 1) == 0) return header;
     fail_input("{}: line {}: expected points, found the end of the file; copy or export it again",
                input.name(), cursor.line());
   }
+  cursor.move_to(header.start.offset, header.start.line);
+  cursor.refuse_decimal_commas();
   if (*numbers < 3 || *numbers > kMostXyzColumns)
     fail_input(
         "{}: line {}: expected 3 to {} numbers (x y z and others), found {}; is this a text of points?",
@@ -193,7 +197,6 @@ XyzHeader read_header(InputFile& input, TextCursor& cursor) {
     fail_input("{}: line {}: expected {} numbers, as line {} has names, found {}; correct the names",
                input.name(), header.start.line, header.columns, header.names_line, *numbers);
   header.columns = *numbers;
-  cursor.move_to(header.start.offset, header.start.line);
   const FirstRows first = first_rows(cursor, header.columns);
   if (header.names_line == 0) guess_columns(first, header);
   if (header.has_colour()) header.colour = kind_of_colours(first, header);
@@ -256,14 +259,14 @@ std::vector<ScanEntry> list_xyz(const std::filesystem::path& file, const ReadOpt
   ScanEntry entry{.name = file.stem().string(), .structure = header.structure(), .unit = "m"};
   entry.offset = header.start.offset;
   entry.line = header.start.line;
-  if (header.count != 0u)
-    entry.samples = pass_rows(input, header.start, input.size(), ~std::uint64_t{0}).rows;
+  entry.samples = pass_rows(input, header.start, input.size(), ~std::uint64_t{0}).rows;
   entry.announced = header.count;
   if (!options.salvage && header.count && *header.count != entry.samples)
     fail_input(
-        "{}: expected {} points as the file says before them, found {}; it is cut short, or the count wrong: "
-        "copy or export it again, or correct the count, {}",
-        input.name(), *header.count, entry.samples, kSalvageRemedy);
+        "{}: line {}: expected {} points as it says, found {}; the file is cut short, or the count wrong: "
+        "copy or "
+        "export it again, or correct the count, {}",
+        input.name(), header.count_line, *header.count, entry.samples, kSalvageRemedy);
   return {entry};
 }
 
