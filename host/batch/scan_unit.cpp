@@ -8,6 +8,7 @@
 #include "core/free_memory.hpp"
 #include "core/json_text.hpp"
 #include "core/log.hpp"
+#include "core/median.hpp"
 #include "core/parallel.hpp"
 #include "core/parallel_tasks.hpp"
 #include "geometry/colour.hpp"
@@ -134,8 +135,7 @@ void note_layout(stages::GridLayout layout, ScanProduct& product) {
   product.notes.emplace_back(
       "rows and columns of its grid are no angles seen from its origin, so that contours and areas of planes "
       "are missing or wrong: say how a camera's axes lie (axes of [[scan]], or hybrid planes --axes), or "
-      "where "
-      "the scanner stood (scanner of [[scan]], or hybrid planes --scanner x,y,z)");
+      "where the scanner stood (scanner of [[scan]], or hybrid planes --scanner x,y,z)");
   log::warning("scan {}: {}", product.id, product.notes.back());
 }
 
@@ -144,13 +144,11 @@ void doubt_unit(ScanProduct& product) {
   constexpr double kFar_m = 500, kNear_m = 0.05;
   const RangeImage& image = product.image;
   constexpr std::size_t kLookedAt = 1 << 16;
-  std::vector<float> ranges;
+  std::vector<double> ranges;
   for (std::size_t i = 0; i < image.count(); i += image.count() / kLookedAt + 1)
-    if (image.mask[i] == kMeasured) ranges.push_back(image.range_m[i]);
+    if (image.mask[i] == kMeasured) ranges.push_back(static_cast<double>(image.range_m[i]));
   if (ranges.empty()) return;
-  const auto at = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
-  std::nth_element(ranges.begin(), at, ranges.end());
-  const double middle = static_cast<double>(*at);
+  const double middle = median(ranges);
   if (middle == 0 || (middle > kNear_m && middle < kFar_m)) return;
   product.notes.push_back(
       fmt::format("half of its returns are {} m: are the file's lengths in metres? Else say so: "

@@ -34,6 +34,8 @@ struct Foreign {
   std::string_view what;
 };
 constexpr Foreign kForeign[] = {
+    {" .laz ",
+     "LAZ is compressed LAS: decompress it first (laszip -i a.laz -o a.las, or pdal translate a.laz a.las)"},
     {" .fls .fws .lsproj ", "it is FARO's own format: export E57 from SCENE"},
     {" .zfs .zfprj ", "it is Zoller + Froehlich's own format: export E57 from LaserControl"},
     {" .rdbx .rdb .rxp .3dd .rsp ", "it is RIEGL's own format: export E57 from RiSCAN PRO"},

@@ -101,12 +101,8 @@ constexpr ScanFormat kScanFormats[] = {
     {".txt", list_xyz, read_xyz, stream_xyz, false},
 };
 
-// Formats that are known and not read, and what to do.
-constexpr std::pair<const char*, const char*> kRemedies[] = {
-    {".laz",
-     "LAZ is compressed LAS: decompress it first (laszip -i a.laz -o a.las, or pdal translate a.laz "
-     "a.las)"},
-};
+// Refused (advice_on() says what to do), but a scan: who walks folders tells of it.
+constexpr std::string_view kRefused = ".laz";
 
 bool is_format(std::string_view extension) {
   return std::any_of(std::begin(kScanFormats), std::end(kScanFormats),
@@ -124,9 +120,8 @@ const ScanFormat& format_of(const std::filesystem::path& file) {
   }
   check_readable(file);
   std::string remedy = advice_on(extension);
-  for (const auto& [known, what] : kRemedies)
-    if (extension == known) remedy = what;
-  if (const auto meant = extension_by_content(file); !meant.empty() && is_format(meant))
+  // A packed LAS file begins as any other does.
+  if (const auto meant = extension_by_content(file); extension != kRefused && is_format(meant))
     remedy = fmt::format("its first bytes are those of a {} file: name it so", meant);
   fail_input("{}: expected a scan as {}, found {}; {}", file.string(), scan_extensions(),
              extension.empty() ? "no extension" : extension, remedy);
@@ -177,11 +172,9 @@ std::optional<GridScan> read_grid_scan(const std::filesystem::path& file, const 
 
 bool has_scan_extension(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
-  return std::any_of(
-             std::begin(kScanFormats), std::end(kScanFormats),
-             [&](const ScanFormat& format) { return format.tells && extension == format.extension; }) ||
-         std::any_of(std::begin(kRemedies), std::end(kRemedies),
-                     [&](const auto& known) { return extension == known.first; });
+  return extension == kRefused ||
+         std::any_of(std::begin(kScanFormats), std::end(kScanFormats),
+                     [&](const ScanFormat& format) { return format.tells && extension == format.extension; });
 }
 
 std::string scan_extensions() {

@@ -28,8 +28,8 @@ void place_scanner(Scan& scan, const Vec3& scanner) {
     if ((t - scanner).norm() > kSamePlace_m)
       fail_input(
           "scanner: the file has the scanner's pose (at {}, {}, {}), and its points are taken to be in the "
-          "scanner's "
-          "frame; remove the position or, if the points are in the frame that the pose leads to, give that "
+          "scanner's frame; remove the position or, if the points are in the frame that the pose leads to, "
+          "give that "
           "one",
           t.x(), t.y(), t.z());
     scan.notes.emplace_back(

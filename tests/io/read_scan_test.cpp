@@ -80,6 +80,7 @@ TEST(ReadScan, FirstBytesTellWhatAFileIs) {
   const auto las = folder.write("a.ptx", "LASF and more");
   expect_input_error(list(las),
                      {las.string(), "expected a .ptx file", "of a .las file; correct its extension"});
+  expect_input_error(list(folder.write("a.laz", "LASF and more")), {"found .laz", "decompress it first"});
   const auto zip = folder.write("a.e57", std::string("PK\x03\x04zip"));
   expect_input_error(list(zip), {"expected a .e57 file", "of a .zip file; it is packed: unpack it first"});
   const auto nameless = folder.write("nameless", "ASTM-E57 and more");

@@ -42,7 +42,8 @@ TEST(Xyz, ColumnsWithoutNames) {
       {"1 2 3 10 20 30\n4 5 6 40 50 255\n", {}, {{10, 20, 30}, {40, 50, 255}}, 0},
       {"1 2 3 0.7 10 20 30\n4 5 6 0.8 40 50 60\n", {0.7f, 0.8f}, {{10, 20, 30}, {40, 50, 60}}, 0},
       {"1 2 3 10 20 30 0.7\n4 5 6 40 50 60 1200\n", {0.7f, 1200}, {{10, 20, 30}, {40, 50, 60}}, 0},
-      {"1 2 3 0 0 1\n4 5 6 0 0.5 0.8\n", {}, {}, 1},  // normals
+      {"1 2 3 9 10 20 30\n4 5 6 8 40 50 60\n", {9, 8}, {{10, 20, 30}, {40, 50, 60}}, 1},  // or the other way
+      {"1 2 3 0 0 1\n4 5 6 0 0.5 0.8\n", {}, {}, 1},                                      // normals
       {"1 2 3 4 5\n4 5 6 7 8\n", {}, {}, 1},
   };
   for (const Row& row : rows) {
@@ -53,7 +54,7 @@ TEST(Xyz, ColumnsWithoutNames) {
     EXPECT_EQ(scan.rgb, row.rgb);
     EXPECT_EQ(scan.notes.size(), row.notes);
   }
-  EXPECT_NE(read(folder, rows[5].text).notes[0].find("columns not used: column 4, column 5"),
+  EXPECT_NE(read(folder, rows[6].text).notes[0].find("columns not used: column 4, column 5"),
             std::string::npos);
 }
 

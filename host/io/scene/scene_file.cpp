@@ -59,6 +59,12 @@ DepthCamera read_depth_camera(const SceneTable& table, const fs::path& file) {
   return camera;
 }
 
+SceneTable::Names names_of_units() {
+  SceneTable::Names names;
+  for (const ScanUnit& unit : kScanUnits) names.push_back(unit.name);
+  return names;
+}
+
 SceneScan read_scan(const SceneTable& table) {
   SceneScan result;
   result.line = table.line();
@@ -78,9 +84,11 @@ SceneScan read_scan(const SceneTable& table) {
   result.pose = table.pose("pose");
   result.fixed = table.flag("fixed", false);
   result.scanner = table.point("scanner");
-  result.unit_m = metres_of_unit(table.choice("unit", {"m", "cm", "mm", "ft", "us-ft"}, "m"));
-  result.axes = result.depth ? ScanAxes::camera
-                             : scan_axes_of(table.choice("axes", {"z-up", "camera", "opengl"}, "z-up"));
+  result.unit_m = metres_of_unit(table.choice("unit", names_of_units(), "m"));
+  result.axes =
+      result.depth
+          ? ScanAxes::camera
+          : scan_axes_of(table.choice("axes", {kScanAxesNames.begin(), kScanAxesNames.end()}, "z-up"));
   if (result.fixed && !result.pose)
     table.fail_key("fixed", "expected a pose that is to be final, found none");
   if (result.pose && !result.landmarks.empty())

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/error.hpp"
 #include "io/salvage.hpp"
@@ -31,6 +34,7 @@ struct XyzHeader {
   ColourKind colour = ColourKind::none;
   std::uint64_t names_line = 0;  // 0: no names
   std::vector<std::string> unused;
+  bool is_guess = false;               // which columns are the colour
   std::optional<std::uint64_t> count;  // of points, where the file says, on count_line
   std::uint64_t count_line = 0;
   TextPlace start;
@@ -81,6 +85,8 @@ Column* column_of(const std::string& name, XyzHeader& header) {
 // Whether the line names x, y and z.
 bool take_names(std::string_view line, XyzHeader& header) {
   XyzHeader named;
+  named.count = header.count;
+  named.count_line = header.count_line;
   for (const std::string& name : column_names(line)) {
     Column* column = column_of(name, named);
     if (column && !*column)
@@ -97,10 +103,10 @@ bool take_names(std::string_view line, XyzHeader& header) {
   return true;
 }
 
-// Whether these numbers of the first rows are all bytes; of how many rows.
 struct FirstRows {
   std::vector<std::vector<double>> rows;
 
+  // Whether `count` numbers from `from` on are bytes in all of them.
   bool bytes(std::size_t from, std::size_t count) const {
     return std::all_of(rows.begin(), rows.end(), [&](const auto& row) {
       return std::all_of(row.begin() + static_cast<std::ptrdiff_t>(from),
@@ -128,9 +134,12 @@ void guess_columns(const FirstRows& first, XyzHeader& header) {
   if (header.columns == 4) header.intensity = 3, used = 4;
   if (header.columns == 6 && first.bytes(3, 3)) colours_at(3), used = 6;
   if (header.columns == 7) {
-    const bool colours_last = first.bytes(4, 3), colours_first = !colours_last && first.bytes(3, 3);
-    if (colours_last) colours_at(4), header.intensity = 3, used = 7;
-    if (colours_first) colours_at(3), header.intensity = 6, used = 7;
+    const bool may_be_last = first.bytes(4, 3), may_be_first = first.bytes(3, 3);
+    header.is_guess = may_be_last && may_be_first;
+    if (may_be_last)
+      colours_at(4), header.intensity = 3, used = 7;
+    else if (may_be_first)
+      colours_at(3), header.intensity = 6, used = 7;
   }
   for (std::size_t k = used; k < header.columns; ++k)
     header.unused.push_back(fmt::format("column {}", k + 1));
@@ -165,16 +174,12 @@ XyzHeader read_header(InputFile& input, TextCursor& cursor) {
       numbers.reset();
     } else if (!numbers) {
       const std::string line(cursor.next_line());
-      const auto [count, count_line] = std::pair(header.count, header.count_line);
       if (take_names(line, header)) {
         header.names_line = cursor.line() - 1;
-        header.count = count;
-        header.count_line = count_line;
       } else if (!is_comment(line) || lines > kMostHeaderLines) {
         fail_input(
             "{}: line {}: expected numbers, or the names of columns with x, y and z among them, found {}; "
-            "correct or "
-            "remove that line",
+            "correct or remove that line",
             input.name(), cursor.line() - 1, in_quotes(line));
       }
     }
@@ -210,6 +215,11 @@ XyzHeader open_header(InputFile& input) {
 
 std::vector<std::string> notes_of(const XyzHeader& header) {
   std::vector<std::string> notes;
+  if (header.is_guess)
+    notes.emplace_back(
+        "columns 4 to 7 are taken as intensity red green blue, but may be red green blue intensity: a first "
+        "line of "
+        "names tells");
   if (!header.unused.empty())
     notes.push_back(
         fmt::format("columns not used: {}{}", fmt::join(header.unused, ", "),
